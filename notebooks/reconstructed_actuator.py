@@ -13,8 +13,8 @@ import numpy as np
 from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.tmm.reluctance.coil_heat import thermal_statement
-from tactgen.validation.studies.reconstruction import stated
-from tactgen.validation.studies.reconstruction.search import (
+from tactgen.validation.studies import reconstruction as stated
+from tactgen.validation.studies.reconstruction import (
     actuator,
     coolest,
     field_pull,

@@ -30,7 +30,7 @@ from tactgen.tmm.harmonic_balance import continuation
 from tactgen.tmm.harmonic_balance import steady as free_oscillation
 from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
 from tactgen.tmm.reluctance import flux_ladder
-from tactgen.validation.bench.bimorph.peers import sfepy
+from tactgen.validation.evidence.peers import sfepy
 from tactgen.validation.models.amplitude import backbone, deflection, held_head
 from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.models.display.spread import spread

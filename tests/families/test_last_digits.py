@@ -7,8 +7,8 @@ narrower than that is too narrow.
 import numpy as np
 import pytest
 
-from tactgen.validation.checks.coverage.result import PROMISED
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.coverage import PROMISED
 from tactgen.validation.scene.scene import load_scene
 
 SCENES = (

@@ -6,9 +6,8 @@ import secrets
 import numpy as np
 import pytest
 
-from tactgen.validation.checks.stress.driven import sweep as at_random
-from tactgen.validation.checks.stress.result import Asked, Family, Point
-from tactgen.validation.checks.stress.run import run_parts
+from tactgen.validation.evidence import stress_driven as at_random
+from tactgen.validation.evidence.stress import Asked, Family, Point, run_parts
 from tactgen.validation.scene.scene import load_scene
 
 

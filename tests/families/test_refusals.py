@@ -12,7 +12,7 @@ from scipy import sparse
 from tactgen.fem.elements.skfem_mesh import _facets
 from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.fem.solvers.newton import Factors, minimise
-from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks, in_parts
+from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks
 from tactgen.geometry.bimorph.tets import _refuse_too_thin
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError, MeshError
@@ -21,9 +21,8 @@ from tactgen.geometry.store.values import from_bytes, storable, to_bytes
 from tactgen.tmm.generator.transient import step as newton
 from tactgen.validation.command_line.streams import _plainly
 from tactgen.validation.models import comparison as ladder
-from tactgen.validation.models.bimorph.meshes import cells_of
 from tactgen.validation.studies import measured_data
-from tactgen.validation.studies.transient.film import _film
+from tactgen.validation.studies.simulate import _film
 from tactgen.validation.view import browser
 
 #: A straight tetrahedron of ten nodes, its volume 1/6 and its slanted face.
@@ -82,10 +81,8 @@ def test_a_named_face_that_no_cell_has():
 
 
 def test_bricks_that_are_no_cells_to_show(few_bricks):
-    """What is round ends within bricks; parts are told apart only when they are joined."""
+    """What is round ends within bricks."""
     bricks = bimorph_bricks(Device(), few_bricks[0])
-    with pytest.raises(InputError):
-        cells_of(in_parts(bricks, 0, (1, 2), 1e-2))
     first, *others = bricks.slabs
     with pytest.raises(ValueError, match="no cells to show"):
         replace(bricks, slabs=(replace(first, radius=1e-3), *others)).corner_mesh()

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from pages import blank_figures
 
-from tactgen.validation.checks.stress import beam
-from tactgen.validation.checks.stress.result import Approach, ErrorMap, Point, Stress, judged
+from tactgen.validation.evidence import stress_beam as beam
+from tactgen.validation.evidence.stress import Approach, ErrorMap, Point, Stress, judged
 from tactgen.validation.view.browser import find_browser, run_browser
 
 #: What watches a page in a browser, and where in it a test's own steps go.

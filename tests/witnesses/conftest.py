@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tactgen.validation.bench.bimorph import peers
-from tactgen.validation.bench.one_core import on_one_core
+from tactgen.validation.evidence import peers
+from tactgen.validation.evidence.one_core import on_one_core
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from typing import Any, TypedDict
 
 import numpy as np
 
-from tactgen.validation.bench.bimorph.peers.job import (
+from tactgen.validation.evidence.peers.job import (
     Material,
     lowest_frequencies,
     potential_unit,

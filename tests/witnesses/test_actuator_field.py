@@ -9,7 +9,7 @@ from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import actuator_regions
-from tactgen.validation.checks.coverage.axisymmetric import drawn_actuator
+from tactgen.validation.evidence.coverage_actuator import drawn_actuator
 from tactgen.validation.scene.scene import load_scene
 
 VALUES = ("flux_linkage", "coenergy", "force")

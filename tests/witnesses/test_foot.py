@@ -8,8 +8,8 @@ import pytest
 
 from tactgen.fem.piezo.system import materials
 from tactgen.geometry.device.layout import Turned, layout
-from tactgen.validation.checks.coverage.scenes import between
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.random_devices import between
 from tactgen.validation.scene.scene import load_scene
 
 #: Solids by their name here, and in the device; a quarter has one of the two ceramics.
@@ -72,7 +72,7 @@ def test_fresh_feet(witness):
             witness("ngsolve", "ngsolve_foot", job(scene.device, *sizes)) for sizes in FINENESS
         )
         quantities = ("static_tip_displacement", "short_circuit_frequencies")
-        own = {q.name: q for q in solve(scene, ["solid"], quantities).quantities}
+        own = {q.name: q for q in solve(scene, ["cad"], quantities).quantities}
         for name, key in zip(quantities, ("deflection", "frequency"), strict=True):
             value, bar = np.ravel(own[name].value)[0], np.ravel(own[name].error)[0]
             apart, other = abs(value - finer[key]), abs(finer[key] - coarse[key])

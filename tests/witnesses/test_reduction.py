@@ -12,7 +12,7 @@ from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
-from tactgen.validation.checks.coverage.scenes import drawn_bimorph
+from tactgen.validation.evidence.random_devices import drawn_bimorph
 from tactgen.validation.scene.scene import load_scene
 
 SWEEP = np.geomspace(10.0, 20000.0, 400)

@@ -17,9 +17,9 @@ from tactgen.validation.book.sketch import sketched
 from tactgen.validation.book.statistics import Scatter, scatter
 from tactgen.validation.book.unanswered import UNANSWERED
 from tactgen.validation.checks.case import Case
-from tactgen.validation.checks.stress.faults.run import kept_rows
 from tactgen.validation.checks.verification import VERDICTS, Verified
 from tactgen.validation.engine.origin import this_origin
+from tactgen.validation.evidence.faults import kept_rows
 from tactgen.validation.view.templates import page_templates
 
 #: What each group is about, for the reader who was not there.

@@ -12,14 +12,11 @@ from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.symmetry import Motion
 from tactgen.fem.piezo.system import Material, SolidSystem, materials
 from tactgen.geometry.arrays import Ints, Numbers
-from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
-from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.fields.brick_fields import BrickSampler, Detail
 from tactgen.validation.fields.result import MODE_SIZE, Array
 from tactgen.validation.fields.tet_fields import TetSampler
-from tactgen.validation.models.bimorph.meshes import NOT_SHOWN
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 
 #: Fields, tip displacement (m) and charge (C) of one state.
@@ -42,10 +39,7 @@ class SolidFields:
 
     def __init__(self, model: TwoMeshModel, detail: Detail) -> None:
         self._model = model
-        if model.name == "solid" and model.scene.support.kind == "rod":
-            raise InputError(NOT_SHOWN)
         solved = model.meshes()[0]
-        assert not isinstance(solved, BrickParts)
         self._system: SolidSystem = model.systems()[0]
         self._lossy: SolidSystem | None = None
         self._of_motion: dict[Motion, SolidSystem] = {}

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    pass
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from tactgen.geometry.arrays import Complex
 from tactgen.tmm.ports.elements import outside_known_range

@@ -6,7 +6,6 @@ import math
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,19 +15,9 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.warnings import accuracy_warnings
 from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.models.difference import Band, expected_differences
-from tactgen.validation.report.provenance.record import FILE, read_record, recorded
-from tactgen.validation.report.provenance.seal import seal, unseal
-from tactgen.validation.report.request import check_report, is_of_rest, prepared
-from tactgen.validation.report.second_process import ahead
-from tactgen.validation.report.sections.contents import (
-    APPENDIX,
-    alone,
-    made_alone,
-    meanwhile,
-    part,
-    sections,
-)
-from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.provenance import FILE, read_record, recorded, seal, unseal
+from tactgen.validation.report.request import check_report, is_of_rest
+from tactgen.validation.report.sections.contents import APPENDIX, sections
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.browser import print_pdf
@@ -49,13 +38,8 @@ def write_report(
     out: Path,
     quick: bool,
     announce: Callable[[str], None],
-    *,
-    helper: bool = False,
 ) -> Path:
     """Write ``index.html`` into `out`, with what makes it checkable beside it; return its path.
-
-    With `helper` another process makes parts meanwhile, where there is a second core; a script
-    that asks for it needs the guard ``if __name__ == "__main__":``.
 
     Raises
     ------
@@ -65,13 +49,8 @@ def write_report(
     check_report(scene, quick=quick)
     writable_folder(out)
     started = time.perf_counter()
-    asked = prepared(scene, quick=quick)
-    names = alone(asked) if helper else ()
-    with ahead((scene, origins, quick), made_alone, names) as other:
-        study = Study(scene, origins, announce, quick=quick, ahead=other)
-        if other is not None:
-            other.meanwhile(partial(part, study), meanwhile(asked))
-        page = _page(study, started)
+    study = Study(scene, origins, announce, quick=quick)
+    page = _page(study, started)
     unseal(out)
     written = write_text(out / PAGE, page)
     seal(out, recorded(study.solution), (PAGE,))
@@ -117,7 +96,7 @@ def _page(study: Study, started: float) -> str:
     environment = templates()
     shown = []
     for section in sections(study):
-        found = _contents(section, study)
+        found = section.context(study)
         if found is not None:
             study.shown[section.id] = found
             shown.append((section, found))
@@ -150,14 +129,6 @@ def _page(study: Study, started: float) -> str:
         "viewer_assets": viewer,
     }
     return environment.get_template("page.html").render(common | summary(study) | last)
-
-
-def _contents(section: Section, study: Study) -> Context | None:
-    def here() -> Context | None:
-        return section.context(study)
-
-    found: Context | None = study.alone(section.id, here) if section.alone else here()
-    return found
 
 
 def summary(study: Study) -> dict[str, Any]:

@@ -22,18 +22,8 @@ _QUICK_ACCURACY = 1e-2
 
 
 def shown_model(scene: Scene) -> str | None:
-    """Return the field model to be shown, if the scene asks for one: bricks before tetrahedra.
-
-    On the rod the bricks have no fields to show.
-    """
-    shown = ("cad",) if scene.support.kind == "rod" else ("solid", "cad")
-    return next((name for name in shown if name in scene.models), None)
-
-
-def model_apart(scene: Scene) -> str | None:
-    """Return the field model that stands beside the one that is shown: only its numbers count."""
-    others = {"solid", "cad"} & set(scene.models) - {shown_model(scene)}
-    return min(others) if shown_model(scene) and others else None
+    """Return the field model to be shown, if the scene asks for one: bricks before tetrahedra."""
+    return next((name for name in ("solid", "cad") if name in scene.models), None)
 
 
 def check_report(scene: Scene, *, quick: bool) -> None:

@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
-from tactgen.validation.catalogue.models import MODELS, gives
+from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.checks.row import Outcome, run_check
 from tactgen.validation.checks.verification import group_rows
 from tactgen.validation.engine.plan import Plan, asks_display
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.engine.stages import Stages
-from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 from tactgen.validation.models.comparison import ComparedRow, compare
 from tactgen.validation.report.load_cases import LoadCase, load_cases
 from tactgen.validation.report.normal_actuator import NormalActuator, merged
 from tactgen.validation.report.request import (
     is_of_rest,
-    model_apart,
     prepared,
     quantities_of,
     shown_model,
@@ -32,25 +27,15 @@ from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
+    from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
     from tactgen.validation.models.difference import Cause, Step
-    from tactgen.validation.report.second_process import Ahead
     from tactgen.validation.studies.parameter_uncertainty import Uncertainty
 
 #: Asymmetry and negative dissipation (relative) that condensing a field model may leave by
 #: rounding; a wrong sign or a missing term shows at order one.
 INVARIANT_TOLERANCE = 1e-6
-
-
-@dataclass(frozen=True)
-class Apart:
-    """What another process makes of one model: all that it gives, and a picture of its mesh."""
-
-    quantities: tuple[Quantity, ...]
-    stages: Stages
-    mesh: dict[str, Any] | None
 
 
 class Study:
@@ -63,49 +48,17 @@ class Study:
         announce: Callable[[str], None],
         *,
         quick: bool,
-        ahead: Ahead | None = None,
     ) -> None:
         self.asked = scene.accuracy
         self.scene = prepared(scene, quick=quick)
         self.origins, self.announce, self.quick = origins, announce, quick
-        self._ahead = ahead
         #: What the sections before show, by their ids.
         self.shown: dict[str, dict[str, Any]] = {}
 
     @cached_property
     def solution(self) -> Solution:
         """All quantities of the scene by all its models."""
-        if self.elsewhere is None:
-            return solve(self.scene, announce=self.announce)
-        found = self.solved_here.beside(self.elsewhere.quantities, self.elsewhere.stages)
-        return solve(self.scene, announce=self.announce, reuse=found)
-
-    @cached_property
-    def elsewhere(self) -> Apart | None:
-        """What another process has made of the model that stands apart; None if nothing.
-
-        Until it is done this process solves the rest.
-        """
-        name = model_apart(self.scene)
-        if name is None or self._ahead is None:
-            return None
-        self.solved_here  # noqa: B018  (what takes longest, before there is something to wait for)
-        found: Apart | None = self.alone(name, lambda: None)
-        return found
-
-    @cached_property
-    def solved_here(self) -> Solution:
-        """All quantities by the models that no other process solves."""
-        apart = model_apart(self.scene) if self._ahead is not None else None
-        if apart is None:
-            return self.solution
-        models = [name for name in self.scene.models if name != apart]
-        asked = [q for q in self.scene.quantities if any(gives(m, q) for m in models)]
-        return solve(self.scene, models, asked, self.announce)
-
-    def alone(self, name: str, here: Callable[[], Any]) -> Any:
-        """Return a part that needs nothing else: by another process if it is at it, or here."""
-        return here() if self._ahead is None else self._ahead.take(name, here)
+        return solve(self.scene, announce=self.announce)
 
     @property
     def as_it_stands(self) -> bool:
@@ -151,11 +104,13 @@ class Study:
     @property
     def field(self) -> TwoMeshModel | None:
         """The field model to be shown, if the scene asks for one that has fields."""
+        from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+
         model = self.solution.models.get(shown_model(self.scene) or "")
         return model if isinstance(model, TwoMeshModel) else None
 
     @property
-    def shown_mesh(self) -> Mesh | Bricks | BrickParts | None:
+    def shown_mesh(self) -> Mesh | Bricks | None:
         """The mesh to be shown; of bricks known before anything is solved."""
         if shown_model(self.scene) != "solid":
             return self.field.meshes()[0] if self.field else None
@@ -176,20 +131,14 @@ class Study:
             return None
         from tactgen.validation.models.difference import beam_to_solid
 
-        def here() -> list[Step]:
-            return beam_to_solid(scene, self.announce, level=0 if self.quick else 1)
-
-        return list(self.alone("steps", here))
+        return beam_to_solid(scene, self.announce, level=0 if self.quick else 1)
 
     @cached_property
     def parameter_uncertainty(self) -> list[Uncertainty]:
         """What the parameters' ranges do to the headline numbers."""
         from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
 
-        def here() -> list[Uncertainty]:
-            return parameter_uncertainty(self.scene, announce=self.announce)
-
-        return list(self.alone("parameter_uncertainty", here))
+        return list(parameter_uncertainty(self.scene, announce=self.announce))
 
     @cached_property
     def causes(self) -> list[Cause] | None:

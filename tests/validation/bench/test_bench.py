@@ -15,14 +15,13 @@ import pytest
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.validation.bench import one_core, solver
-from tactgen.validation.bench import reluctance as magnetics
-from tactgen.validation.bench.bimorph import beam
-from tactgen.validation.bench.bimorph.beam import BeamTiming
-from tactgen.validation.bench.one_core import on_one_core, peak_memory
-from tactgen.validation.bench.reluctance import FieldTiming
-from tactgen.validation.bench.result import Bench, Target, time_error_plot
 from tactgen.validation.command_line.commands.evidence import bench as command
+from tactgen.validation.evidence import bench_beam as beam
+from tactgen.validation.evidence import bench_reluctance as magnetics
+from tactgen.validation.evidence import bench_solver as solver
+from tactgen.validation.evidence import one_core
+from tactgen.validation.evidence.bench import Bench, Target, Timing, time_error_plot
+from tactgen.validation.evidence.one_core import on_one_core, peak_memory
 
 
 def test_measured_alone_on_one_core():
@@ -37,7 +36,7 @@ def test_a_measurement_keeps_within_a_limit_that_is_there():
     """A hard limit below the free memory, which nobody can raise, is no failure."""
     most = 2**30
     code = (
-        "import resource; from tactgen.validation.bench import one_core; "
+        "import resource; from tactgen.validation.evidence import one_core; "
         f"resource.setrlimit(resource.RLIMIT_AS, ({most}, {most})); "
         "one_core._keep_within_memory(); print(resource.getrlimit(resource.RLIMIT_AS)[0])"
     )
@@ -122,7 +121,16 @@ def field_timings(error):
     """One grid with the given error in flux linkage and in force, and a dearer one without."""
     cases = ((magnetics._LINKAGE_CASE, 5e-4), (magnetics._WORK, 1e-3))
     return [
-        FieldTiming(f"order {order}", "1", case, 10, seconds, 1.0, "N", miss, wanted)
+        magnetics.timing_of(
+            f"order {order}",
+            "1",
+            case,
+            {"unknowns": 10, "seconds": seconds},
+            1.0,
+            "N",
+            miss,
+            wanted,
+        )
         for order, seconds, miss in ((2, 0.5, error), (4, 1.0, 1e-5))
         for case, wanted in cases
     ]
@@ -146,7 +154,7 @@ def test_no_way_within_the_errors():
 
 def test_plot_has_a_panel_per_result():
     """More than three go to another row."""
-    timings = [FieldTiming("A", "1", f"result {n}", 10, 1.0, 1.0, "N", 1e-3) for n in range(5)]
+    timings = [Timing("A", f"result {n}", 1.0, 1e-3, {}) for n in range(5)]
     text = time_error_plot(timings)
     assert text.startswith("<svg")
 
@@ -158,7 +166,7 @@ def test_command_shows_fields(monkeypatch, tmp_path, capsys):
     assert command.run(options(only=["magnetics"], out=str(tmp_path))) == 0
     assert "flux linkage" in capsys.readouterr().out
     head = (tmp_path / "bench-magnetics.csv").read_text().splitlines()[0]
-    assert head == ",".join(FieldTiming.fields)
+    assert head == "way,fineness,result,unknowns,seconds,value,unit,error"
 
 
 @pytest.mark.heavy
@@ -179,8 +187,8 @@ def test_targets(measured, at_most, met):
 def made_up(monkeypatch):
     """Put a made-up measurement in the place of the real one."""
     timings = (
-        BeamTiming("way", "range", 100, 1e-3, 1e-15),
-        BeamTiming("other", "range", 100, 1.0, 1e9),
+        beam.timing_of("way", "range", 100, 1e-3, 1e-15),
+        beam.timing_of("other", "range", 100, 1.0, 1e9),
     )
     targets = (Target("speed", 1e6, 1e5, "1/s", False, "how"),)
     made = Bench("tmm", "on paper", timings, targets, 0.0)
@@ -210,7 +218,7 @@ def test_command_as_json(made_up, tmp_path, capsys):
     told = json.loads(said.out)
     assert "bench-tmm.svg" in said.err
     assert told["met"] == {"tmm": [False]}
-    assert told["parts"][0]["timings"][0]["points"] == 100
+    assert told["parts"][0]["timings"][0]["values"]["points"] == 100
 
 
 def test_unknown_part_is_refused():

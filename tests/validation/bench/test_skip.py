@@ -2,7 +2,7 @@
 
 import pytest
 
-from tactgen.validation.bench import skip
+from tactgen.validation.evidence import bench_skip as skip
 
 CASE = skip.Case("made up", "j1", (), ("cadquery",), "piezo only", ("solid.ports",))
 

@@ -5,10 +5,10 @@ import secrets
 import numpy as np
 import pytest
 
-from tactgen.validation.bench.bimorph import peers
-from tactgen.validation.bench.bimorph import solid as jobs
-from tactgen.validation.checks.coverage.scenes import drawn_bimorph
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence import bench_solid as jobs
+from tactgen.validation.evidence import peers
+from tactgen.validation.evidence.random_devices import drawn_bimorph
 from tactgen.validation.scene.scene import load_scene
 
 #: Order of the witness's bricks.

@@ -8,7 +8,7 @@ from tactgen.validation.checks.amplitude import AMPLITUDE_CHECKS
 from tactgen.validation.checks.bimorph import CHECKS
 from tactgen.validation.checks.motion_measurements import SOURCES
 from tactgen.validation.checks.reluctance import MAGNETIC_CHECKS
-from tactgen.validation.studies.reconstruction import stated
+from tactgen.validation.studies import reconstruction as stated
 
 #: References of the validation rows, as printed.
 PRINTED = {

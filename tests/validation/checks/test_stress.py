@@ -10,9 +10,10 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.span import error_bound
-from tactgen.validation.checks.stress import beam, magnetics
-from tactgen.validation.checks.stress.beam import CONDITION_LIMIT
-from tactgen.validation.checks.stress.result import (
+from tactgen.validation.command_line.commands.evidence import stress as command
+from tactgen.validation.evidence import stress_beam as beam
+from tactgen.validation.evidence import stress_magnetics as magnetics
+from tactgen.validation.evidence.stress import (
     WANTED,
     Asked,
     Point,
@@ -20,7 +21,7 @@ from tactgen.validation.checks.stress.result import (
     answered,
     judged,
 )
-from tactgen.validation.command_line.commands.evidence import stress as command
+from tactgen.validation.evidence.stress_beam import CONDITION_LIMIT
 
 
 @pytest.fixture(scope="module")

@@ -2,8 +2,8 @@
 
 import pytest
 
-from tactgen.validation.checks.stress import solid
-from tactgen.validation.checks.stress.result import Asked
+from tactgen.validation.evidence import stress_solid as solid
+from tactgen.validation.evidence.stress import Asked
 
 
 @pytest.mark.heavy

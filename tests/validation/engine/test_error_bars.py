@@ -8,8 +8,6 @@ import pytest
 
 from tactgen.geometry.bimorph import stretching
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
-from tactgen.validation.checks.coverage.result import PROMISED, median_width
-from tactgen.validation.checks.coverage.solid import judged, varied_cases
 from tactgen.validation.engine.error_bars import (
     LEAST_HALVED,
     SAFETY,
@@ -21,6 +19,8 @@ from tactgen.validation.engine.error_bars import (
     two_mesh_factor,
 )
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.coverage import PROMISED, median_width
+from tactgen.validation.evidence.coverage_solid import judged, varied_cases
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.solid import _BRICK_BARS, BrickPair, level_for
 from tactgen.validation.scene.scene import load_scene

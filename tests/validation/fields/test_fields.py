@@ -19,10 +19,9 @@ from tactgen.validation.fields.gather import (
     gather_from,
 )
 from tactgen.validation.fields.result import FIELDS, at_phase, von_mises
-from tactgen.validation.fields.solid import SolidFields, points_of_regions
+from tactgen.validation.fields.solid import points_of_regions
 from tactgen.validation.fields.tet_fields import TetSampler
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.bimorph.meshes import NOT_SHOWN
 from tactgen.validation.scene.scene import load_scene
 
 HZ = 300.0
@@ -258,11 +257,3 @@ def test_tetrahedra_have_the_same_fields():
         slopes.append(np.polyfit(points[at, 0], stress[at], 1)[0])
     # a layer has one or two tetrahedra of linear strain across it
     assert slopes[0] == pytest.approx(slopes[1], rel=0.05)
-
-
-def test_a_solid_on_its_rod_has_no_fields_to_show():
-    """Said before anything is solved; on tetrahedra it has."""
-    scene, _ = load_scene("bimorph_on_rod", [])
-    with pytest.raises(InputError) as said:
-        SolidFields(SimpleNamespace(name="solid", scene=scene), None)
-    assert str(said.value) == NOT_SHOWN

@@ -8,12 +8,12 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mirror import whole_mesh
-from tactgen.validation.checks.coverage.result import PROMISED, median_width
-from tactgen.validation.checks.coverage.solid import cad_cases, judged
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import evaluate, solve
 from tactgen.validation.engine.stages import Stages
+from tactgen.validation.evidence.coverage import PROMISED, median_width
+from tactgen.validation.evidence.coverage_solid import cad_cases, judged
 from tactgen.validation.models.bimorph import adaptive_meshes, two_meshes
 from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
 from tactgen.validation.models.comparison import compare
@@ -77,7 +77,7 @@ def test_files_get_the_whole_body():
 @pytest.mark.parametrize(
     ("name", "override", "model", "words"),
     [
-        ("bimorph_on_rod", "bimorph.bare_below=1mm", "solid", ("bare_below", "CAD", "solid")),
+        ("bimorph_on_rod", "bimorph.length=18mm", "solid", ("support.kind", "--model cad")),
         ("paper", "bimorph.bare_below=1mm", "cad", ("bare_below", "CAD", "solid")),
         ("paper", "bimorph.width_profile=0mm:2mm,20mm:1mm", "cad", ("width_profile", "beam")),
     ],

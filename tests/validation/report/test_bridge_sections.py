@@ -45,7 +45,7 @@ def test_quick_report_has_the_bridge_alone(monkeypatch, few_bricks):
 
 def test_a_clamp_leads_nowhere_near_the_rod():
     """On the rod no bridge from a clamp is drawn, nor its causes named, whatever solid is asked."""
-    scene, origins = load_scene("bimorph_on_rod", ["models=tmm,solid"])
+    scene, origins = load_scene("bimorph_on_rod", ["models=tmm,cad"])
     study = Study(scene, origins, lambda _: None, quick=True)
     assert study.steps is None
     assert study.causes is None

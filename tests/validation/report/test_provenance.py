@@ -1,7 +1,6 @@
 """What lies beside a report is whole and true, and the report can be computed again."""
 
 import json
-import subprocess
 import warnings
 from dataclasses import replace
 
@@ -12,16 +11,12 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import store_folder
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import quantity_from_json, quantity_json
-from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report import page as report_page
-from tactgen.validation.report.provenance import record as files
-from tactgen.validation.report.provenance import reproduce as again
-from tactgen.validation.report.provenance.checksums import FILE as SUMS
-from tactgen.validation.report.provenance.crate import FILE as CRATE
-from tactgen.validation.report.provenance.crate import _root
-from tactgen.validation.report.provenance.seal import seal, unseal
+from tactgen.validation.report import provenance as again
+from tactgen.validation.report import provenance as files
+from tactgen.validation.report.provenance import SUMS, seal, unseal
 from tactgen.validation.scene.scene import load_scene
 
 ASKED = (
@@ -63,7 +58,7 @@ def changed(record, quantity, value=None, **entries):
     return replace(record, quantities=tuple(other(q) for q in record.quantities))
 
 
-@pytest.mark.parametrize("named", ["", PAGE, files.FILE, CRATE])
+@pytest.mark.parametrize("named", ["", PAGE, files.FILE])
 def test_a_report_is_computed_again_to_the_last_digit(sealed, named):
     """By its folder or any file in it; the same code on the same machine gives the same bits."""
     found = reproduced(sealed / named if named else sealed)
@@ -180,7 +175,7 @@ def test_a_difference_is_judged_by_both_bars(then, now, verdict, difference, ove
     assert [found.difference, found.over_bars] == expected
 
 
-@pytest.mark.parametrize("name", [PAGE, files.FILE, CRATE])
+@pytest.mark.parametrize("name", [PAGE, files.FILE])
 def test_altered_files_are_refused(sealed, name):
     """One byte, or the whole file gone."""
     content = (sealed / name).read_bytes()
@@ -260,43 +255,6 @@ def test_every_scene_comes_back_from_its_record(changes):
     content.pop("format")
     assert type(scene).model_validate(content["scene"]).model_dump() == scene.model_dump()
     assert list(content["tolerances"]) == list(scene.tolerances)
-
-
-def test_the_metadata_name_what_is_there(sealed, record):
-    """Every reference has an entity, every file its size and checksum, and sha256sum agrees."""
-    entities = {
-        e["@id"]: e for e in json.loads((sealed / CRATE).read_text(encoding="utf-8"))["@graph"]
-    }
-
-    def references(value):
-        if isinstance(value, dict):
-            if set(value) == {"@id"}:
-                yield value["@id"]
-            for inner in value.values():
-                yield from references(inner)
-        elif isinstance(value, list):
-            for inner in value:
-                yield from references(inner)
-
-    named = {name for entity in entities.values() for name in references(entity)}
-    assert named - set(entities) == {"https://w3id.org/ro/crate/1.1"}
-    assert entities["ro-crate-metadata.json"]["about"] == {"@id": "./"}
-    assert entities["#program"]["sha256"] == this_origin().code
-    assert entities["./"]["description"].endswith(f": {record.scene['description']}.")
-    for part in entities["./"]["hasPart"]:
-        found = entities[part["@id"]]
-        assert found["contentSize"] == str((sealed / part["@id"]).stat().st_size)
-    check = subprocess.run(
-        ["sha256sum", "--check", "--strict", SUMS], cwd=sealed, capture_output=True, check=False
-    )
-    assert check.returncode == 0
-    assert check.stdout.count(b": OK") == 3
-
-
-def test_a_scene_without_a_description_is_said_to_have_none(record):
-    """In the metadata of the whole."""
-    bare = replace(record, scene={**record.scene, "description": ""})
-    assert _root((PAGE,), bare)["description"].endswith(": no description.")
 
 
 def test_a_printed_report_appears_whole_or_not_at_all(tmp_path, monkeypatch):

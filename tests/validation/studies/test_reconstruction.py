@@ -8,8 +8,8 @@ import pytest
 from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Coil, Device
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.reconstruction import stated
-from tactgen.validation.studies.reconstruction.search import (
+from tactgen.validation.studies import reconstruction as stated
+from tactgen.validation.studies.reconstruction import (
     _crossing,
     actuator,
     ampere_turns_needed,

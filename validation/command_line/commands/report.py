@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
     warn(scene_warnings(scene, origins, report=True))
     browser = need_browser("--pdf") if options.pdf else ""  # refused before minutes of work
     with announcer() as announce:
-        page = write_report(scene, origins, Path(options.out), options.quick, announce, helper=True)
+        page = write_report(scene, origins, Path(options.out), options.quick, announce)
         print(page)
         if browser:
             announce("printing")
@@ -72,7 +72,7 @@ def _reproduce(options: argparse.Namespace) -> int:
     """Compute a report again; its own scene and models, whatever else is asked is refused."""
     from tactgen.geometry.errors import InputError
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.report.provenance.reproduce import reproduce
+    from tactgen.validation.report.provenance import reproduce
 
     others = options.overrides or options.model or options.quick or options.pdf
     if others or options.scene != _SCENE or options.out != _OUT:

@@ -4,21 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
-from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.mirror import whole_mesh
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from tactgen.validation.models.bimorph.two_meshes import MeshPair
-
-#: Why the solid on its rod is in no picture.
-NOT_SHOWN = (
-    'with support.kind = "rod" the model solid reduces rod and tab to what the bimorph feels of '
-    "them and has no fields there; ask for pictures with --model cad"
-)
 
 
 def mesh_pair(scene: Scene) -> MeshPair:
@@ -41,14 +33,6 @@ def mesh_pair(scene: Scene) -> MeshPair:
     return brick_pair(scene)
 
 
-def cells_of(mesh: Mesh | Bricks | BrickParts) -> Mesh:
-    """Return the cells to show or to write, of the whole: bricks become eight-cornered ones.
-
-    Raises
-    ------
-    InputError
-        For bricks in parts, which the round outline of a rod cuts.
-    """
-    if isinstance(mesh, BrickParts):
-        raise InputError(NOT_SHOWN)
+def cells_of(mesh: Mesh | Bricks) -> Mesh:
+    """Return the cells to show or to write, of the whole: bricks become eight-cornered ones."""
     return mesh.corner_mesh() if isinstance(mesh, Bricks) else whole_mesh(mesh)

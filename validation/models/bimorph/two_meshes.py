@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from tactgen.fem.piezo.krylov import ReducedSolid
     from tactgen.fem.piezo.modal_reduction import BareMode, ModalModel
     from tactgen.fem.piezo.system import SolidSystem, Surplus
-    from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
 
@@ -47,7 +46,7 @@ class MeshPair(Protocol):
     """A finer mesh, a coarser one to judge it by, and what their difference says."""
 
     @property
-    def meshes(self) -> tuple[Mesh | Bricks | BrickParts, Mesh | Bricks | BrickParts]:
+    def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
         """The finer and the coarser mesh."""
 
     @property
@@ -140,7 +139,7 @@ class TwoMeshModel(BimorphModel):
         """The finer mesh, and a coarser one to judge it by."""
         return self.run("mesh", self.make_pair)
 
-    def meshes(self) -> tuple[Mesh | Bricks | BrickParts, Mesh | Bricks | BrickParts]:
+    def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
         """Return the finer and the coarser mesh."""
         return self.mesh_pair.meshes
 

@@ -11,14 +11,14 @@ from tactgen.validation.catalogue.quantities import (
     SHORT_CIRCUIT_FREQUENCIES,
 )
 from tactgen.validation.checks.paper import audit
-from tactgen.validation.checks.stress import run as stress_output
+from tactgen.validation.evidence import stress as stress_output
 from tactgen.validation.models.bimorph.rows import LumpedModel
 from tactgen.validation.models.comparison import UNEXPLAINED
-from tactgen.validation.report.figures.bimorph import response_plot, response_values
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections import length as length_section
 from tactgen.validation.report.sections import uncertainty as uncertainty_section
 from tactgen.validation.report.sections import voltage as voltage_section
+from tactgen.validation.report.sections.bimorph_figures import response_plot, response_values
 from tactgen.validation.report.sections.bridge import (
     bridge_section,
     holding_section,
@@ -57,7 +57,7 @@ def _modes(study: Study) -> Context:
     return {
         "frequencies": both,
         "circuit": circuit,
-        **study.alone("moving", lambda: gallery.moving(study)),
+        **gallery.moving(study),
     }
 
 
@@ -103,16 +103,16 @@ def _audit(study: Study) -> Context | None:
 LATERAL: tuple[Section, ...] = (
     Section("models", "Models side by side", _models),
     Section("modes", "Natural modes", _modes),
-    Section("bridge", "From the beam to the solid", bridge_section, alone=True),
-    Section("holding", "What holds the bimorph", holding_section, alone=True),
-    Section("material", "What the assumed constants are worth", material_section, alone=True),
-    Section("load", "What the tip touches", load_section, alone=True),
+    Section("bridge", "From the beam to the solid", bridge_section),
+    Section("holding", "What holds the bimorph", holding_section),
+    Section("material", "What the assumed constants are worth", material_section),
+    Section("load", "What the tip touches", load_section),
     Section("response", "Frequency response", _response),
-    Section("drive_limits", "What it may be driven with", drive_limits_section, alone=True),
-    Section("length", "Length design", _length, alone=True),
-    Section("voltage", "Voltage at the detection threshold", _voltage, alone=True),
+    Section("drive_limits", "What it may be driven with", drive_limits_section),
+    Section("length", "Length design", _length),
+    Section("voltage", "Voltage at the detection threshold", _voltage),
     Section("uncertainty", "Numerical and parameter uncertainty", _uncertainty),
-    Section("stress", "Numerical limits of the beam model", _stress, alone=True),
+    Section("stress", "Numerical limits of the beam model", _stress),
 )
 #: Shown after the checks.
-PRINTED_FORMULAS = Section("audit", "The printed formulas", _audit, alone=True)
+PRINTED_FORMULAS = Section("audit", "The printed formulas", _audit)

@@ -21,7 +21,7 @@ from tactgen.validation.models.difference import (
     clamp_to_rod,
     on_rod,
 )
-from tactgen.validation.report.figures.bimorph import breakdown_plot, support_plot
+from tactgen.validation.report.sections.bimorph_figures import breakdown_plot, support_plot
 from tactgen.validation.report.sections.section import Context
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +15,32 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
+from tactgen.validation.view.figures import panels, plain_numbers, shades, svg
 from tactgen.validation.view.page.html import inline
+
+
+def crosstalk_plot(found: Sequence[Quantity]) -> str:
+    """Plot ratios of tips' motions by the last model that gave them; nothing without any.
+
+    Returns
+    -------
+    str
+        An SVG element.
+    """
+    shown = [q for q in found if q.model == found[-1].model and np.isfinite(q.value).any()]
+    if not shown:
+        return ""
+    figure, axis = panels(8.0, 4.2)
+    for colour, q in zip(shades(len(shown)), shown, strict=True):
+        label = f"{q.name.replace('_', ' ')}, {q.model}"
+        axis.plot(q.frequency, 100.0 * np.abs(q.value), color=colour, label=label)
+    axis.set(xlabel="frequency (Hz)", ylabel="of the driven tip's motion (%)", yscale="log")
+    if min(shown[0].frequency or (0.0,)) > 0.0:
+        axis.set(xscale="log")
+        plain_numbers(axis.xaxis)
+    axis.legend(fontsize=8)
+    return svg(figure)
+
 
 #: Clearances shown, the narrowest first.
 _NARROWEST = 10
@@ -32,7 +58,6 @@ class Row:
 def display_section(study: Study) -> Context:
     """Return parts, clearances and leads, and what units do to each other and how they differ."""
     from tactgen.validation.export.display_view import drawn_parts
-    from tactgen.validation.report.figures.display import crosstalk_plot
     from tactgen.validation.view.pictures import assembly_picture
 
     device, display = study.scene.device, study.scene.display

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.beam.port_quantities import driven_ceramic
 from tactgen.tmm.beam.transfer_matrix import multiport
@@ -13,6 +16,36 @@ from tactgen.tmm.ports.readout import ELECTRICAL
 from tactgen.validation.catalogue.quantities import REASONS, voltage_limits
 from tactgen.validation.report.sections.section import Context
 from tactgen.validation.report.study import Study
+from tactgen.validation.view.figures import BLUE, GREEN, ORANGE, panels, svg
+
+
+def limits_plot(frequencies: Floats, limits: Mapping[str, Floats], voltage: float) -> str:
+    """Plot the voltage at which each limit is reached, one column per load.
+
+    Parameters
+    ----------
+    frequencies : (n,) array
+        Hz.
+    limits : mapping of str to (3, n) array
+        Title of each load case, and the limits (V) in the order of
+        :data:`validation.catalogue.safe_drive.REASONS`.
+    voltage : float
+        The scene's drive (V).
+    """
+    figure, axes = panels(10.0, 3.6, ncols=len(limits), sharey=True, squeeze=False)
+    for axis, (title, found) in zip(axes[0], limits.items(), strict=True):
+        for reason, curve, colour in zip(REASONS, found, (ORANGE, BLUE, GREEN), strict=True):
+            axis.plot(frequencies, curve, color=colour, label=reason)
+        axis.fill_between(frequencies, found.min(axis=0), color=BLUE, alpha=0.08, linewidth=0.0)
+        axis.axhline(voltage, color="black", linewidth=0.8, linestyle=":", label="this scene")
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        axis.set_title(title)
+        axis.set_xlabel("frequency (Hz)")
+    axes[0][0].set_ylabel("drive voltage, peak (V)")
+    axes[0][0].legend(frameon=False)
+    return svg(figure)
+
 
 #: Frequencies added to the scene's: a peak lies between two of them.
 _POINTS = 800
@@ -20,8 +53,6 @@ _POINTS = 800
 
 def drive_limits_section(study: Study) -> Context | None:
     """Return the limits under the scene's load and with a free tip, None for layers not plain."""
-    from tactgen.validation.report.figures.drive_limits import limits_plot
-
     scene = study.scene
     asked = np.asarray(scene.frequency, dtype=float)
     low = max(float(asked.min()), 1e-3 * float(asked.max()))

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
-from tactgen.validation.report.request import model_apart, shown_model
+from tactgen.validation.report.request import shown_model
 from tactgen.validation.report.study import Study
 from tactgen.validation.view.page.html import fragment, inline
 
@@ -30,7 +28,7 @@ _KIND = {
 
 def pictures(study: Study) -> list[dict[str, str]]:
     """Return pictures of the CAD solids and, with a field model, of its mesh."""
-    found = study.alone("pictures", lambda: bimorph(study)) if study.lateral else []
+    found = bimorph(study) if study.lateral else []
     whole = study.lateral and study.scene.support.kind == "rod"
     return found if whole or not study.normal else [*found, _normal(study)]
 
@@ -59,10 +57,8 @@ def bimorph(study: Study) -> list[dict[str, str]]:
 
 def beside(study: Study) -> dict[str, Any] | None:
     """Return the tetrahedra of the CAD solids, where they stand beside bricks."""
-    if model_apart(study.scene) != "cad":
+    if "cad" not in study.scene.models or shown_model(study.scene) in (None, "cad"):
         return None
-    if study.elsewhere is not None:
-        return study.elsewhere.mesh
     study.announce("picture of the tetrahedra")
     return tetrahedra(study.solution)
 
@@ -70,6 +66,7 @@ def beside(study: Study) -> dict[str, Any] | None:
 def tetrahedra(solution: Solution) -> dict[str, Any]:
     """Return a picture of the tetrahedra that a solution has solved on."""
     from tactgen.validation.models.bimorph.meshes import cells_of
+    from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 
     cad = solution.models["cad"]
     assert isinstance(cad, TwoMeshModel)
@@ -108,7 +105,7 @@ def moving(study: Study) -> dict[str, Any]:
 
     models = _moving_models(study)
     names = (SHORT_CIRCUIT_FREQUENCIES.name, OPEN_CIRCUIT_FREQUENCIES.name)
-    solution = solve(study.scene, models, names, study.announce, reuse=study.solved_here)
+    solution = solve(study.scene, models, names, study.announce, reuse=study.solution)
     request = Request(None, "edges")
     gathered = (gather_from(solution, name, request, study.announce) for name in models)
     results = [standing(study.scene, result) for result in gathered]
@@ -120,7 +117,7 @@ def moving(study: Study) -> dict[str, Any]:
 
 def _moving_models(study: Study) -> tuple[str, ...]:
     """Return the models to look at: the solid that is shown, and transfer matrices beside it."""
-    asked = tuple(study.solved_here.models_of("bimorph"))
+    asked = tuple(study.solution.models_of("bimorph"))
     first = shown_model(study.scene) or asked[-1]
     return (first, "tmm") if "tmm" in asked and first != "tmm" else (first,)
 
@@ -139,7 +136,7 @@ def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[dict[s
     return found
 
 
-def _kind(solved: Mesh | Bricks | BrickParts, shown: Mesh) -> str:
+def _kind(solved: Mesh | Bricks, shown: Mesh) -> str:
     """Return the cells of a mesh that is solved on, and shown by its cells, in words."""
     if not isinstance(solved, Bricks):
         return _KIND[shown.kind]

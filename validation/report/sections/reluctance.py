@@ -21,7 +21,7 @@ from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.report.normal_actuator import NormalActuator
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.studies.reconstruction import stated
+from tactgen.validation.studies import reconstruction as stated
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint
@@ -34,7 +34,7 @@ _PICTURE: dict[str, Any] = {"order": 2, "refinement": 3.0}
 def _models(actuator: NormalActuator) -> Context:
     """Return the models side by side and the bridge between them."""
     from tactgen.validation.models.difference import remaining
-    from tactgen.validation.report.figures.bimorph import breakdown_plot
+    from tactgen.validation.report.sections.bimorph_figures import breakdown_plot
 
     field = actuator.field_model
     titles = {MAGNETIC_FORCE.name: "magnetic force", FLUX_LINKAGE.name: "flux linkage"}
@@ -73,7 +73,7 @@ def _field(actuator: NormalActuator) -> Context | None:
     if actuator.field_model is None:
         return None
     from tactgen.fem.magnetics.axisymmetric import solve_point
-    from tactgen.validation.report.figures.magnetic_field import field_plot
+    from tactgen.validation.report.sections.magnetic_field import field_plot
 
     device, current = actuator.device, actuator.current
     stop = device.spring.stop_gap
@@ -127,7 +127,7 @@ class ElectricalRow:
 
 def _characteristics(actuator: NormalActuator) -> Context:
     """Return families, switching, finger force and the coil's electrical and thermal values."""
-    from tactgen.validation.report.figures.reluctance import (
+    from tactgen.validation.report.sections.reluctance_figures import (
         Families,
         flux_families,
         force_families,

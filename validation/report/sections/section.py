@@ -16,11 +16,9 @@ Context = dict[str, Any]
 class Section:
     """One section: its anchor (also the template's name), its title, its contents.
 
-    A section whose function returns None is left out; numbers and contents follow.  One that is
-    `alone` needs no solution of the study, so that another process may make it.
+    A section whose function returns None is left out; numbers and contents follow.
     """
 
     id: str
     title: str
     context: Callable[[Study], Context | None]
-    alone: bool = False

@@ -16,7 +16,7 @@ from tactgen.tmm.beam.sections import Section, section
 from tactgen.tmm.beam.span import error_bound
 from tactgen.tmm.beam.timoshenko import condition, dynamic_stiffness, wavenumbers
 from tactgen.validation.checks.cases import reference_beam as reference
-from tactgen.validation.checks.stress.beam import CONDITION_LIMIT
+from tactgen.validation.evidence.stress_beam import CONDITION_LIMIT
 
 EPS = np.finfo(float).eps
 

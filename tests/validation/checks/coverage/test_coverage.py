@@ -15,16 +15,19 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.map_range import network_pull
 from tactgen.tmm.reluctance.network import DirectPull
-from tactgen.validation.checks.coverage import axisymmetric, beam, scenes, solid
-from tactgen.validation.checks.coverage import result as run
-from tactgen.validation.checks.coverage.result import (
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.evidence import coverage as run
+from tactgen.validation.evidence import coverage_actuator as axisymmetric
+from tactgen.validation.evidence import coverage_beam as beam
+from tactgen.validation.evidence import coverage_solid as solid
+from tactgen.validation.evidence import random_devices as scenes
+from tactgen.validation.evidence.coverage import (
     MULTIPLES,
+    PARTS,
     Judged,
     calibration,
     rows,
 )
-from tactgen.validation.checks.coverage.run import PARTS
-from tactgen.validation.command_line.cli import main
 
 
 def answers(inside, outside, quantity="f 1"):

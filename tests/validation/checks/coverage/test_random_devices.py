@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.validation.checks.coverage import axisymmetric, beam, solid
-from tactgen.validation.checks.coverage import axisymmetric as machine
-from tactgen.validation.checks.coverage.solid import Answer, Case
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.warnings import load_warnings
+from tactgen.validation.evidence import coverage_actuator as axisymmetric
+from tactgen.validation.evidence import coverage_actuator as machine
+from tactgen.validation.evidence import coverage_beam as beam
+from tactgen.validation.evidence import coverage_solid as solid
+from tactgen.validation.evidence.coverage_solid import Answer, Case
 from tactgen.validation.scene.scene import load_scene
 
 

@@ -9,11 +9,13 @@ import pytest
 from tactgen.fem import beam
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient import record
-from tactgen.validation.checks.stress.driven import lateral, machine, sweep
-from tactgen.validation.checks.stress.driven import machine as holding
-from tactgen.validation.checks.stress.driven import machine as motion
-from tactgen.validation.checks.stress.result import Asked
 from tactgen.validation.engine.results import Quantity
+from tactgen.validation.evidence import stress_driven as sweep
+from tactgen.validation.evidence import stress_lateral as lateral
+from tactgen.validation.evidence import stress_machine as holding
+from tactgen.validation.evidence import stress_machine as machine
+from tactgen.validation.evidence import stress_machine as motion
+from tactgen.validation.evidence.stress import Asked
 from tactgen.validation.scene.scene import load_scene
 
 

@@ -21,7 +21,7 @@ from tactgen.tmm.generator.transient.machine import machine
 from tactgen.tmm.generator.transient.march import simulate_steps
 from tactgen.tmm.generator.transient.step import Stepper
 from tactgen.tmm.generator.transient.system import Element, Friction, Output, Stop, System
-from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
+from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Step
 from tactgen.tmm.ports.elements import chain_of
 from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.reluctance.map_range import network_pull
@@ -37,8 +37,7 @@ from tactgen.validation.models.generator.transient import (
     support_warnings,
 )
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.transient.files import TITLE, write_run
-from tactgen.validation.studies.transient.film import read_film
+from tactgen.validation.studies.simulate import TITLE, read_film, write_run
 from tactgen.validation.view.run.page import PHASES, run_page
 
 FREE = ["load.kind=none"]
@@ -260,21 +259,21 @@ def test_a_run_that_nothing_drives_says_so(capsys):
     )
 
 
-def test_what_a_run_is_warned_of(capsys, monkeypatch):
-    """Another support, a load whose law is not met, wide bars, a rod through its sleeve."""
+def test_what_a_run_is_warned_of():
+    """A load whose law is not met, wide errors, a rod through its sleeve; else nothing."""
     run = SimpleNamespace(time=np.array([0.0, 1e-3, 2e-3, 3e-3]))
-    found = SimpleNamespace(
+    answer = SimpleNamespace(error=0.5, accuracy=0.1, certain_until=1.5e-3, run=run)
+    result = SimpleNamespace(
         load_misfit=0.02, sideways=np.array([0.0, 1e-6, 3e-6, 2.5e-6]), flange_gap=2e-6,
-        answer=SimpleNamespace(error=0.5, certain_until=1.5e-3, run=run),
+        answer=answer,
     )  # fmt: skip
-    monkeypatch.setattr(transient, "run_scene", lambda *_, **__: found)
-    monkeypatch.setattr(simulate, "_print", lambda _: None)
-    assert main(["simulate", "paper", "--voltage", "1 V", "--accuracy", "0.1"]) == 0
-    support, load, bars, rod = capsys.readouterr().err.splitlines()
-    assert 'support.kind = "spring" is left out' in support
-    assert load.endswith("which only take energy; they are up to 2 % off its law of frequency")
-    assert "the accuracy of 0.1 holds until 1.5 ms" in bars
+    driven = Constant(1.0), Constant(0.0)
+    load, errors, rod = simulate._doubts(result, driven)
+    assert "up to 2 % off its law of frequency" in load
+    assert "the accuracy of 0.1 holds until 1.5 ms" in errors
     assert "from 2 ms on the flange is up to 3 um off the middle, through the sleeve 2 um" in rod
+    answer.accuracy, result.load_misfit, result.flange_gap = 0.5, 0.0, 4e-6
+    assert not simulate._doubts(result, driven)
 
 
 @pytest.mark.parametrize("text", ["5e-7", "0.6", "nan", "fine"])

@@ -8,7 +8,7 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.studies.transient.film import read_film
+from tactgen.validation.studies.simulate import read_film
 from tactgen.validation.view.browser import find_browser, run_browser
 from tactgen.validation.view.run.page import Film, film_payload
 

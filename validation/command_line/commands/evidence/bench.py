@@ -19,15 +19,14 @@ def add(commands: Commands) -> None:
 
 
 def _known() -> Collection[str]:
-    from tactgen.validation.bench import PARTS
+    from tactgen.validation.evidence.bench import PARTS
 
     return PARTS
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; a slow machine is no error, so the exit code is 0."""
-    from tactgen.validation.bench import PARTS, run_parts
-    from tactgen.validation.bench.result import print_bench, write_bench
+    from tactgen.validation.evidence.bench import PARTS, print_bench, run_parts, write_bench
 
     run_and_show(
         options, PARTS, run_parts, print_bench, write_bench,

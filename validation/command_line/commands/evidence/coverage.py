@@ -16,7 +16,7 @@ _MOST = 999_999_999
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    from tactgen.validation.checks.coverage.run import PARTS
+    from tactgen.validation.evidence.coverage import PARTS
 
     words = "do the error bars hold on random devices?"
     parser = commands.add_parser("coverage", help=words)
@@ -33,10 +33,9 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit code is 1 if a part's bars are too narrow, not if they are wide."""
     from tactgen.geometry.files import writable_folder
-    from tactgen.validation.checks.coverage.result import table, write
-    from tactgen.validation.checks.coverage.run import PARTS, run_parts
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.command_line.streams import name_files
+    from tactgen.validation.evidence.coverage import PARTS, run_parts, table, write
     from tactgen.validation.scene.files import choices
 
     names = choices(",".join(options.only or PARTS), tuple(PARTS), "part", "--only")

@@ -14,7 +14,7 @@ from tactgen.validation.command_line.commands.evidence.part_runs import (
 from tactgen.validation.command_line.commands.evidence.seed import say_seed, seed_of, seed_option
 
 if TYPE_CHECKING:
-    from tactgen.validation.checks.stress.result import Stress
+    from tactgen.validation.evidence.stress import Stress
 
 
 def add(commands: Commands) -> None:
@@ -25,15 +25,14 @@ def add(commands: Commands) -> None:
 
 
 def _known() -> Collection[str]:
-    from tactgen.validation.checks.stress.run import PARTS
+    from tactgen.validation.evidence.stress import PARTS
 
     return PARTS
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit code is 1 if a family fails."""
-    from tactgen.validation.checks.stress.result import print_stress, write_stress
-    from tactgen.validation.checks.stress.run import PARTS, run_parts
+    from tactgen.validation.evidence.stress import PARTS, print_stress, run_parts, write_stress
 
     seed = seed_of(options)
 

@@ -137,7 +137,7 @@ def _scene_band(scene: Scene) -> tuple[float, float]:
 
 def _draw(file: Path, found: Backbone) -> None:
     from tactgen.geometry.files import write_text
-    from tactgen.validation.report.figures.amplitude import backbone_plot
+    from tactgen.validation.report.sections.large_motion import backbone_plot
 
     write_text(file, backbone_plot(found))
 

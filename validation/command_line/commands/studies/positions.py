@@ -137,7 +137,7 @@ def _write(options: argparse.Namespace, loops: list[RodLoop], current: float) ->
     from tactgen.geometry.files import write_text
 
     if options.plot:
-        from tactgen.validation.report.figures.machine import position_plot
+        from tactgen.validation.report.sections.machine import position_plot
 
         write_text(Path(options.plot), position_plot(loops, current))
     if options.csv:

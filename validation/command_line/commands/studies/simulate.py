@@ -50,21 +50,27 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.tmm.generator.transient.waveform import Constant, Sources
+    from tactgen.tmm.generator.transient.waveform import Sources
     from tactgen.tmm.reluctance.coenergy_files import read_map
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.models.generator.transient import run_scene, support_warnings
     from tactgen.validation.scene.scene import load_scene
-    from tactgen.validation.studies.transient.waveforms import AMPERES, VOLTS, parsed
+    from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed
 
     _check_files(options)
     scene, _ = load_scene(options.scene, options.overrides)
     voltage = parsed(options.voltage, "--voltage", (VOLTS,))
     coil = parsed(options.coil, "--coil", (AMPERES, VOLTS))
     until, accuracy = _until(options.until), _accuracy(options.accuracy)
-    _check_starts({"--voltage": voltage.waveform, "--coil": coil.waveform}, until)
+    for option, waveform in (("--voltage", voltage.waveform), ("--coil", coil.waveform)):
+        start = getattr(waveform, "start", 0.0)
+        if start >= until:
+            raise InputError(
+                f"{option} starts at {1e3 * start:g} ms and the run ends at {1e3 * until:g} ms; "
+                "give a later --until, or let it start earlier"
+            )
     with announcer() as announce:
-        found = run_scene(
+        result = run_scene(
             scene,
             Sources(voltage.waveform, coil.waveform),
             until,
@@ -74,56 +80,63 @@ def run(options: argparse.Namespace) -> int:
             announce=announce,
         )
     warn(support_warnings(scene))
-    if voltage.waveform == coil.waveform == Constant(0.0):
-        volts = f"{scene.drive.voltage:g} V sine 100 Hz"
-        warn([f'nothing drives it; give --voltage or --coil, for example --voltage "{volts}"'])
-    if found.load_misfit:
-        text = (
-            "the load is taken as springs, dampers and masses, which only take energy; they are up "
-            f"to {100.0 * found.load_misfit:.2g} % off its law of frequency"
-        )
-        warn([text])
-    if found.answer.error > accuracy:
-        text = (
-            f"the accuracy of {accuracy:g} holds until {1e3 * found.answer.certain_until:.4g} ms; "
-            "later, bounces have amplified the steps' errors beyond it, and a finer --accuracy "
-            "moves that time a little"
-        )
-        warn([text])
-    sideways = found.sideways
-    if sideways.max() > found.flange_gap:
-        at = float(found.answer.run.time[int((sideways > found.flange_gap).argmax())])
-        text = (
-            f"from {1e3 * at:.4g} ms on the flange is up to {1e6 * sideways.max():.3g} um off "
-            f"the middle, through the sleeve {1e6 * found.flange_gap:.3g} um away; give the bore's "
-            "walls by guide.clearance with a stiffer guide.lateral_stiffness"
-        )
-        warn([text])
+    warn(_doubts(result, (voltage.waveform, coil.waveform)))
     with announcer() as announce:
-        _write(options, found, announce)
+        _write(options, result, announce)
     if options.json:
-        print_json(as_json(found))
+        print_json(as_json(result))
     else:
-        _print(found)
+        _print(result)
     return 0
 
 
-def as_json(found: Simulation) -> dict[str, Any]:
+def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[str]:
+    """List what limits the use of a run."""
+    from tactgen.tmm.generator.transient.waveform import Constant
+
+    doubts, answer, sideways = [], result.answer, result.sideways
+    if waveforms == (Constant(0.0), Constant(0.0)):
+        volts = f"{result.scene.drive.voltage:g} V sine 100 Hz"
+        doubts.append(
+            f'nothing drives it; give --voltage or --coil, for example --voltage "{volts}"'
+        )
+    if result.load_misfit:
+        doubts.append(
+            "the load is taken as springs, dampers and masses, which only take energy; they are up "
+            f"to {100.0 * result.load_misfit:.2g} % off its law of frequency"
+        )
+    if answer.error > answer.accuracy:
+        doubts.append(
+            f"the accuracy of {answer.accuracy:g} holds until {1e3 * answer.certain_until:.4g} ms; "
+            "later, bounces have amplified the steps' errors beyond it, and a finer --accuracy "
+            "moves that time a little"
+        )
+    if sideways.max() > result.flange_gap:
+        at = float(answer.run.time[int((sideways > result.flange_gap).argmax())])
+        doubts.append(
+            f"from {1e3 * at:.4g} ms on the flange is up to {1e6 * sideways.max():.3g} um off "
+            f"the middle, through the sleeve {1e6 * result.flange_gap:.3g} um away; give the "
+            "bore's walls by guide.clearance with a stiffer guide.lateral_stiffness"
+        )
+    return doubts
+
+
+def as_json(result: Simulation) -> dict[str, Any]:
     """Return the run's summary: ends and extremes of what moved, phases, balance, errors."""
     from tactgen.validation.models.generator.phases import phases
-    from tactgen.validation.studies.transient.files import series
+    from tactgen.validation.studies.simulate import series
 
-    answer = found.answer
+    answer = result.answer
     return {
-        "scene": found.scene.name,
+        "scene": result.scene.name,
         "until_s": float(answer.run.time[-1]),
         "steps": int(answer.run.time.size),
         "accuracy": answer.accuracy,
         "error": answer.error,
-        "load_misfit": found.load_misfit,
+        "load_misfit": result.load_misfit,
         "certain_until_s": answer.certain_until,
-        "sideways_m": float(found.sideways.max()),
-        "flange_gap_m": found.flange_gap,
+        "sideways_m": float(result.sideways.max()),
+        "flange_gap_m": result.flange_gap,
         "error_bars": answer.errors,
         "energy_imbalance": answer.run.worst_imbalance,
         "quantities": {
@@ -134,7 +147,7 @@ def as_json(found: Simulation) -> dict[str, Any]:
                 "largest": float(values.max()),
                 "last": float(values[-1]),
             }
-            for name, (values, unit, meaning) in series(found).items()
+            for name, (values, unit, meaning) in series(result).items()
         },
         "phases": [
             {
@@ -143,23 +156,21 @@ def as_json(found: Simulation) -> dict[str, Any]:
                 "end_s": phase.end,
                 "lateral_amplitude_m": phase.amplitude,
             }
-            for phase in phases(found)
+            for phase in phases(result)
         ],
     }
 
 
-def _print(found: Simulation) -> None:
+def _print(result: Simulation) -> None:
     import numpy as np
 
     from tactgen.validation.models.generator.phases import phases
 
     print(f"{'phase':10} {'from (ms)':>10} {'to (ms)':>10}  lateral amplitude (um)")
-    for phase in phases(found):
-        print(
-            f"{phase.name:10} {1e3 * phase.start:10.3f} {1e3 * phase.end:10.3f}  "
-            f"{1e6 * phase.amplitude:.4g}"
-        )
-    answer = found.answer
+    for phase in phases(result):
+        print(f"{phase.name:10} {1e3 * phase.start:10.3f} {1e3 * phase.end:10.3f}  "
+              f"{1e6 * phase.amplitude:.4g}")  # fmt: skip
+    answer = result.answer
     last = int(np.searchsorted(answer.run.time, answer.certain_until))
     bars = ", ".join(
         f"{name} {1e6 * answer.bars[name][last]:.2g} um" for name in ("rod_lift", "lateral_tip")
@@ -170,40 +181,13 @@ def _print(found: Simulation) -> None:
     )
 
 
-def _write(options: argparse.Namespace, found: Simulation, announce: Callable[[str], None]) -> None:
-    if options.out:
-        from tactgen.validation.studies.transient.files import write_run
-
-        drives = {"bimorph_voltage": options.voltage, "coil_drive": options.coil}
-        write_run(options.out, found, drives)
-    if options.plot:
-        from tactgen.geometry.files import write_text
-        from tactgen.validation.studies.transient.plot import time_plot
-
-        write_text(Path(options.plot), time_plot(found))
-    if options.fields:
-        from tactgen.validation.export.run_motion import write_run_steps
-
-        announce("time steps for ParaView")
-        write_run_steps(Path(options.fields), found)
-    for path in filter(None, (options.gif, options.mp4)):
-        from tactgen.validation.export.run_motion import write_run_film
-
-        write_run_film(Path(path), found, announce)
-
-
 def _check_files(options: argparse.Namespace) -> None:
     """Refuse what would fail only after the run."""
     from tactgen.validation.export.check_place import check_place
 
-    for option, path, suffix in (
-        ("out", options.out, ".nc"),
-        ("plot", options.plot, ".svg"),
-        ("gif", options.gif, ".gif"),
-        ("mp4", options.mp4, ".mp4"),
-        ("fields", options.fields, ".pvd"),
-    ):
-        if path:
+    for option in ("out", "plot", "gif", "mp4", "fields"):
+        if path := getattr(options, option):
+            suffix = {"out": ".nc", "plot": ".svg", "fields": ".pvd"}.get(option, f".{option}")
             check_place(f"--{option}", Path(path), (suffix,))
     if options.mp4:
         from tactgen.validation.view.films import check_ffmpeg
@@ -211,8 +195,29 @@ def _check_files(options: argparse.Namespace) -> None:
         check_ffmpeg(Path(options.mp4))
 
 
+def _write(
+    options: argparse.Namespace, result: Simulation, announce: Callable[[str], None]
+) -> None:
+    from tactgen.geometry.files import write_text
+    from tactgen.validation.studies.simulate import time_plot, write_run
+
+    if options.out:
+        drives = {"bimorph_voltage": options.voltage, "coil_drive": options.coil}
+        write_run(options.out, result, drives)
+    if options.plot:
+        write_text(Path(options.plot), time_plot(result))
+    if options.fields or options.gif or options.mp4:
+        from tactgen.validation.export.run_motion import write_run_film, write_run_steps
+
+        if options.fields:
+            announce("time steps for ParaView")
+            write_run_steps(Path(options.fields), result)
+        for path in filter(None, (options.gif, options.mp4)):
+            write_run_film(Path(path), result, announce)
+
+
 def _until(text: str) -> float:
-    from tactgen.validation.studies.transient.waveforms import SECONDS
+    from tactgen.validation.studies.waveforms import SECONDS
 
     try:
         value = SECONDS.parse(text.strip())
@@ -221,17 +226,6 @@ def _until(text: str) -> float:
     if not 1e-6 <= value <= 10.0:
         raise InputError(f"--until = {value:g} s is not between 1 us and 10 s; write such as 30 ms")
     return value
-
-
-def _check_starts(waveforms: dict[str, Waveform], until: float) -> None:
-    """Refuse a waveform of which the run would show nothing."""
-    for option, waveform in waveforms.items():
-        start = getattr(waveform, "start", 0.0)
-        if start >= until:
-            raise InputError(
-                f"{option} starts at {1e3 * start:g} ms and the run ends at {1e3 * until:g} ms; "
-                "give a later --until, or let it start earlier"
-            )
 
 
 def _accuracy(text: str) -> float:

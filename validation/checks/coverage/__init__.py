@@ -1,1 +1,0 @@
-"""Do error bars hold?  Random devices, each number with its bar against a much better answer."""

@@ -1,0 +1,1 @@
+"""Evidence: known answers, random devices, extremes, faults and run time against error."""

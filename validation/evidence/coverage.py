@@ -1,0 +1,297 @@
+"""One number with its bar held against a better one, and what many of them say about the bars."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.csv_tables import write_csv
+from tactgen.geometry.files import write_text
+from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.values import storable
+from tactgen.validation.scene.files import built_in_texts
+from tactgen.validation.view.figures import GREY, panels, svg
+
+#: Share of the errors that a bar promises to cover.
+PROMISED = 0.95
+#: Errors below are those of the reference.
+_EPS = float(np.finfo(float).eps)
+#: Median of bar over error from which bars say too little to be of use.
+WIDE = 5.0
+#: Multiples of the bars at which the calibration curve is drawn.
+MULTIPLES: Floats = np.geomspace(0.05, 5.0, 41)
+#: Chance at most that bars which keep the promise are called too narrow.
+_FALSE_ALARM = 0.01
+
+#: What is said of bars: they cover and are tight, they cover by being wide, they do not cover.
+Verdict: TypeAlias = Literal["holds", "wide", "fails"]
+
+
+@storable
+@dataclass(frozen=True)
+class Judged:
+    """An answer held against its reference; both error and bar relative to the reference.
+
+    Attributes
+    ----------
+    where : str
+        The device, for people: what differs from the scene that it was drawn from.
+    quantity : str
+        What was asked, with the number of a mode.
+    """
+
+    where: str
+    quantity: str
+    error: float
+    bar: float
+
+    @property
+    def within(self) -> bool:
+        """Whether the bar covers the error."""
+        return self.error <= self.bar
+
+
+@dataclass(frozen=True)
+class Row:
+    """All answers of one quantity.
+
+    Attributes
+    ----------
+    inside, count : int
+        How many lie within their bars, and of how many.
+    devices : int
+        Of how many devices these are: of few, the median is a guess.
+    width : float
+        Median of bar over error.
+    worst : Judged
+        The answer whose error is largest beside its bar.
+    verdict : {"holds", "wide", "fails"}
+        "fails" if so many outside are unlikely of bars that keep the promise; "wide" if the
+        median is beyond :data:`WIDE`.
+    """
+
+    quantity: str
+    inside: int
+    count: int
+    devices: int
+    width: float
+    worst: Judged
+    verdict: Verdict
+
+    @property
+    def holds(self) -> bool:
+        """Whether the bars cover, however wide they are."""
+        return self.verdict != "fails"
+
+
+def rows(found: Sequence[Judged]) -> list[Row]:
+    """Return one row a quantity, numbers of modes together, and last all of them."""
+    by_quantity: dict[str, list[Judged]] = {}
+    for one in found:
+        by_quantity.setdefault(one.quantity.partition(" ")[0], []).append(one)
+    made = [_row(name, of) for name, of in by_quantity.items()]
+    return [*made, _row("all", list(found))] if len(made) > 1 else made
+
+
+def _row(quantity: str, found: list[Judged]) -> Row:
+    worst = max(found, key=lambda one: one.error / max(one.bar, 1e-300))
+    inside, devices = sum(one.within for one in found), len({one.where for one in found})
+    width = median_width(found)
+    verdict = _verdict(inside, len(found), width)
+    return Row(quantity, inside, len(found), devices, width, worst, verdict)
+
+
+def _verdict(inside: int, count: int, width: float) -> Verdict:
+    from scipy.stats import binom
+
+    if binom.cdf(inside, count, PROMISED) < _FALSE_ALARM:
+        return "fails"
+    return "wide" if width > WIDE else "holds"
+
+
+def median_width(found: Sequence[Judged]) -> float:
+    """Return the median of bar over error."""
+    return float(np.median([one.bar / max(one.error, _EPS) for one in found]))
+
+
+def calibration(found: Sequence[Judged]) -> Floats:
+    """Return the share of errors within each of :data:`MULTIPLES` times the bar."""
+    ratios = np.array([one.error / max(one.bar, 1e-300) for one in found])
+    return np.asarray((ratios[:, None] <= MULTIPLES).mean(axis=0))
+
+
+#: What computes answers and is loaded by names in strings.
+_CODE = ("tactgen.validation.models", "tactgen.fem", "tactgen.tmm")
+
+
+@dataclass(frozen=True)
+class Part:
+    """One model's bars: what was drawn and what came out.
+
+    Attributes
+    ----------
+    name, what : str
+        The part, and what it holds against what.
+    seed, devices : int
+        How to draw the same devices again, and how many.
+    """
+
+    name: str
+    what: str
+    seed: int
+    devices: int
+    answers: tuple[Judged, ...]
+
+    @property
+    def rows(self) -> list[Row]:
+        """One row a quantity, the last of all of them."""
+        return rows(self.answers)
+
+    @property
+    def holds(self) -> bool:
+        """Whether every row does."""
+        return all(row.holds for row in self.rows)
+
+
+def judged_once(kind: str, of: tuple[object, ...], module: str, work: Callable[[], Any]) -> Any:
+    """Return what `work` gives, from the store if this code has judged the same before.
+
+    A run that was stopped so goes on where it was.
+
+    Parameters
+    ----------
+    kind : str
+        What the store lists it as.
+    of : tuple
+        What is judged, with the seed that it is drawn by.  The built-in scenes count, too: all is
+        made of them.
+    module : str
+        What judges.
+    """
+    return kept(kind, (*of, built_in_texts()), (module, *_CODE), work)
+
+
+def table(parts: Sequence[Part]) -> str:
+    """Return the parts as lines of text."""
+    lines = []
+    for part in parts:
+        lines.append(f"{part.name}: {part.what}; {part.devices} devices, seed {part.seed}")
+        lines.append(f"  {'quantity':28} {'devices':>7} {'inside':>12} {'bar/error':>10}  verdict")
+        for row in part.rows:
+            share = f"{row.inside}/{row.count}"
+            lines.append(
+                f"  {row.quantity:28} {row.devices:>7} {share:>12} {row.width:>10.2g}"
+                f"  {row.verdict}"
+            )
+            if not row.holds:
+                worst = row.worst
+                lines.append(f"    worst: {worst.error:.1e} beside a bar of {worst.bar:.1e}")
+                lines.append(f"    at {worst.where}")
+    if any(row.verdict == "wide" for part in parts for row in part.rows):
+        lines.append(f"wide: bars that cover, but of a median bar/error beyond {WIDE:g}")
+    return "\n".join(lines)
+
+
+def write(parts: Sequence[Part], out: Path) -> list[Path]:
+    """Write verdicts and all answers as CSV, the calibration curves as SVG; return the files."""
+    verdicts = [
+        (part.name, part.seed, r.quantity, r.devices, r.inside, r.count, r.width, r.verdict)
+        for part in parts for r in part.rows
+    ]  # fmt: skip
+    answers = [
+        (part.name, part.seed, one.where, one.quantity, float(one.error), float(one.bar))
+        for part in parts for one in part.answers
+    ]  # fmt: skip
+    return [
+        write_csv(out / "verdicts.csv", ("part", "seed", "quantity", "devices", "inside",
+                  "answers", "median bar/error", "verdict"), verdicts),
+        write_csv(out / "coverage.csv", ("part", "seed", "device", "quantity", "relative error",
+                  "relative bar"), answers),
+        write_text(out / "calibration.svg", calibration_plot(parts)),
+    ]  # fmt: skip
+
+
+def calibration_plot(parts: Sequence[Part]) -> str:
+    """Return the share of errors within so many times the bar, a curve for each part."""
+    figure, axis = panels(6.4, 4.0)
+    for part in parts:
+        axis.semilogx(MULTIPLES, 100.0 * calibration(part.answers), label=part.name)
+    axis.axhline(100.0 * PROMISED, color=GREY, linestyle="--", linewidth=1.0)
+    axis.axvline(1.0, color=GREY, linestyle="--", linewidth=1.0)
+    axis.set_xlabel("multiple of the bar")
+    axis.set_ylabel("errors within it (%)")
+    axis.legend(fontsize=9)
+    return svg(figure)
+
+
+class PartRow(NamedTuple):
+    """A part: devices by default, what is held against what, and what judges a random device."""
+
+    devices: int
+    what: str
+    module: str
+    judge: str
+
+
+def _row_of(devices: int, what: str, code: str) -> PartRow:
+    module, _, function = code.partition(".")
+    return PartRow(devices, what, f"{__package__}.{module}", function)
+
+
+#: The parts of a run by name; only the modules of those that are run are imported.
+PARTS: dict[str, PartRow] = {
+    "tmm": _row_of(60, "the transfer matrix against 80 digits; its bars are of rounding and wide",
+                   "coverage_beam.judge_tmm"),
+    "beam": _row_of(60, "beam elements against exact spans", "coverage_beam.judge"),
+    "taper": _row_of(40, "tapers by the transfer matrix against four times as many segments",
+                     "coverage_beam.judge_taper"),
+    "solid": _row_of(16, "bricks against bricks two levels finer", "coverage_solid.judge"),
+    "cad": _row_of(4, "tetrahedra of the CAD solids against much finer bricks",
+                   "coverage_solid.judge_cad"),
+    "reduced": _row_of(12, "a member of a family by its reduced basis against bricks two levels "
+                       "finer", "coverage_solid.judge_reduced"),
+    "axisymmetric": _row_of(20, "the magnetic field against a finer grid, higher order and farther "
+                            "walls", "coverage_actuator.judge"),
+    "magnetic3d": _row_of(20, "the magnetic field on coarse tetrahedra against the half section's",
+                          "coverage_actuator.judge_magnetic3d"),
+    "map": _row_of(60, "the co-energy map against the network itself",
+                   "coverage_actuator.judge_map"),
+    "switching": _row_of(30, "switching currents against balances of a network four times as fine",
+                         "coverage_actuator.judge_switching"),
+    "generator": _row_of(30, "small motions of the machine against those by a network four times "
+                         "as fine", "coverage_actuator.judge_motions"),
+    "time": _row_of(30, "runs in time against runs in much finer steps",
+                    "coverage_actuator.judge_in_time"),
+}  # fmt: skip
+
+
+def run_parts(
+    names: Sequence[str], devices: int | None, seed: int, announce: Callable[[str], None]
+) -> list[Part]:
+    """Judge as many random devices for each part; each device has a stream of its own.
+
+    So more devices of a seed are the same ones and others besides.
+    """
+    parts = []
+    for name in names:
+        row = PARTS[name]
+        judge = getattr(importlib.import_module(row.module), row.judge)
+        count = row.devices if devices is None else devices
+        answers: list[Judged] = []
+        for number in range(count):
+            announce(f"{name}: device {number + 1} of {count}")
+            rng = np.random.default_rng([seed, number])
+            answers += judged_once(
+                "coverage",
+                (name, seed, number),
+                row.module,
+                lambda: tuple(judge(rng)),  # noqa: B023
+            )
+        parts.append(Part(name, row.what, seed, count, tuple(answers)))
+    return parts

@@ -1,0 +1,302 @@
+"""Bars of the axisymmetric field: random normal actuators on a finer grid with farther walls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from tactgen.fem.magnetics.actuator_3d import solve_solid
+from tactgen.fem.magnetics.axisymmetric import solve_point
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
+from tactgen.geometry.reluctance.sector_tets import Sector
+from tactgen.tmm.generator.positions import axial_forces, resting_place
+from tactgen.tmm.generator.small_signal import Linearised
+from tactgen.tmm.generator.transient.march import simulate
+from tactgen.tmm.generator.transient.record import output_at
+from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources
+from tactgen.tmm.reluctance.circuit import CELLS
+from tactgen.tmm.reluctance.map_range import map_grid, network_pull
+from tactgen.tmm.reluctance.network import DirectPull, network_samples
+from tactgen.tmm.reluctance.switching import between_stops, spring_force
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import AnswerReadout
+from tactgen.validation.engine.model import make_model
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.evidence.coverage import Judged
+from tactgen.validation.evidence.random_devices import accepted, between
+from tactgen.validation.models.generator.judged_rod import JudgedRod, rod_by_network
+from tactgen.validation.models.generator.small_signal import SmallSignal
+from tactgen.validation.models.generator.transient import scene_machine
+from tactgen.validation.scene.scene import Scene, load_scene
+
+#: The reference's order, refinement of the grid, and how many times as far its walls are.
+_ORDER, _REFINEMENT, _FARTHER = 5, 1.5, 3.0
+_VALUES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
+
+#: A field with its error bars, and a better one.
+Fields: TypeAlias = tuple[Any, Any]
+
+
+def judge(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of one device, drawn by `rng`."""
+    return judged_fields(rng, _solved)
+
+
+def _solved(device: Device) -> Fields:
+    right = solve_point(
+        device, order=_ORDER, refinement=_REFINEMENT, outer_radius=_FARTHER * OUTER_RADIUS
+    )
+    return solve_point(device), right
+
+
+def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) -> list[Judged]:
+    """Return the answers of one device, drawn by `rng`; dimensions that do not fit are redrawn."""
+
+    def attempt() -> list[Judged]:
+        overrides = drawn_actuator(rng)
+        scene, _ = load_scene("reluctance", overrides)
+        found, right = solved(scene.device)
+        return [_one(" ".join(overrides), name, found, right) for name in _VALUES]
+
+    return accepted(attempt)
+
+
+def drawn_actuator(rng: np.random.Generator) -> list[str]:
+    """Return the overrides of a random normal actuator; they may not fit together."""
+    turns = int(between(rng, 200, 2000))
+    return [
+        f"gap={between(rng, 20.0, 400.0):.4g}um",
+        f"coil.current={between(rng, 2.0, 300.0):.4g}mA",
+        f"coil.turns={turns}",
+        f"rod.head_thickness={between(rng, 0.3, 0.8):.4g}mm",
+        f"sleeve.collar_thickness={between(rng, 0.1, 0.4):.4g}mm",
+        f"steel.curve={rng.choice(['team20', 'linear'])}",
+    ]
+
+
+def _one(where: str, name: str, found: Any, right: Any) -> Judged:
+    value, exact = getattr(found, name), getattr(right, name)
+    bar = getattr(found.errors, name)
+    return Judged(where, name, abs(value / exact - 1.0), bar / abs(exact))
+
+
+#: Lines of the sector's grid, of the usual: less than half to two thirds.
+_REFINEMENTS = 0.4, 0.65
+
+
+def judge_magnetic3d(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of one device without a slot, drawn by `rng`."""
+
+    def solved(device: Device) -> Fields:
+        # drawn anew with each device: too coarse a grid is refused
+        sector = Sector(refinement=between(rng, *_REFINEMENTS))
+        return solve_solid(device, device.coil.current, device.gap, sector), solve_point(device)
+
+    return judged_fields(rng, solved)
+
+
+#: How many times as many cells as the map's the references' ladders have: of switching currents,
+#: and of small motions, which are solved with twice as many.
+_FINER, _FINEST = 4, 8
+#: How many times as long the reference's differences are: in so many cells rounding is larger.
+_LONGER = 4.0
+_MOTIONS = (
+    "lateral_tip_per_voltage", "axial_tip_per_current", "axial_tip_per_coil_voltage",
+    "coil_impedance",
+)  # fmt: skip
+_SWITCHING = ("pull_in_current", "holding_current", "drop_out_current")
+#: Currents and gaps at which a map is judged; gaps among which an extreme is looked for.
+_POINTS, _GAPS = 20, 9
+
+
+def judge_map(rng: np.random.Generator) -> list[Judged]:
+    """Return the largest errors of one device's map, drawn by `rng`, against the network itself.
+
+    Relative to a tenth of the largest at that gap, where less: so the map states them.
+    """
+    scene, where = _fitting(rng, lambda scene: network_pull(scene.device))
+    surface = network_pull(scene.device)
+    most = surface.current_limit
+    currents = np.append(rng.uniform(0.0, most, _POINTS), most)
+    gaps = rng.uniform(*surface.gap_limits, _POINTS)
+    right, found = network_samples(scene.device, np.sort(currents), gaps), []
+    for name in ("flux_linkage", "force"):
+        known = getattr(right, name)
+        off = np.abs(getattr(surface, name)(right.current[:, None], gaps) - known)
+        error = off / np.maximum(np.abs(known), 0.1 * np.abs(known[-1]))
+        bar = getattr(surface.interpolation_error, name)
+        found.append(Judged(where, name, float(error.max()), bar))
+    return found
+
+
+def judge_switching(rng: np.random.Generator) -> list[Judged]:
+    """Return the switching currents of one device against balances of a finer network."""
+    scene, where = _fitting(rng, lambda scene: solve(scene, ("network",), _SWITCHING))
+    solution = solve(scene, ("network",), _SWITCHING)
+    right = _balances(scene)
+    found = []
+    for name in _SWITCHING:
+        value, bar = (
+            float(getattr(solution.get(name, "network"), of)) for of in ("value", "error")
+        )
+        if np.isfinite(value) and np.isfinite(right[name]):
+            size = abs(right[name])
+            found.append(Judged(where, name, abs(value - right[name]) / size, bar / size))
+    return found
+
+
+def judge_motions(rng: np.random.Generator) -> list[Judged]:
+    """Return one machine's small motions against those about where a finer network holds it."""
+    scene, where = _fitting(rng, lambda scene: scene.rest)
+    model = make_model("tmm", scene, Stages(make_plan(scene, ("tmm",), _MOTIONS).keys))
+    found = []
+    judged = model.answer("small_signal")
+    exact = JudgedRod(_finer_rod(scene))
+    right: SmallSignal = replace(judged, linear=exact)
+    for name in _MOTIONS:
+        read = QUANTITIES[name].read
+        assert isinstance(read, AnswerReadout)
+        answer, known = read.of(judged), read.of(right)
+        size = np.abs(known.value)
+        pairs = zip(np.abs(answer.value - known.value) / size, answer.error / size, strict=True)
+        found += [Judged(where, name, float(error), float(bar)) for error, bar in pairs]
+    return found
+
+
+def _finer_rod(scene: Scene) -> Linearised:
+    """Return the rod by a network finer than any that judges it, without a map anywhere."""
+    coarse = DirectPull(scene.device, CELLS, scene.pull.gap_limits)
+    forces = axial_forces(scene.device, coarse, scene.load.normal_force)
+    place = resting_place(forces, abs(scene.coil.current), scene.coil.history)
+    finest = replace(coarse, cells=_FINEST * CELLS, step=_LONGER * coarse.step)
+    return rod_by_network(scene, finest, place)
+
+
+def _fitting(rng: np.random.Generator, tried: Callable[[Scene], object]) -> tuple[Scene, str]:
+    """Return a drawn machine that `tried` does not refuse, and what it differs in."""
+
+    def attempt() -> tuple[Scene, str]:
+        overrides = _drawn(rng)
+        scene, _ = load_scene("generator", overrides)
+        tried(scene)
+        return scene, " ".join(overrides)
+
+    return accepted(attempt)
+
+
+def _drawn(rng: np.random.Generator) -> list[str]:
+    at = ",".join(f"{between(rng, 10.0, 3000.0):.4g}Hz" for _ in range(3))
+    return [
+        f"gap={between(rng, 80.0, 300.0):.4g}um",
+        f"coil.current={between(rng, 2.0, 300.0):.4g}mA",
+        f"coil.history={rng.choice(['rising', 'falling'])}",
+        f"coil.turns={int(between(rng, 200, 2000))}",
+        f"rod.head_thickness={between(rng, 0.3, 0.8):.4g}mm",
+        f"sleeve.collar_thickness={between(rng, 0.1, 0.4):.4g}mm",
+        f"spring.preload={between(rng, 30.0, 300.0):.4g}mN",
+        f"steel.curve={rng.choice(['team20', 'linear'])}",
+        "load.kind=none",
+        f"frequency={at}",
+    ]
+
+
+def _balances(scene: Scene) -> dict[str, float]:
+    """Return the switching currents (A) by a finer network; nan where no current balances."""
+    from scipy.optimize import minimize_scalar
+
+    currents, around = map_grid(scene.device)
+    exact = DirectPull(scene.device, _FINER * CELLS, (around[0], around[-1]))
+
+    def balance(gap: float) -> float:
+        return _balance(exact, currents, gap)
+
+    gaps = between_stops(scene.device, _GAPS)
+    needed = np.array([balance(float(gap)) for gap in gaps])
+    found = {"holding_current": float(needed[0])}
+    for name, sign in (("pull_in_current", -1.0), ("drop_out_current", 1.0)):
+        at = int(np.argmin(sign * needed))
+        if at in (0, _GAPS - 1):  # at a stop
+            found[name] = float(needed[at])
+            continue
+        ends = float(gaps[at - 1]), float(gaps[at + 1])
+        closer = minimize_scalar(
+            lambda gap, sign=sign: sign * balance(gap), bounds=ends, method="bounded",
+            options={"xatol": 1e-3 * (ends[1] - ends[0])},
+        )  # fmt: skip
+        found[name] = sign * min(sign * float(needed[at]), float(closer.fun))
+    return found if np.isfinite(needed).all() else dict.fromkeys(found, np.nan)
+
+
+def _balance(exact: DirectPull, currents: np.ndarray, gap: float) -> float:
+    """Return the least current (A) whose pull balances the spring at a gap (m); nan for none."""
+    from scipy.optimize import brentq
+
+    against = float(spring_force(exact.device, gap))
+    over = exact.force(currents, gap) >= against
+    if not over.any() or over[0]:
+        return np.nan
+    first = int(np.argmax(over))
+    low, high = currents[first - 1 : first + 1]
+    return float(brentq(lambda i: float(exact.force(i, gap)) - against, low, high, xtol=1e-12))
+
+
+#: Seconds that are run.
+_UNTIL = 2e-4
+#: Accuracy of the reference, of the run's that is judged, and its longest step (s): a tenth of the
+#: run's, a hundredth of the time.  By the accuracy alone both might take the same steps.
+_FINER_IN_TIME, _LONGEST = 0.01, 1e-3 * _UNTIL
+
+
+def judge_in_time(rng: np.random.Generator) -> list[Judged]:
+    """Return the outputs of one run, drawn by `rng`: the largest error until some time.
+
+    That is what a bar in time is of; relative to the output's largest.
+    """
+    return accepted(lambda: _judged(rng))
+
+
+def _judged(rng: np.random.Generator) -> list[Judged]:
+    ohms, accuracy, speed = (
+        between(rng, *limits) for limits in ((1.0, 1e4), (0.01, 0.3), (1e-3, 1.0))
+    )
+    overrides = [
+        "load.kind=none",
+        f"coil.source_resistance={ohms:.4g}ohm",
+        f"bimorph.length={between(rng, 12.0, 30.0):.4g}mm",
+        f"contact.decay_length={between(rng, 0.03, 0.3):.4g}um",
+        f"spring.preload={between(rng, 50.0, 300.0):.4g}mN",
+    ]
+    scene, _ = load_scene("generator", overrides)
+    found = scene_machine(scene, coil="voltage", volts=10.0)
+    velocity = np.zeros(found.rest.size)
+    velocity[0] = speed
+    coil = Constant(between(rng, 1e-3, 0.05) * (ohms + 20.0))
+    drive = Sine(between(rng, 1.0, 50.0), between(rng, 50.0, 2000.0))
+    run, finer = (
+        simulate(
+            found.system, Sources(drive, coil), _UNTIL,
+            position=found.rest, velocity=velocity, accuracy=accuracy * share, longest=longest,
+        )
+        for share, longest in ((1.0, math.inf), (_FINER_IN_TIME, _LONGEST))
+    )  # fmt: skip
+    where = f"{' '.join(overrides)}, {speed:.4g} m/s, accuracy {accuracy:.3g}"
+    at = int(rng.integers(run.run.time.size // 10, run.run.time.size))
+    judged = []
+    for name, values in run.outputs.items():
+        times, bar = run.run.time[:at], run.bars[name][at - 1]
+        right = (
+            np.interp(times, finer.run.time, finer.run.current)
+            if name == "current"
+            else output_at(finer.run, found.system.outputs[name].row, times)
+        )
+        off = np.abs(values[:at] - right).max()
+        size = float(np.abs(values).max()) or 1.0
+        judged.append(Judged(where, name, float(off / size), float(bar / size)))
+    return judged

@@ -1,0 +1,595 @@
+"""Commands under bad circumstances: nothing half-written, nothing wrong trusted.
+
+Each trial spoils one thing, lets the command end, looks at what it left, and runs it again
+undisturbed on the same store and folder, which must give what an undisturbed run gives.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from tactgen.geometry.store.store import kept, recalled
+from tactgen.validation.evidence.stress import Asked, Family, Row, Stress, answered
+
+#: Seconds after which a process is taken for endless.
+ENDLESS = 300.0
+#: How the names of drafts begin, which a killed process leaves and the next one sweeps.
+DRAFT = ".tactgen-"
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command that writes.
+
+    Attributes
+    ----------
+    name : str
+        What it is called in the table.
+    arguments : tuple of str
+        With ``{out}`` for the folder that it writes to, and ``{measured}`` for a file to read.
+    answer : str
+        Key of what must be the same in its JSON on stdout whatever happened before; empty
+        where it prints none.
+    overwrites : bool
+        Whether it writes over what is there; else it is run again for another folder.
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    answer: str = ""
+    overwrites: bool = True
+
+
+#: A measured curve for those that want one: a resonator of 782 Hz and Q 12, as its file.
+MEASURED = "frequency (Hz),velocity (mm/s)\n" + "".join(
+    f"{f},{22.8 / math.hypot(1.0, 12.0 * (f / 782.0 - 782.0 / f)):.4g}\n"
+    for f in range(600, 1000, 40)
+)
+_SOLVED = (
+    "--quantity", "static_tip_displacement", "--quantity", "short_circuit_frequencies", "--json",
+)  # fmt: skip
+#: The light ones take a second each.
+LIGHT = (
+    Command("init", ("init", "{out}/scene.toml"), overwrites=False),
+    Command(
+        "whatif",
+        ("whatif", "prototype", "--model", "tmm", "--vary", "bimorph.length=13mm:15mm:3",
+         "--quantity", "static_tip_displacement", "--out", "{out}/study"),
+        overwrites=False,
+    ),
+    Command("solve, beam", ("solve", "prototype", "--model", "beam", *_SOLVED), "quantities"),
+)  # fmt: skip
+HEAVY = (
+    Command(
+        "solve, solid", ("solve", "j1", "--model", "solid", "--set", "mesh.level=2", *_SOLVED),
+        "quantities",
+    ),
+    Command(
+        "export, CAD", ("export", "paper", "--step", "{out}/a.step", "--glb", "{out}/a.glb")
+    ),
+    Command(
+        "export, ports",
+        ("export", "j1", "--set", "mesh.level=2", "--ports", "{out}/a.npz", "--mesh",
+         "{out}/a.vtu"),
+    ),
+    Command(
+        "export, map",
+        ("export", "reluctance", "--set", "models=network", "--map", "{out}/a.nc"),
+    ),
+    Command("verify", ("verify", "--only", "beams", "--quick", "--out", "{out}/book")),
+    Command(
+        "coverage",
+        ("coverage", "--only", "beam", "--devices", "2", "--seed", "1", "--out", "{out}/c"),
+    ),
+    Command("stress", ("stress", "--only", "tmm", "--quick", "--out", "{out}/s")),
+    Command(
+        "export, states",
+        ("export", "j1", "--set", "mesh.level=2", "--state-space", "{out}/a.npz"),
+    ),
+    Command(
+        "export, fields",
+        ("export", "j1", "--set", "models=tmm", "--set", "modes=1", "--fields", "{out}/a.vtu",
+         "--animated-glb", "{out}/a.glb"),
+    ),
+    Command(
+        "export, machine",
+        ("export", "generator", "--machine", "{out}/a.npz", "--fmu", "{out}/a.fmu"),
+    ),
+    Command(
+        "view", ("view", "j1", "--set", "models=tmm", "--set", "modes=1", "--out", "{out}/a.html")
+    ),
+    Command(
+        "simulate",
+        ("simulate", "paper", "--set", "load.kind=none", "--voltage", "10 V sine 200 Hz", "--until",
+         "50 us", "--accuracy", "0.2", "--out", "{out}/a.nc", "--plot", "{out}/a.svg"),
+    ),
+    Command(
+        "identify",
+        ("identify", "{measured}", "--plot", "{out}/a.svg", "--write", "{out}/a.toml", "--json"),
+        "parameters",
+        overwrites=False,
+    ),
+    Command(
+        "compare",
+        ("compare", "prototype", "paper", "--model", "lumped", "--quantity",
+         "static_tip_displacement", "--out", "{out}/c"),
+    ),
+    Command(
+        "positions",
+        ("positions", "generator", "--model", "network", "--current", "0:140mA:8", "--csv",
+         "{out}/a.csv", "--plot", "{out}/a.svg"),
+    ),
+    Command(
+        "backbone",
+        ("backbone", "prototype", "--set", "support.kind=contact", "--set", "coil.current=0mA",
+         "--voltage", "0.2", "--frequency", "700:800", "--model", "lumped", "--plot",
+         "{out}/a.svg"),
+    ),
+    Command(
+        "sensitivity",
+        ("sensitivity", "prototype", "--model", "lumped", "--quantity", "static_tip_displacement",
+         "--key", "bimorph.length", "--json"),
+    ),
+    Command("cache", ("cache", "--clear", "--json")),
+    Command("bill", ("bill", "display", "--json")),
+    Command("plan", ("plan", "prototype", "--json")),
+    Command("bench", ("bench", "--only", "tmm", "--quick", "--out", "{out}/b")),
+    Command("design", ("design", "--lengths", "20mm:22mm", "--plot", "{out}/a.svg")),
+    Command(
+        "report",
+        ("report", "prototype", "--quick", "--model", "lumped", "--set", "frequency=10:900:3",
+         "--out", "{out}/report"),
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """Where a command runs.
+
+    Attributes
+    ----------
+    out, store, measured : Path
+        Folder to write to, that of the store, and a file to read.
+    variables : dict of str to (str or None)
+        Of the environment, None to take one away.
+    limit : (int, int), optional
+        A resource (``resource.RLIMIT_...``) and the most of it.
+    """
+
+    out: Path
+    store: Path
+    measured: Path
+    variables: Mapping[str, str | None] = field(default_factory=dict)
+    limit: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a process ended: its code (negative for a signal), and what it said."""
+
+    code: int
+    out: str
+    err: str
+
+
+def begin(command: Command, around: Surroundings, **streams: Any) -> subprocess.Popen[str]:
+    """Start a command as a process of its own."""
+    words = [word.format(out=around.out, measured=around.measured) for word in command.arguments]
+    variables = {**os.environ, "TACTGEN_CACHE": str(around.store), **around.variables}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tactgen", *words],
+        env={name: value for name, value in variables.items() if value is not None},
+        stdin=subprocess.DEVNULL, text=True, encoding="utf-8", start_new_session=True,
+        **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **streams},
+    )  # fmt: skip
+    if around.limit is not None:  # long before Python has read its first module
+        what, most = around.limit
+        resource.prlimit(process.pid, what, (most, most))
+    return process
+
+
+def finish(process: subprocess.Popen[str], *, after: float | None = None, end: int = 0) -> Ended:
+    """Wait for a process; after so many seconds (if it still runs) it gets a signal.
+
+    A process that hangs is killed and has no code of its own: it counts as endless.
+    """
+    try:
+        out, err = process.communicate(timeout=after if after is not None else ENDLESS)
+    except subprocess.TimeoutExpired:
+        _signal(process, end or signal.SIGKILL)
+        try:
+            out, err = process.communicate(timeout=ENDLESS)
+        except subprocess.TimeoutExpired:
+            _signal(process, signal.SIGKILL)
+            process.communicate()
+            return Ended(124, "", "endless")
+        if after is None:
+            return Ended(124, out or "", "endless")
+    return Ended(process.returncode, out or "", err or "")
+
+
+def before_us(done: Ended) -> bool:
+    """Return whether Ctrl-C met Python while it was loading itself: its words then, not ours."""
+    return done.code == 1 and "KeyboardInterrupt" in done.err and "tactgen" not in done.err
+
+
+def _signal(process: subprocess.Popen[str], number: int) -> None:
+    """Signal the process and all that it started."""
+    try:
+        os.killpg(process.pid, number)
+    except ProcessLookupError:
+        return
+
+
+def half_written(folder: Path) -> list[str]:
+    """Return the files below a folder that are not whole; drafts have no name of ours yet."""
+    files = (p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(DRAFT))
+    return [str(path.relative_to(folder)) for path in sorted(files) if not _whole(path)]
+
+
+def _whole(path: Path) -> bool:
+    content = path.read_bytes()
+    try:
+        return bool(content) and _ENDS.get(path.suffix, bool)(content)
+    except (ValueError, IndexError):  # the latter where a header is cut short
+        return False
+
+
+def _zip(content: bytes) -> bool:
+    return content[:2] == b"PK" and b"PK\x05\x06" in content[-1000:]
+
+
+def _netcdf(content: bytes) -> bool:
+    """Return whether all that a classic netCDF file says it holds is there."""
+    from scipy.io import netcdf_file
+
+    if content[:3] != b"CDF":
+        return False
+    with netcdf_file(io.BytesIO(content), mmap=False) as file:
+        return bool(file.variables)
+
+
+def _parses(load: Callable[[str], Any]) -> Callable[[bytes], bool]:
+    return lambda content: load(content.decode()) is not None
+
+
+_ENDS: dict[str, Callable[[bytes], bool]] = {
+    ".json": _parses(json.loads),
+    ".toml": _parses(tomllib.loads),
+    ".html": lambda content: content.rstrip().endswith(b"</html>"),
+    ".svg": lambda content: content.rstrip().endswith(b"</svg>"),
+    ".csv": lambda content: content.endswith(b"\n"),
+    ".step": lambda content: content.rstrip().endswith(b"END-ISO-10303-21;"),
+    ".glb": lambda content: int.from_bytes(content[8:12], "little") == len(content),
+    ".vtu": lambda content: content.rstrip().endswith(b"</VTKFile>"),
+    ".npz": _zip,
+    ".fmu": _zip,
+    ".nc": _netcdf,
+}
+
+
+def answer(command: Command, done: Ended) -> Any:
+    """Return what a command answered, without what its run took."""
+    if not command.answer:
+        return None
+    found = json.loads(done.out)[command.answer]
+    return [{k: v for k, v in entry.items() if k != "seconds"} for entry in found]
+
+
+def said(done: Ended) -> tuple[bool, str]:
+    """Return whether a process speaks as a command should, and its refusal (empty if it has none).
+
+    No traceback; and a refusal (code 2) is a sentence of the program's own.
+    """
+    own = [line for line in done.err.splitlines() if line.startswith("tactgen: ")]
+    refusals = [x for x in own if not x.startswith(("tactgen: warning", "tactgen: note"))]
+    clean = "Traceback" not in done.out + done.err
+    return clean and (done.code != 2 or bool(refusals)), " ".join(refusals)
+
+
+_STATEMENT = (
+    "A point is one run of a command, spoilt, and the same run again undisturbed: it counts as "
+    "wrong if a file was half-written, if the second run's answer is not that of an undisturbed "
+    "one, if words are not ours, or if it never ends. What is refused is quoted."
+)
+#: Codes with which a command may end that was not allowed to do its work.
+_REFUSED, _INTERRUPTED, _TERMINATED, _PIPE = 2, 130, 143, 141
+#: A place where no file can be made, even by root.
+_NOWHERE = "/proc/tactgen"
+_GIB = 2**30
+_CODE = (
+    "tactgen.validation.command_line.cli", "tactgen.validation.models",
+    "tactgen.validation.catalogue", "tactgen.fem", "tactgen.tmm",
+)  # fmt: skip
+_KIND = "stress.faults"
+
+
+class Trials:
+    """The undisturbed runs of the commands, and the folders of the spoilt ones."""
+
+    def __init__(self, commands: Sequence[Command], folder: Path, seed: int) -> None:
+        self.commands, self.folder, self.chance = commands, folder, random.Random(seed)
+        self.measured = folder / "measured.csv"
+        self.measured.write_text(MEASURED, encoding="utf-8")
+        self.count = 0
+        self.right: dict[str, Any] = {}
+        self.seconds: dict[str, float] = {}
+        self.files: dict[str, list[str]] = {}
+        self.stores: dict[str, Path] = {}
+        for command in commands:
+            around, started = self.place(), time.perf_counter()
+            self.stores[command.name] = around.store
+            done = finish(begin(command, around))
+            self.seconds[command.name] = time.perf_counter() - started
+            assert done.code == 0, f"{command.name} undisturbed: {done.err}"
+            self.right[command.name] = answer(command, done)
+            self.files[command.name] = _names(around.out)
+
+    def place(self) -> Surroundings:
+        """Return an own folder and an own store."""
+        self.count += 1
+        out = self.folder / f"{self.count}"
+        out.mkdir()
+        return Surroundings(out, self.folder / f"{self.count}.store", self.measured)
+
+    def judge(
+        self, command: Command, around: Surroundings, done: Ended, codes: Sequence[int]
+    ) -> str:
+        """Return what is wrong after a spoilt run, nothing if all is right."""
+        ours, _ = said(done)
+        if done.code not in codes:
+            return f"ended with {done.code}: {done.err[-200:]}"
+        if not ours:
+            return f"said {done.err[-200:]}"
+        left = half_written(around.out)
+        if left:
+            return f"half-written: {', '.join(left)}"
+        if done.code == 0:  # it did its work all the same: that is what is looked at
+            return self.compared(command, around, done)
+        return self.again(command, around)
+
+    def again(self, command: Command, around: Surroundings) -> str:
+        """Run a command undisturbed where it was spoilt; return what is wrong then."""
+        out = around.out if command.overwrites else self.place().out
+        around = Surroundings(out, around.store, self.measured)
+        done = finish(begin(command, around))
+        if done.code != 0:
+            return f"afterwards it ended with {done.code}: {done.err[-200:]}"
+        return self.compared(command, around, done)
+
+    def compared(self, command: Command, around: Surroundings, done: Ended) -> str:
+        """Return what sets a run that did its work apart from an undisturbed one."""
+        if answer(command, done) != self.right[command.name]:
+            return "the answer is another"
+        missing = set(self.files[command.name]) - set(_names(around.out))
+        if missing or half_written(around.out):
+            return f"not all files are there: {sorted(missing)}"
+        drafts = [p.name for p in around.out.rglob(f"{DRAFT}*")]
+        return f"drafts were left: {drafts}" if drafts else ""
+
+
+def _names(folder: Path) -> list[str]:
+    return sorted(
+        str(p.relative_to(folder)) for p in folder.rglob("*") if not p.name.startswith(DRAFT)
+    )
+
+
+def _add(family: Family, where: str, wrong: str, done: Ended | None = None) -> None:
+    if done is not None and done.code == _REFUSED:
+        family.refusals.append(said(done)[1])
+    family.add(f"{where}{': ' if wrong else ''}{wrong}", math.inf if wrong else 0.0, 0.0)
+
+
+def killed(trials: Trials, times: int) -> Row:
+    """Kill commands at random moments, by SIGKILL."""
+    return _ended_by(trials, times, signal.SIGKILL, "killed (SIGKILL)", (-signal.SIGKILL, 0))
+
+
+def terminated(trials: Trials, times: int) -> Row:
+    """Tell commands to end at random moments, by SIGTERM."""
+    codes = (_TERMINATED, -signal.SIGTERM, 0)  # the latter before the program has begun
+    return _ended_by(trials, times, signal.SIGTERM, "told to end (SIGTERM)", codes)
+
+
+def interrupted(trials: Trials, times: int) -> Row:
+    """Interrupt commands at random moments, as Ctrl-C does: by SIGINT."""
+    codes = (_INTERRUPTED, -signal.SIGINT, 0)
+    return _ended_by(trials, times, signal.SIGINT, "interrupted (SIGINT)", codes)
+
+
+def _ended_by(trials: Trials, times: int, number: int, name: str, codes: Sequence[int]) -> Row:
+    family = Family()
+    for turn in range(times):
+        command = trials.commands[turn % len(trials.commands)]
+        around = trials.place()
+        moment = trials.chance.random() * trials.seconds[command.name]
+        done = finish(begin(command, around), after=moment, end=number)
+        if before_us(done):
+            done = Ended(-number, "", "")
+        wrong = trials.judge(command, around, done, codes)
+        _add(family, f"{command.name} after {moment:.2f} s", wrong)
+    what = f"{times} runs of {len(trials.commands)} commands, at random moments"
+    return answered(f"faults: {name}", what, family.points, family.refusals)
+
+
+def no_room(trials: Trials) -> Row:
+    """Let no file grow beyond some bytes, as on a full disk."""
+    family = Family()
+    for command in trials.commands:
+        for size in (0, 300):
+            around = replace(trials.place(), limit=(resource.RLIMIT_FSIZE, size))
+            done = finish(begin(command, around))
+            wrong = trials.judge(command, around, done, (0, _REFUSED))
+            _add(family, f"{command.name}, files of {size} bytes", wrong, done)
+    what = "files of at most 0 and 300 bytes"
+    return answered("faults: no room on the disk", what, family.points, family.refusals)
+
+
+def read_only(trials: Trials) -> Row:
+    """Let neither store nor output folder be writable."""
+    family = Family()
+    for command in trials.commands:
+        spoilt = replace(trials.place(), store=Path(_NOWHERE))
+        done = finish(begin(command, spoilt))
+        _add(family, f"{command.name}, store", trials.judge(command, spoilt, done, (0,)), done)
+        if "{out}" in " ".join(command.arguments):
+            done = finish(begin(command, replace(spoilt, out=Path(_NOWHERE))))
+            ours, _ = said(done)
+            wrong = "" if done.code == _REFUSED and ours else f"ended with {done.code}: {done.err}"
+            _add(family, f"{command.name}, folder", wrong, done)
+    what = "a store and a folder in which no file can be made"
+    return answered("faults: read-only places", what, family.points, family.refusals)
+
+
+def nobody(trials: Trials) -> Row:
+    """Take HOME away, or let it name nothing."""
+    family = Family()
+    homes = (None, "", "/nonexistent")
+    for turn in range(max(len(homes), len(trials.commands))):
+        command = trials.commands[turn % len(trials.commands)]
+        home = homes[turn % len(homes)]
+        around = trials.place()
+        spoilt = replace(around, variables={"HOME": home, "TACTGEN_CACHE": None})
+        done = finish(begin(command, spoilt))
+        wrong = trials.judge(command, around, done, (0,))
+        _add(family, f"{command.name}, HOME={home}", wrong, done)
+    return answered("faults: no home", "HOME missing, empty, not there", family.points)
+
+
+def shut_pipe(trials: Trials) -> Row:
+    """Close the other end of stdout before anything is written."""
+    family = Family()
+    for command in trials.commands:
+        around = trials.place()
+        read, write = os.pipe()
+        os.close(read)
+        process = begin(command, around, stdout=write)
+        os.close(write)
+        done = finish(process)
+        wrong = trials.judge(command, around, done, (0, _PIPE, _REFUSED))
+        _add(family, command.name, wrong)
+    return answered("faults: closed pipe", "stdout into a pipe that nobody reads", family.points)
+
+
+def little_memory(trials: Trials) -> Row:
+    """Let a process have 1 GiB of address space."""
+    family = Family()
+    for command in trials.commands:
+        around = replace(trials.place(), limit=(resource.RLIMIT_AS, _GIB))
+        done = finish(begin(command, around))
+        wrong = trials.judge(command, around, done, (0, _REFUSED))
+        _add(family, command.name, wrong, done)
+    what = "1 GiB of address space: an answer, or a sentence"
+    return answered("faults: little memory", what, family.points, family.refusals)
+
+
+def two_at_once(trials: Trials) -> Row:
+    """Start a command twice at once, with one store and one folder."""
+    family = Family()
+    for command in trials.commands:
+        around = trials.place()
+        pair = [finish(process) for process in [begin(command, around) for _ in range(2)]]
+        for number, done in enumerate(pair, start=1):
+            wrong = ""
+            if done.code == 0:
+                wrong = trials.compared(command, around, done)
+            elif done.code != _REFUSED or not said(done)[0]:
+                wrong = f"ended with {done.code}: {done.err[-200:]}"
+            _add(family, f"{command.name}, number {number}", wrong, done)
+        if any(done.code for done in pair):
+            _add(family, f"{command.name}, both", trials.again(command, around))
+    what = "the same command twice on one store and one folder"
+    return answered("faults: two at once", what, family.points, family.refusals)
+
+
+def corrupted(trials: Trials, times: int) -> Row:
+    """Flip a bit, cut, empty or swap entries of the store."""
+    family = Family()
+    for turn in range(times):
+        command = trials.commands[turn % len(trials.commands)]
+        around = trials.place()
+        if trials.stores[command.name].exists():  # some commands keep nothing
+            shutil.copytree(trials.stores[command.name], around.store)
+        entries = sorted(around.store.rglob("*.kept"))
+        how = trials.chance.choice(("bit", "cut", "empty", "swapped"))
+        for path in entries:
+            _spoil(path, trials.chance.choice(entries), how, trials.chance)
+        wrong = trials.again(command, around)
+        _add(family, f"{command.name}, {len(entries)} entries, {how}", wrong)
+    what = "every entry with a bit flipped, cut, emptied, or another's content"
+    return answered("faults: corrupted store", what, family.points, family.refusals)
+
+
+def _spoil(path: Path, other: Path, how: str, chance: random.Random) -> None:
+    content = bytearray(path.read_bytes())
+    if how == "bit" and content:
+        content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+    elif how == "cut":
+        del content[len(content) // 2 :]
+    elif how == "swapped":
+        content = bytearray(other.read_bytes())
+    path.write_bytes(b"" if how == "empty" else bytes(content))
+
+
+def run(asked: Asked) -> Stress:
+    """Run all families: half a minute if quick, else some twenty."""
+    started = time.perf_counter()
+    # kept together: how long the undisturbed runs take steers all that follows
+    rows = asked.keep((asked.quick,), lambda: _rows(asked))
+    keep_rows(rows, quick=asked.quick)
+    return Stress("faults", _STATEMENT, rows, (), (), time.perf_counter() - started)
+
+
+def _rows(asked: Asked) -> tuple[Row, ...]:
+    with tempfile.TemporaryDirectory(prefix="tactgen-faults-") as folder:
+        asked.announce("faults: undisturbed runs")
+        commands = LIGHT if asked.quick else (*LIGHT, *HEAVY)
+        trials = Trials(commands, Path(folder), asked.seed)
+        rows = []
+        for family in _families(asked.quick):
+            asked.announce("faults: more")
+            rows.append(family(trials))
+            asked.announce(rows[-1].family)
+    return tuple(rows)
+
+
+def _families(quick: bool) -> tuple[Callable[[Trials], Row], ...]:
+    times = 6 if quick else 60
+    return (
+        lambda trials: killed(trials, times),
+        lambda trials: terminated(trials, times // 2),
+        lambda trials: interrupted(trials, times // 2),
+        lambda trials: corrupted(trials, times // 2),
+        no_room, read_only, two_at_once, little_memory, shut_pipe, nobody,
+    )  # fmt: skip
+
+
+def keep_rows(rows: tuple[Row, ...], *, quick: bool) -> None:
+    """Keep what a run found for the verification book, in place of what an earlier one did."""
+    kept(_KIND, (quick,), _CODE, lambda: rows, serves=lambda _: False)
+
+
+def kept_rows() -> tuple[Row, ...]:
+    """Return what this very code was last found to do, of a full run if there was one."""
+    for quick in (False, True):
+        rows: tuple[Row, ...] | None = recalled(_KIND, (quick,), _CODE)
+        if rows is not None:
+            return rows
+    return ()

@@ -1,0 +1,277 @@
+"""The bimorph as plain numbers, for programs that know nothing of this package.
+
+A peer gets a :class:`Job` as JSON, meshes it by itself and gives back an :class:`Answer`.
+Nothing here imports a model, so that a peer can run where only numpy is installed.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TypedDict
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats, Ints, Numbers
+from tactgen.validation.evidence.one_core import peak_memory
+
+
+class Material(TypedDict):
+    """Constants of one layer in the device's axes, real and imaginary parts apart.
+
+    Stiffness (6, 6) at constant field (Pa), coupling (3, 6) (C/m²), permittivity (3, 3) at
+    constant strain (F/m); the last two are empty where there is no field.  Voigt order xx,
+    yy, zz, yz, xz, xy with engineering shear strains.
+    """
+
+    stiffness: list[list[float]]
+    stiffness_loss: list[list[float]]
+    coupling: list[list[float]]
+    coupling_loss: list[list[float]]
+    permittivity: list[list[float]]
+    permittivity_loss: list[list[float]]
+    density: float
+
+
+class Job(TypedDict):
+    """Three layers across x, standing on z = 0, which is clamped; free tip; 1 V.
+
+    Lengths in m.  Both outer faces of the ceramic are at 1 V, its faces on the shim at 0 V.
+    `frequencies` (Hz) are those of the damped sweep; without any, the job is lossless:
+    deflection, capacitance and natural frequencies.
+
+    The rest says how fine: `kind` "brick" or "tetra", polynomial `order`; bricks through a
+    ceramic layer, through the shim and across the width; the longest brick (m), the first
+    one at the clamp (m) and the ratio of neighbours.  Tetrahedra take `longest` and `first`
+    as edge lengths far from the clamp and at it.
+    """
+
+    piezo_thickness: float
+    shim_thickness: float
+    width: float
+    length: float
+    ceramic: Material
+    shim: Material
+    modes: int
+    frequencies: list[float]
+    kind: str
+    order: int
+    through_piezo: int
+    through_shim: int
+    across: int
+    longest: float
+    first: float
+    growth: float
+
+
+class Answer(TypedDict):
+    """What a peer gives back; a sweep has no natural frequencies, and the other way round.
+
+    `deflection` is the mean of u_x over the tip face per volt (m/V), `capacitance` (F) that
+    of both layers together, tip free; `natural` the short-circuit frequencies (Hz); `sweep`
+    the complex deflection per frequency as [re, im].  `seconds` are processor times of
+    mesh, assembly, factor, solve, eigen and sweep.
+    """
+
+    deflection: float
+    capacitance: float
+    natural: list[float]
+    sweep: list[list[float]]
+    unknowns: int
+    seconds: dict[str, float]
+    process_seconds: float
+    peak_memory: int
+    solver: str
+
+
+@dataclass
+class Clock:
+    """Processor time of one phase after the other."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    _since: float = field(default_factory=time.process_time)
+
+    def stop(self, phase: str) -> None:
+        """Give the time since the last stop to a phase."""
+        now = time.process_time()
+        self.seconds[phase] = now - self._since
+        self._since = now
+
+
+def tensor(values: list[list[float]], loss: list[list[float]], *, lossy: bool) -> Numbers:
+    """Return one of a material's tensors, complex if `lossy`."""
+    return np.array(values) + 1j * np.array(loss) if lossy else np.array(values)
+
+
+def potential_unit(material: Material) -> float:
+    """Return the voltage (V) that makes entries of displacement and potential alike."""
+    return float(np.sqrt(material["stiffness"][0][0] / material["permittivity"][0][0]))
+
+
+def lowest_frequencies(
+    inverse: Callable[[Floats], Floats], weigh: Callable[[Floats], Floats], size: int, count: int
+) -> list[float]:
+    """Return the lowest natural frequencies (Hz) by SciPy's Lanczos with a given inverse.
+
+    The potential has no mass; starting from inverse times mass keeps it where the
+    displacement puts it.
+    """
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    mass = LinearOperator((size, size), matvec=weigh, dtype=float)
+    start = inverse(weigh(np.random.default_rng(0).standard_normal(size)))
+    found = eigsh(
+        mass,  # in inverse mode the stiffness itself is not asked for
+        k=count,
+        M=mass,
+        sigma=0.0,
+        OPinv=LinearOperator((size, size), matvec=inverse, dtype=float),
+        v0=start,
+        ncv=3 * count,
+        tol=1e-8,
+        return_eigenvectors=False,
+    )
+    return [float(f) for f in np.sort(np.sqrt(found)) / (2.0 * np.pi)]
+
+
+def answer(
+    clock: Clock,
+    unknowns: int,
+    solver: str,
+    *,
+    static: tuple[float, float] = (0.0, 0.0),
+    natural: list[float] | None = None,
+    sweep: list[complex] | None = None,
+) -> Answer:
+    """Return the answer with what this process has used so far."""
+    return Answer(
+        deflection=static[0],
+        capacitance=static[1],
+        natural=natural or [],
+        sweep=[[value.real, value.imag] for value in sweep or []],
+        unknowns=unknowns,
+        seconds=clock.seconds,
+        process_seconds=time.process_time(),
+        peak_memory=peak_memory(),
+        solver=solver,
+    )
+
+
+#: At x > 0, at x < 0, and between.
+LAYERS = ("piezo_top", "piezo_bottom", "shim")
+SHIM = 2
+
+#: Corners of a brick's six faces.
+_SIDES = {
+    "x_low": [0, 3, 7, 4], "x_high": [1, 2, 6, 5], "y_low": [0, 1, 5, 4],
+    "y_high": [3, 2, 6, 7], "z_low": [0, 1, 2, 3], "z_high": [4, 5, 6, 7],
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Face:
+    """Part of a named face that belongs to one layer.
+
+    Attributes
+    ----------
+    name : str
+        ``base``, ``tip``, ``side``, and the electrodes ``outer`` and ``inner``.
+    layer, behind : int
+        The layer it belongs to, and the one on its other side (None on the surface).
+    quads : (n, 4) int array
+        Corners.
+    """
+
+    name: str
+    layer: int
+    behind: int | None
+    quads: Ints
+
+
+@dataclass(frozen=True)
+class Bricks:
+    """A grid of bricks.
+
+    Attributes
+    ----------
+    points : (n_points, 3) array
+        Corners (m).
+    cells : (n_cells, 8) int array
+        Corners of each brick, lower face counterclockwise and then the upper one.
+    layer : (n_cells,) int array
+        Index into :data:`LAYERS`.
+    """
+
+    points: Floats
+    cells: Ints
+    layer: Ints
+
+    def faces(self) -> list[Face]:
+        """Return all faces on the surface and between ceramic and shim."""
+        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        half = float(self.points[self.cells[self.layer == SHIM], 0].max())
+
+        def on(layer: int, side: str, axis: int, value: float) -> Ints:
+            quads = self.cells[self.layer == layer][:, _SIDES[side]]
+            inside = np.isclose(self.points[quads, axis], value, atol=1e-12)
+            return np.asarray(quads[np.all(inside, axis=1)])
+
+        found = []
+        for layer in range(len(LAYERS)):
+            for name, side, axis, value in (
+                ("base", "z_low", 2, low[2]), ("tip", "z_high", 2, high[2]),
+                ("side", "y_low", 1, low[1]), ("side", "y_high", 1, high[1]),
+            ):  # fmt: skip
+                found.append(Face(name, layer, None, on(layer, side, axis, value)))
+        return [
+            *found,
+            Face("outer", 0, None, on(0, "x_high", 0, high[0])),
+            Face("outer", 1, None, on(1, "x_low", 0, low[0])),
+            Face("inner", 0, SHIM, on(0, "x_low", 0, half)),
+            Face("inner", 1, SHIM, on(1, "x_high", 0, -half)),
+        ]
+
+
+def bricks(job: Job) -> Bricks:
+    """Return the graded grid that the job asks for.
+
+    Bricks grow from the clamp by `growth`, and shrink by 2.5 twice at most towards layer
+    faces and side edges, where stress is singular too; at the tip they are as long as a
+    sixth of a ceramic layer.
+    """
+    half, hp = 0.5 * job["shim_thickness"], job["piezo_thickness"]
+    layer = _both_ends(hp, job["through_piezo"])
+    shim = np.linspace(-half, half, job["through_shim"] + 1)
+    x = np.concatenate([-half - hp + layer[:-1], shim[:-1], half + layer])
+    y = -0.5 * job["width"] + _both_ends(job["width"], job["across"])
+    z = _from_clamp(job["length"], job["first"], hp / 6.0, job["growth"], job["longest"])
+    index = np.arange(x.size * y.size * z.size).reshape(x.size, y.size, z.size)
+    ring = ((0, 0), (1, 0), (1, 1), (0, 1))
+    corners = [(i, j, k) for k in (0, 1) for i, j in ring]
+    cells = [
+        index[i : x.size - 1 + i, j : y.size - 1 + j, k : z.size - 1 + k].ravel()
+        for i, j, k in corners
+    ]
+    middle = 0.5 * (x[1:] + x[:-1])
+    column = np.where(middle > half, 0, np.where(middle < -half, 1, 2))
+    points = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
+    return Bricks(points, np.stack(cells, axis=1), np.repeat(column, (y.size - 1) * (z.size - 1)))
+
+
+def _both_ends(length: float, count: int) -> Floats:
+    """Divide [0, length] with intervals that shrink towards both ends."""
+    distance = np.minimum(np.arange(count), np.arange(count)[::-1])
+    steps = np.minimum(2.5**distance, 2.5**2)
+    return np.concatenate([[0.0], np.cumsum(steps)]) * float(length / steps.sum())
+
+
+def _from_clamp(length: float, first: float, last: float, growth: float, longest: float) -> Floats:
+    """Divide [0, length] with intervals growing from both ends."""
+    lower, upper = [first], [max(first, last)]
+    while sum(lower) + sum(upper) < length:
+        side = lower if lower[-1] <= upper[-1] else upper
+        side.append(min(side[-1] * growth, longest))
+    steps = np.array(lower + upper[::-1])
+    return np.array([0.0, *itertools.accumulate(steps)]) * float(length / steps.sum())

@@ -1,0 +1,476 @@
+"""What a stress run brings back, as plain values for the table, the plots and the report."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tactgen.fem.solvers.linear_solver import SolverError
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.csv_tables import write_csv
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import write_text
+from tactgen.geometry.formats import engineering
+from tactgen.geometry.store.values import storable
+from tactgen.tmm.beam.span import error_bound
+from tactgen.validation.evidence.coverage import judged_once
+from tactgen.validation.view.console import console
+from tactgen.validation.view.figures import ORANGE, new_figure, panels, svg
+
+#: Relative error that is asked for.
+WANTED = 1e-12
+#: Bounds that hold for a share of answers are missed by the rest, but by none so many times.
+FAR = 3.0
+
+
+@storable
+@dataclass(frozen=True)
+class Point:
+    """Relative errors at one set of parameters, against the high-precision reference.
+
+    Attributes
+    ----------
+    where : str
+        The parameters, for people.
+    error : float
+        Worst relative error of all that was compared.
+    condition : float
+        Condition number of the same.
+    bound : float
+        What the error may be at that condition number.
+    naive : float
+        Worst error of the naive formulas; infinite where they overflow, nan if not defined.
+    """
+
+    where: str
+    error: float
+    condition: float
+    bound: float
+    naive: float
+
+
+@storable
+@dataclass(frozen=True)
+class Row:
+    """One family of points, judged.
+
+    Attributes
+    ----------
+    family, what : str
+        What it is called, and what was varied.
+    points : int
+        How many were answered.
+    worst : Point
+        The answer with the largest error; of those beyond their bound, if there are any.
+    over : float
+        The largest error over its bound.
+    naive : float
+        Largest error of the naive formulas.
+    verdict : str
+        ``holds``, ``holds up to the condition limit``, ``holds or says why not``, or ``fails``.
+    refusals : tuple of str
+        What was said at the points that were not answered.
+    beyond : tuple of Point
+        The answers beyond their bound, that by the largest share first.
+    """
+
+    family: str
+    what: str
+    points: int
+    worst: Point
+    over: float
+    naive: float
+    verdict: str
+    refusals: tuple[str, ...] = ()
+    beyond: tuple[Point, ...] = ()
+
+
+@storable
+@dataclass(frozen=True)
+class ErrorMap:
+    """Errors over frequency (Hz) and length (m), each (n_length, n_frequency)."""
+
+    title: str
+    frequencies: Floats
+    lengths: Floats
+    error: Floats
+    naive: Floats
+    condition: Floats
+
+
+@storable
+@dataclass(frozen=True)
+class Approach:
+    """Error against condition number on the way into a resonance, (n,) arrays."""
+
+    title: str
+    condition: Floats
+    error: Floats
+    bound: Floats
+
+
+@dataclass(frozen=True)
+class Stress:
+    """All that one part found."""
+
+    part: str
+    statement: str
+    rows: tuple[Row, ...]
+    maps: tuple[ErrorMap, ...]
+    approaches: tuple[Approach, ...]
+    seconds: float
+
+
+def judged(family: str, what: str, points: Sequence[Point]) -> Row:
+    """Return the row of a family that is held against what was asked for.
+
+    It fails if a point is beyond its bound, or beyond what was asked for where its bound
+    is that or less.
+    """
+    well = [p.error for p in points if p.bound <= WANTED]
+    naive = [p.naive for p in points if not math.isnan(p.naive)]
+    worst = max(points, key=lambda p: p.error)
+    beyond = _beyond(points)
+    if beyond or max(well, default=0.0) > WANTED:
+        verdict = "fails"
+    else:
+        verdict = "holds" if worst.error <= WANTED else "holds up to the condition limit"
+    naive_worst = max(naive, default=math.nan)
+    return Row(family, what, len(points), worst, _over(points), naive_worst, verdict, beyond=beyond)
+
+
+def share(point: Point) -> float:
+    """Return the share of its bound that an error takes; an error without one is beyond."""
+    if math.isnan(point.error):
+        return math.inf
+    if point.error == 0.0:
+        return 0.0
+    return point.error / point.bound if point.bound > 0.0 else math.inf
+
+
+def _beyond(points: Sequence[Point]) -> tuple[Point, ...]:
+    """Return the points that are not within their bound; what is no number is not."""
+    return tuple(sorted((p for p in points if not p.error <= p.bound), key=share, reverse=True))
+
+
+def _over(points: Sequence[Point]) -> float:
+    """Return the largest share of its bound that an error takes."""
+    return max(map(share, points), default=math.nan)
+
+
+#: Stands for the worst of no answers.
+_NONE = Point("", math.nan, math.nan, math.nan, math.nan)
+
+
+def answered(
+    family: str,
+    what: str,
+    points: Sequence[Point],
+    refusals: Sequence[str] = (),
+    *,
+    promised: float = 1.0,
+) -> Row:
+    """Return the row of a family that is held against the bound of each answer.
+
+    It fails if a refusal is not one sentence, or answers are beyond their bounds: more than the
+    share for which these are `promised`, or one by :data:`FAR` of them.
+    """
+    beyond = _beyond(points)
+    worst = max(beyond or points, key=lambda p: p.error, default=_NONE)
+    clear = all(words.strip() and "\n" not in words for words in refusals)
+    holds = "holds or says why not" if refusals else "holds"
+    missed = len(beyond) > (1.0 - promised) * len(points) or _over(beyond) > FAR
+    verdict = "fails" if missed or not clear else holds
+    return Row(
+        family, what, len(points), worst, _over(points), math.nan, verdict, tuple(refusals), beyond,
+    )  # fmt: skip
+
+
+#: What a model may say instead of a number.
+REFUSALS = (InputError, SolverError, ArithmeticError)
+
+
+class Family:
+    """Points of one family, collected as they come."""
+
+    def __init__(self) -> None:
+        self.points: list[Point] = []
+        self.refusals: list[str] = []
+
+    def add(self, where: str, error: float, bound: float) -> None:
+        """Take an answer's relative error with what it may be."""
+        self.points.append(Point(where, float(error), math.nan, float(bound), math.nan))
+
+    def compare(self, where: str, value: float, exact: float, bar: float) -> None:
+        """Take an answer with its error bar, `bar` and values in one unit."""
+        size = abs(exact)
+        self.add(where, abs(value - exact) / size, bar / size)
+
+    def refuse(self, error: Exception) -> None:
+        """Take what was said instead of an answer."""
+        self.refusals.append(str(error))
+
+
+def spread(values: Iterable[float]) -> float:
+    """Return how far values are apart, relative to the largest; nan if one is not finite."""
+    found = list(values)
+    if not all(math.isfinite(v) for v in found):
+        return math.nan
+    return (max(found) - min(found)) / max(abs(v) for v in found)
+
+
+#: Decades of relative error that the colours span.
+_DECADES = (-17.0, 0.0)
+
+
+def map_plot(table: ErrorMap) -> str:
+    """Plot errors over frequency and length, ours beside the naive formulas'.
+
+    Colours are decades of relative error; black is no correct digit, overflow or 0/0.
+    """
+    figure = new_figure(10.0, 3.4)
+    axes = figure.subplots(1, 2, sharey=True)
+    sides = ((axes[0], "this model", table.error), (axes[1], "matrix A", table.naive))
+    for axis, title, values in sides:
+        image = _decades(axis, table, values)
+        axis.set_title(f"{title}: {table.title}", fontsize="medium")
+        axis.set_xlabel("frequency")
+    axes[0].set_ylabel("length")
+    figure.colorbar(image, ax=axes.tolist(), label="log10 of the relative error", extend="max")
+    return svg(figure)
+
+
+def _decades(axis: Any, table: ErrorMap, values: Floats) -> Any:
+    import matplotlib as mpl
+
+    colours = mpl.colormaps["viridis"].with_extremes(over="black", bad="black")
+    with np.errstate(divide="ignore"):
+        shown = np.log10(np.clip(values, 10.0 ** _DECADES[0], 1e300))
+    low, high = _DECADES
+    image = axis.imshow(shown, cmap=colours, vmin=low, vmax=high, origin="lower", aspect="auto")
+    axis.set_xticks(*_decade_ticks(table.frequencies, "Hz", every=3))
+    axis.set_yticks(*_decade_ticks(table.lengths, "m", every=1))
+    return image
+
+
+def _decade_ticks(spaced: Floats, unit: str, every: int) -> tuple[list[float], list[str]]:
+    """Return places between the cells, and names, of decades; a leading 0 keeps its cell."""
+    start = int(spaced[0] == 0.0)
+    powers = np.log10(spaced[start:])
+    cells = np.arange(start, spaced.size)
+    first, last = math.ceil(powers[0] - 1e-9), math.floor(powers[-1] + 1e-9)
+    decades = [d for d in range(first, last + 1) if d % every == 0]
+    places = [float(np.interp(d, powers, cells)) for d in decades]
+    names = [engineering(10.0**d, unit, 3) for d in decades]
+    return ([0.0, *places], ["0", *names]) if start else (places, names)
+
+
+def approach_plot(approaches: tuple[Approach, ...]) -> str:
+    """Plot error against condition number, with the promised bound."""
+    figure, axis = panels(7.0, 3.4)
+    for approach, marker in zip(approaches, "os^v", strict=False):
+        axis.loglog(approach.condition, approach.error, marker, label=approach.title)
+    condition = np.concatenate([a.condition for a in approaches])
+    spread = np.geomspace(condition.min(), condition.max(), 200)
+    bounds = error_bound(spread)
+    axis.loglog(spread, bounds, "k-", linewidth=1.0, label="the method's bound")
+    axis.axhline(WANTED, color=ORANGE, linestyle="--", linewidth=1.0, label="wanted")
+    axis.set_xlabel("condition number")
+    axis.set_ylabel("relative error")
+    axis.legend(frameon=False)
+    return svg(figure)
+
+
+def print_stress(parts: Sequence[Stress]) -> None:
+    """Print one table of all parts, what was said where there is no answer, and what is meant."""
+    from rich.table import Table
+
+    screen = console(200)
+    table = Table(title="worst errors, against what was promised of each answer")
+    for name in _CELLS:
+        table.add_column(name, justify="right" if name in _NUMBERS else "left")
+    for part in parts:
+        for row in part.rows:
+            table.add_row(part.part, *(cell(row) for cell in list(_CELLS.values())[1:]))
+        table.add_section()
+    screen.print(table)
+    for part in parts:
+        for row in part.rows:
+            for point in row.beyond[:_MOST]:
+                words = f"{share(point):.2g} times what was promised at {point.where}"
+                screen.print(f"{part.part}: {words}", markup=False)
+        for said in _kinds(w for row in part.rows for w in row.refusals):
+            such_as = ", such as" if len(set(said)) > 1 else ""
+            words = f"refused {len(said)} x{such_as}: {said[0]}"
+            screen.print(f"{part.part}: {words}", markup=False)
+    for part in parts:
+        screen.print(f"{part.part} ({part.seconds:.0f} s): {part.statement}", markup=False)
+
+
+_CELLS: dict[str, Callable[[Row], str]] = {
+    "part": lambda row: "",
+    "family": lambda row: row.family,
+    "range": lambda row: row.what,
+    "points": lambda row: str(row.points),
+    "refused": lambda row: str(len(row.refusals)),
+    "beyond": lambda row: str(len(row.beyond)),
+    "worst": lambda row: short(row.worst.error),
+    "promised": lambda row: short(row.worst.bound),
+    "over bar": lambda row: "-" if math.isnan(row.over) else f"{row.over:.2g}",
+    "verdict": lambda row: row.verdict,
+    "worst at": lambda row: row.worst.where,
+}
+#: Answers beyond their bars that are printed of a family; files have all.
+_MOST = 10
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
+_NUMBERS = ("points", "refused", "beyond", "worst", "promised", "over bar")
+
+
+def short(value: float) -> str:
+    """Return two digits; words for what has no number."""
+    if math.isnan(value):
+        return "-"
+    return "no digit" if value >= 1.0 else f"{value:.1e}"
+
+
+def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
+    """Write CSVs of all rows and of answers beyond, a CSV and an SVG of every map; return all."""
+    rows = [
+        (part.part, r.family, r.what, r.points, len(r.beyond), r.worst.error, r.worst.bound, r.over,
+         r.worst.condition, r.naive, r.verdict, r.worst.where, len(r.refusals),
+         " | ".join(said[0] for said in _kinds(r.refusals)))
+        for part in parts
+        for r in part.rows
+    ]  # fmt: skip
+    head = (
+        "part", "family", "range", "points", "beyond", "worst", "promised", "over bar",
+        "condition", "naive", "verdict", "worst at", "refused", "refusals",
+    )  # fmt: skip
+    beyond = [
+        (part.part, r.family, p.error, p.bound, share(p), p.where)
+        for part in parts for r in part.rows for p in r.beyond
+    ]  # fmt: skip
+    written = [
+        write_csv(out / "stress.csv", head, rows),
+        write_csv(
+            out / "stress-beyond.csv",
+            ("part", "family", "error", "promised", "over bar", "where"), beyond,
+        ),
+    ]  # fmt: skip
+    for part in parts:
+        for number, table in enumerate(part.maps, start=1):
+            stem = f"stress-{part.part}-map-{number}"
+            columns = ("length_m", "frequency_hz", "error", "naive", "condition")
+            written.append(write_csv(out / f"{stem}.csv", columns, _flat(table)))
+            written.append(write_text(out / f"{stem}.svg", map_plot(table)))
+        if part.approaches:
+            plot = approach_plot(part.approaches)
+            written.append(write_text(out / f"stress-{part.part}-resonance.svg", plot))
+    return written
+
+
+def _kinds(refusals: Iterable[str]) -> list[list[str]]:
+    """Return sentences together that differ in their numbers alone, in the order of the first."""
+    found: dict[str, list[str]] = {}
+    for words in refusals:
+        found.setdefault(_NUMBER.sub("", words), []).append(words)
+    return list(found.values())
+
+
+def _flat(table: ErrorMap) -> Iterator[tuple[float, ...]]:
+    for i, j in product(range(table.lengths.size), range(table.frequencies.size)):
+        values = (table.error[i, j], table.naive[i, j], table.condition[i, j])
+        yield (float(table.lengths[i]), float(table.frequencies[j]), *map(float, values))
+
+
+#: By name, what gives the rows of a family, told whether a few points will do.
+Families = Mapping[str, Callable[[bool], Row | list[Row]]]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a part is asked.
+
+    Attributes
+    ----------
+    quick : bool
+        Whether a few points will do.
+    seed : int
+        Of all that is drawn.
+    announce : callable
+        Told what is being done.
+    keep : callable
+        Given what a result is of, and what computes it, returns it.
+    """
+
+    quick: bool
+    seed: int = 0
+    announce: Callable[[str], None] = lambda _: None
+    keep: Callable[[tuple[object, ...], Callable[[], Any]], Any] = lambda _, work: work()
+
+    def rows(self, part: str, families: Families) -> tuple[Row, ...]:
+        """Return the rows of all families of a part, each announced before."""
+        rows: list[Row] = []
+        for name, family in families.items():
+            self.announce(f"{part}: {name}")
+            found = self.keep((name, self.quick), partial(family, self.quick))
+            rows += found if isinstance(found, list) else [found]
+        return tuple(rows)
+
+
+#: Modules of the parts, in order; each has ``run(asked) -> Stress``.
+PARTS = {
+    "tmm": "stress_beam",
+    "lateral": "stress_lateral",
+    "solid": "stress_solid",
+    "magnetics": "stress_magnetics",
+    "machine": "stress_machine",
+    "random": "stress_driven",
+    "faults": "faults",
+}
+
+
+def _part(name: str) -> Any:
+    """Return the module of a part; only its own models are imported."""
+    return importlib.import_module(f"{__package__}.{PARTS[name]}")
+
+
+def run_parts(
+    names: Iterable[str], quick: bool, seed: int, announce: Callable[[str], None]
+) -> list[Stress]:
+    """Run the named parts of :data:`PARTS` in order.
+
+    Each family and each random scene is kept in the store: a run that was stopped goes on with its
+    seed where it was.
+    """
+    found = []
+    for name in names:
+        module = _part(name)
+
+        def keep(
+            of: tuple[object, ...], work: Callable[[], Any],
+            name: str = name, module: str = module.__name__,
+        ) -> Any:  # fmt: skip
+            return judged_once("stress", (name, *of, seed), module, work)
+
+        found.append(module.run(Asked(quick, seed, announce, keep)))
+    return found
+
+
+def section(announce: Callable[[str], None]) -> dict[str, Any]:
+    """Run the transfer matrix's part on few points: what ``stress.html`` shows."""
+    part = _part("tmm").run(Asked(quick=True, announce=announce))
+    return {
+        "stress": [part],
+        "stress_maps": [map_plot(table) for table in part.maps],
+        "stress_approaches": [approach_plot(part.approaches)],
+    }

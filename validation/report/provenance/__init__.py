@@ -1,1 +1,0 @@
-"""What lies beside a report: its numbers, their origin, checksums; and computing it again."""

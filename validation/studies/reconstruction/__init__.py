@@ -1,1 +1,0 @@
-"""Sizes of the normal actuator that the paper does not give, found from what it says."""

@@ -1,0 +1,278 @@
+"""A run in time as netCDF (version 3), as a page in which it moves, and as a plot.
+
+Beside everything over time the file holds the body that moved and the coordinates that it follows:
+whoever draws it needs neither the scene nor a model.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import write_text, written_whole
+from tactgen.geometry.meshing.mesh import surface_of
+from tactgen.tmm.generator.transient.machine import LOWER, UPPER
+from tactgen.validation.fields.run import body_of
+from tactgen.validation.models.generator.phases import phases
+from tactgen.validation.models.generator.transient import Simulation
+from tactgen.validation.scene.files import leaves
+from tactgen.validation.view.figures import AMBER, BLUE, GREEN, GREY, ORANGE, SKY, panels, svg
+from tactgen.validation.view.run.page import PHASES, Film, run_page
+
+if TYPE_CHECKING:
+    from scipy.io import netcdf_file
+
+#: What the global attribute `title` says.
+TITLE = "time simulation of a tactile generator"
+#: Curves below the body: name in the file, title, unit and its size in SI.
+_CURVES = (
+    ("rod_lift", "rod", "µm", 1e-6),
+    ("lateral_tip", "tip, lateral", "µm", 1e-6),
+    ("coil_current", "coil current", "mA", 1e-3),
+    ("voltage", "voltage", "V", 1.0),
+)
+_SHADES = {"held": SKY, "rising": AMBER, "pressed": GREY, "falling": GREEN}
+
+
+def series(result: Simulation) -> dict[str, tuple[Floats, str, str]]:
+    """Return everything over time by name: values (k,), unit, meaning."""
+    run, outputs = result.answer.run, result.machine.system.outputs
+    rows = {
+        name: (result.answer.outputs[name], output.unit, output.meaning)
+        for name, output in outputs.items()
+    }
+    rows["rod_velocity"] = (run.velocity[:, 0], "m/s", "of the rod, upwards")
+    rows["lateral_tip_velocity"] = (
+        run.velocity @ outputs["lateral_tip"].row, "m/s", "of the tip, lateral",
+    )  # fmt: skip
+    of_coil = "A" if result.machine.system.coil.source == "current" else "V"  # type: ignore[union-attr]
+    for name, values, unit, meaning in (
+        ("voltage", run.voltage, "V", "across the bimorph"),
+        ("charge", run.charge, "C", "on the bimorph, without dielectric loss"),
+        ("coil_source", run.coil_source, of_coil, "what is prescribed in the coil"),
+        ("coil_current", run.current, "A", "in the winding"),
+        ("flux_linkage", run.flux_linkage, "Wb", "of the winding"),
+        ("gap", run.gap, "m", "working gap"),
+        ("magnetic_pull", run.pull, "N", "on the rod, downwards"),
+        ("upper_stop_force", result.stop_force[UPPER], "N", "on the head, downwards"),
+        ("lower_stop_force", result.stop_force[LOWER], "N", "on the head, upwards"),
+        ("kinetic_energy", run.kinetic, "J", "of all that moves"),
+        ("strain_energy", run.strain, "J", "of bimorph, guide and spring"),
+        ("contact_energy", run.springs, "J", "of both stops"),
+        ("preload_energy", run.load, "J", "of the spring's preload"),
+        ("magnetic_energy", run.magnetic, "J", "of the coil's field"),
+        ("electric_energy", run.electric, "J", "of the bimorph's capacitance"),
+        ("bimorph_work", run.bimorph_work, "J", "of the voltage source since the start"),
+        ("coil_work", run.coil_work, "J", "of the coil's source since the start"),
+        ("structure_loss", run.structure_loss, "J", "in bimorph and guide since the start"),
+        ("contact_loss", run.element_loss, "J", "in stops and friction since the start"),
+        ("wire_loss", run.wire_loss, "J", "in the coil's circuit since the start"),
+        ("imbalance", run.imbalance, "J", "energy less start, works and losses: rounding"),
+    ):
+        rows[name] = (values, unit, meaning)
+    return rows
+
+
+def write_run(path: str | Path, result: Simulation, drives: dict[str, str]) -> None:
+    """Write a run, with units, errors and where it comes from, whole or not at all.
+
+    Parameters
+    ----------
+    drives : dict of str to str
+        Text of the sources, by option.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    from scipy.io import netcdf_file  # slow to import
+
+    answer, body = result.answer, body_of(result)
+    surface = surface_of(body.mesh)
+    used, corners = np.unique(surface.triangles, return_inverse=True)
+    triangles, width = corners.reshape(surface.triangles.shape), body.lateral.shape[1]
+    parameters = leaves(result.scene.model_dump())
+    attributes = {
+        "title": TITLE,
+        "source": f"tactgen {metadata.version('tactgen')}",
+        "scene": result.scene.name,
+        "parameters": "; ".join(f"{key} = {value}" for key, value in parameters),
+        "conventions": "SI units; a time at which a source jumps appears twice",
+        **drives,
+        "accuracy": answer.accuracy,
+        "error": answer.error,
+        "certain_until_s": answer.certain_until,
+        "energy_imbalance": answer.run.worst_imbalance,
+        "phases": " ".join(PHASES),
+        "stroke_m": result.stroke,
+        "head_radius_m": result.scene.device.rod.head_radius,
+        "body_regions": " ".join(body.mesh.regions),
+    }
+    rows = {"time": (answer.run.time, "s", "since the start"), **series(result)}
+    for name, error in answer.bars.items():
+        unit = rows[name][1] if name in rows else "A"
+        rows[f"{name}_error"] = (error, unit, f"error bar of {name} up to each time")
+    named = phases(result)
+    number = np.array([PHASES.index(phase.name) for phase in named])
+    ends = np.array([phase.end for phase in named])
+    phase = number[np.minimum(np.searchsorted(ends, answer.run.time), number.size - 1)]
+    moved = ("point", "coordinate")
+    with written_whole(path) as temporary, netcdf_file(str(temporary), "w") as file:
+        for name, value in attributes.items():
+            # plain floats would be stored in single precision
+            setattr(file, name, value if isinstance(value, str) else np.float64(value))
+        for name, size in (
+            ("time", answer.run.time.size), ("point", used.size), ("triangle", len(triangles)),
+            ("axis", 3), ("coordinate", width),
+        ):  # fmt: skip
+            file.createDimension(name, size)
+        for name, (values, unit, meaning) in rows.items():
+            variable = _put(file, name, ("time",), values, meaning)
+            variable.units = unit
+            if name in answer.errors:
+                variable.error_bar = np.float64(answer.errors[name])
+        _put(file, "phase", ("time",), phase, "of the rod, a number of the attribute phases")
+        _put(file, "body_point", ("point", "axis"), body.mesh.points[used], "at rest (m)")
+        _put(file, "body_triangle", ("triangle", "axis"), triangles, "points of the surface")
+        _put(file, "body_region", ("triangle",), surface.region_of_triangle,
+             "a number of the attribute body_regions")  # fmt: skip
+        _put(file, "body_lateral", moved, body.lateral[used], "motion along x per coordinate")
+        _put(file, "body_axial", moved, body.axial[used], "motion along z per coordinate")
+        _put(file, "coordinates", ("time", "coordinate"), answer.run.position[:, :width],
+             "lift of the rod (m), lateral motion (m) and tilt (rad) of its head, "
+             "modes (m kg^1/2)")  # fmt: skip
+
+
+def _put(
+    file: netcdf_file, name: str, sizes: tuple[str, ...], values: np.ndarray[Any, Any], meaning: str
+) -> Any:
+    kind = "i4" if np.issubdtype(values.dtype, np.integer) else "f8"
+    variable = file.createVariable(name, kind, sizes)
+    variable[:] = values
+    variable.long_name = meaning
+    return variable
+
+
+def write_film_page(run: Path, page: Path) -> None:
+    """Write the page of a run's file, whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the file is no run that holds its body, or the page cannot be written.
+    """
+    write_text(page, run_page(read_film(run)))
+
+
+def film_of(result: Simulation) -> Film:
+    """Return a run as it is seen, by way of its file, so that a report shows what a page does."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.nc"
+        write_run(path, result, {})
+        return read_film(path)
+
+
+def read_film(path: Path) -> Film:
+    """Return the run of a file of ``tactgen simulate --out``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or does not hold what a film needs.
+    """
+    from scipy.io import netcdf_file  # slow to import
+
+    remedy = "write it with tactgen simulate --out FILE.nc"
+    try:
+        with netcdf_file(str(path), "r", mmap=False) as file:
+            if _text(file, "title") != TITLE:
+                raise InputError(f"--run {path} is no run of a generator; {remedy}")
+            return _film(file)
+    except OSError as error:
+        why = error.strerror or "it does not exist or is cut off"
+        raise InputError(f"--run {path} cannot be read ({why}); {remedy}") from None
+    except (KeyError, AttributeError, TypeError, ValueError, IndexError) as error:
+        raise InputError(
+            f"--run {path} does not hold the body that moved ({error}); {remedy} again"
+        ) from None
+
+
+def _film(file: netcdf_file) -> Film:
+    def values(name: str) -> Any:
+        return np.array(file.variables[name][:])
+
+    if tuple(_text(file, "phases").split()) != PHASES:
+        raise ValueError("its phases have other names")
+    bars = ", ".join(
+        f"{title} ± {float(file.variables[name].error_bar) / size:.2g} {unit}"
+        for name, title, unit, size in _CURVES
+        if hasattr(file.variables[name], "error_bar")
+    )
+    return Film(
+        scene=_text(file, "scene"),
+        time=values("time").astype(float),
+        coordinates=values("coordinates").astype(float),
+        points=values("body_point").astype(float),
+        triangles=values("body_triangle").astype(int),
+        regions=tuple(_text(file, "body_regions").split()),
+        region_of_triangle=values("body_region").astype(int),
+        lateral=values("body_lateral").astype(float),
+        axial=values("body_axial").astype(float),
+        curves={
+            title: (values(name).astype(float), unit, size) for name, title, unit, size in _CURVES
+        },
+        forces=(
+            values("upper_stop_force").astype(float), values("lower_stop_force").astype(float)
+        ),
+        phase=values("phase").astype(int),
+        stroke=float(file.stroke_m),
+        rim=float(file.head_radius_m),
+        words=(
+            f"Error bars over the whole run: {bars}. The accuracy of {float(file.accuracy):g} "
+            f"holds until {1e3 * float(file.certain_until_s):.4g} ms."
+        ),
+    )  # fmt: skip
+
+
+def _text(file: netcdf_file, name: str) -> str:
+    value = getattr(file, name, b"")
+    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
+
+
+def time_plot(result: Simulation) -> str:
+    """Plot lift, lateral tip, coil current and stop forces over time; phases as background."""
+    run, outputs = result.answer.run, result.answer.outputs
+    figure, axes = panels(9.0, 7.0, nrows=4, sharex=True)
+    time = 1e3 * run.time
+    for axis, values, label, colour in (
+        (axes[0], 1e6 * outputs["rod_lift"], "rod (µm)", ORANGE),
+        (axes[1], 1e6 * outputs["lateral_tip"], "tip, lateral (µm)", BLUE),
+        (axes[2], 1e3 * run.current, "coil current (mA)", GREEN),
+    ):
+        axis.plot(time, values, color=colour, linewidth=1.0)
+        axis.set_ylabel(label)
+    for name, colour in (("upper_stop", ORANGE), ("lower_stop", BLUE)):
+        force = 1e3 * result.stop_force[name]
+        axes[3].plot(time, force, color=colour, linewidth=1.0, label=name.replace("_", " "))
+    axes[3].set_yscale("symlog", linthresh=100.0)
+    axes[3].set_ylabel("force (mN)")
+    axes[3].set_xlabel("time (ms)")
+    axes[3].legend(fontsize=8)
+    for phase in phases(result):
+        for axis in axes[:2]:
+            axis.axvspan(
+                1e3 * phase.start, 1e3 * phase.end, color=_SHADES[phase.name], alpha=0.15, lw=0
+            )
+        axes[0].text(
+            0.5e3 * (phase.start + phase.end), 0.9, phase.name,
+            transform=axes[0].get_xaxis_transform(), ha="center", fontsize=7, clip_on=True,
+        )  # fmt: skip
+    axes[0].margins(y=0.15)
+    return svg(figure)
