@@ -39,7 +39,8 @@ from tactgen.validation.scene import frequencies
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif import cluster
 from tactgen.validation.studies.whatif.shown.pictures import study_picture
-from tactgen.validation.view import browser, films
+from tactgen.validation.view import browser
+from tactgen.validation.view import stills as films
 
 
 def scene(name="paper", *overrides):

@@ -20,7 +20,7 @@ from tactgen.validation.checks.case import Case
 from tactgen.validation.checks.verification import VERDICTS, Verified
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.evidence.faults import kept_rows
-from tactgen.validation.view.templates import page_templates
+from tactgen.validation.view.page.html import page_templates
 
 #: What each group is about, for the reader who was not there.
 SUBJECTS = {

@@ -20,10 +20,10 @@ from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.display.crosstalk import display_ports
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.view.films import check_ffmpeg, save_film
 from tactgen.validation.view.page.display import DrawnPart, Swing, display_page
 from tactgen.validation.view.page.html import Still
 from tactgen.validation.view.pictures import assembly_picture
+from tactgen.validation.view.stills import check_ffmpeg, save_film
 
 if TYPE_CHECKING:
     from PIL.Image import Image

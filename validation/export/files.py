@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -14,12 +15,38 @@ from tactgen.geometry.files import written_whole
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.plan import asks_display
-from tactgen.validation.export.check_place import check_place
 from tactgen.validation.export.ports import check_state_space, write_port_files
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
+
+
+def check_place(option: str, path: Path, suffixes: tuple[str, ...]) -> None:
+    """Refuse a file with another ending, or in a place that cannot be written.
+
+    Raises
+    ------
+    InputError
+        With the option and the remedy.
+    """
+    if path.suffix not in suffixes:
+        raise InputError(f"{option} {path} must end in {' or '.join(suffixes)}; name the file so")
+    reason = _obstacle(path)
+    if reason:
+        raise InputError(f"{option} {path} cannot be written ({reason}); choose another place")
+
+
+def _obstacle(path: Path) -> str:
+    try:
+        if path.is_dir():
+            return "it is a folder"
+        if not path.parent.is_dir():
+            return "its folder does not exist"
+    except OSError as error:  # such as a name that is too long
+        return (error.strerror or str(error)).lower()
+    return "" if os.access(path.parent, os.W_OK | os.X_OK) else "its folder is read-only"
+
 
 #: Endings that each kind of file may have.
 _SUFFIXES = {
@@ -59,7 +86,7 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
     if "state_space" in targets:
         check_state_space(scene)
     if "machine" in targets:
-        from tactgen.validation.export.machine_state_space import check_machine
+        from tactgen.validation.export.ports import check_machine
 
         check_machine(scene)
     if {"fields", "animated_glb"} & set(targets):
@@ -140,7 +167,7 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
         machine = scene_machine(scene, coil=scene.coil.supply, volts=scene.drive.voltage)
         write_fmu(files["fmu"], machine, scene.name)
     if "machine" in files:
-        from tactgen.validation.export.machine_state_space import write_machine
+        from tactgen.validation.export.ports import write_machine
 
         announce("machine")
         write_machine(files["machine"], scene)
@@ -165,7 +192,7 @@ def _write_motion(
         write_fields(drafts["fields"], result, targets["fields"].stem)
     if "animated_glb" in drafts:
         from tactgen.geometry.cad.solids import COLOURS
-        from tactgen.validation.export.animated_gltf import write_animated_glb
+        from tactgen.validation.export.fields import write_animated_glb
 
         write_animated_glb(drafts["animated_glb"], result, COLOURS)
 

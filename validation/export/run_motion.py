@@ -10,12 +10,12 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.validation.export.fields import write_steps
+from tactgen.validation.fields.gather import body_of
 from tactgen.validation.fields.result import Array
-from tactgen.validation.fields.run import body_of
 from tactgen.validation.models.generator.phases import phases
 from tactgen.validation.models.generator.transient import Simulation
-from tactgen.validation.view.films import save_film
 from tactgen.validation.view.run.frames import Instant, run_frames, run_still
+from tactgen.validation.view.stills import save_film
 
 #: Pictures of a film, and milliseconds that each is shown; time steps in a file.
 _FRAMES, _SHOWN, _STEPS = 150, 60, 150

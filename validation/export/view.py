@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.validation.engine.plan import asks_display
-from tactgen.validation.export.check_place import check_place
+from tactgen.validation.export.files import check_place
 from tactgen.validation.fields.gather import MAGNETIC, Request, default_models, gather, with_fields
+from tactgen.validation.fields.moving import standing
 from tactgen.validation.fields.result import FieldResult, State
-from tactgen.validation.fields.standing import standing
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.shading import Shade, shades_of, words_of
 
@@ -137,7 +137,7 @@ def _shade(result: FieldResult, look: Look) -> Shade | None:
 
 
 def _check_films(files: dict[str, Path], state: State) -> None:
-    from tactgen.validation.view.films import check_film
+    from tactgen.validation.view.stills import check_film
 
     for kind in ("gif", "mp4"):
         if kind in files:
@@ -152,8 +152,7 @@ def _write_picture(
     shade: Shade | None,
     announce: Callable[[str], None],
 ) -> None:
-    from tactgen.validation.view.films import write_film
-    from tactgen.validation.view.stills import Picture, still
+    from tactgen.validation.view.stills import Picture, still, write_film
 
     if kind == "png":
         announce("still")

@@ -18,9 +18,10 @@ from tactgen.validation.catalogue.quantities import (
 from tactgen.validation.engine.model import Model
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.fields.brick_fields import Detail
+from tactgen.validation.fields.moving import MovingBody, moving_body
 from tactgen.validation.fields.result import Circuit, FieldResult, State
-from tactgen.validation.fields.solid import Found, SolidFields
+from tactgen.validation.fields.solid_fields import Detail, Found, SolidFields
+from tactgen.validation.models.generator.transient import Simulation, scene_beam
 from tactgen.validation.scene.scene import Scene
 
 #: The model of the normal actuator whose field is shown.
@@ -155,7 +156,7 @@ def _fields(model: Model, detail: Detail) -> Fields:
     if isinstance(model, TwoMeshModel):
         return SolidFields(model, detail)
     assert isinstance(model, BeamTheoryModel)
-    from tactgen.validation.fields.row import RowFields
+    from tactgen.validation.fields.beam_fields import RowFields
 
     return RowFields(model)
 
@@ -222,3 +223,9 @@ def _frequencies(scene: Scene, states: Sequence[State], request: Request) -> tup
         (s.frequency for s in states if s.motion == "bending_x" and s.circuit == "short"), None
     )
     return () if first is None else (0.5 * first, first)
+
+
+def body_of(found: Simulation) -> MovingBody:
+    """Return what moves in a run."""
+    device, beam = scene_beam(found.scene)
+    return moving_body(device, beam, found.machine.modes)

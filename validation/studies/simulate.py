@@ -18,7 +18,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER
-from tactgen.validation.fields.run import body_of
+from tactgen.validation.fields.gather import body_of
 from tactgen.validation.models.generator.phases import phases
 from tactgen.validation.models.generator.transient import Simulation
 from tactgen.validation.scene.files import leaves

@@ -10,10 +10,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.waveform import Sources, Step
 from tactgen.validation.export import run_motion
 from tactgen.validation.export.run_motion import write_run_film
-from tactgen.validation.fields.run import body_of
+from tactgen.validation.fields.gather import body_of
 from tactgen.validation.models.generator.transient import run_scene
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.view.films import save_film
+from tactgen.validation.view.stills import save_film
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ from tactgen.geometry.bimorph.row_shape import row_shape
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.fields.brick_fields import BrickSampler
 from tactgen.validation.fields.gather import (
     Request,
     _coupling,
@@ -19,8 +18,7 @@ from tactgen.validation.fields.gather import (
     gather_from,
 )
 from tactgen.validation.fields.result import FIELDS, at_phase, von_mises
-from tactgen.validation.fields.solid import points_of_regions
-from tactgen.validation.fields.tet_fields import TetSampler
+from tactgen.validation.fields.solid_fields import BrickSampler, TetSampler, points_of_regions
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
 

@@ -3,7 +3,7 @@
 import pytest
 
 from tactgen.validation.fields.gather import Request, gather
-from tactgen.validation.fields.standing import standing
+from tactgen.validation.fields.moving import standing
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.view.page.shown import payload
 

@@ -31,8 +31,7 @@ from tactgen.validation.report.sections.bimorph_figures import response_values
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies import parameter_uncertainty as propagation
-from tactgen.validation.view.browser import find_browser, run_browser
-from tactgen.validation.view.pdf_pages import anchor_pages
+from tactgen.validation.view.browser import anchor_pages, find_browser, run_browser
 
 
 def make(tmp_path, name, *overrides):

@@ -1,6 +1,6 @@
 """Pages of anchors in a PDF as Chromium writes it: nested pages, numbers that end others."""
 
-from tactgen.validation.view.pdf_pages import anchor_pages
+from tactgen.validation.view.browser import anchor_pages
 
 #: Objects by number: pages 5, 15, 25 below nested nodes, and an anchor on what is no page.
 OBJECTS = {

@@ -7,10 +7,9 @@ import pytest
 from PIL import Image
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.view import films
-from tactgen.validation.view.films import check_film, save_film, write_film
+from tactgen.validation.view import stills as films
 from tactgen.validation.view.shading import SHADES, drawn_size
-from tactgen.validation.view.stills import Picture, still
+from tactgen.validation.view.stills import Picture, check_film, save_film, still, write_film
 
 SMALL = {"width": 300, "height": 200}
 STRESS = next(shade for shade in SHADES if shade.key == "stress_zz")

@@ -97,7 +97,7 @@ def _refuse_unused(options: argparse.Namespace) -> None:
 
 def _show_run(options: argparse.Namespace) -> int:
     """Write the page of a run's file, which says itself what it is of."""
-    from tactgen.validation.export.check_place import check_place
+    from tactgen.validation.export.files import check_place
     from tactgen.validation.studies.simulate import write_film_page
 
     given = {name: getattr(options, name) for name in _OF_A_SCENE}

@@ -100,7 +100,7 @@ def moving(study: Study) -> dict[str, Any]:
     )
     from tactgen.validation.engine.solve import solve
     from tactgen.validation.fields.gather import Request, gather_from
-    from tactgen.validation.fields.standing import standing
+    from tactgen.validation.fields.moving import standing
     from tactgen.validation.view.page.shown import payload
 
     models = _moving_models(study)

@@ -15,14 +15,16 @@ from tactgen.geometry.formats import share, with_bar
 from tactgen.geometry.meshing.mesh import Mesh, Surface, surface_of
 from tactgen.validation.fields.over_length import LengthRange, ModeOverLength
 from tactgen.validation.fields.result import Array, FieldResult, State
-from tactgen.validation.view.palettes import COLOURS, magnitude_stops, signed_stops
 from tactgen.validation.view.shading import (
+    COLOURS,
     MODELS,
     REGIONS,
     Shade,
     drawn_size,
     enlargement,
+    magnitude_stops,
     shades_of,
+    signed_stops,
     words_of,
 )
 

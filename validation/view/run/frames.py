@@ -15,8 +15,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.validation.fields.moving import MovingBody
-from tactgen.validation.view.palettes import COLOURS
 from tactgen.validation.view.pictures import off_screen
+from tactgen.validation.view.shading import COLOURS
 from tactgen.validation.view.stills import surface_part, typeface
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.validation.view.page.html import asset, document
 from tactgen.validation.view.page.shown import Block
-from tactgen.validation.view.palettes import COLOURS
 from tactgen.validation.view.run.frames import CONTACTS, enlargements
+from tactgen.validation.view.shading import COLOURS
 
 #: Instants of a page at most, evenly spaced; between them the page takes straight lines.
 _MOST = 2000

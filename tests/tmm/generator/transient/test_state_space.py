@@ -7,8 +7,8 @@ import pytest
 
 from tactgen.tmm.generator.small_signal import axial_poles
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.export import machine_state_space
-from tactgen.validation.export.machine_state_space import scene_state_space
+from tactgen.validation.export import ports as machine_state_space
+from tactgen.validation.export.ports import scene_state_space
 from tactgen.validation.models.generator.judged_rod import rod_of
 from tactgen.validation.scene.scene import load_scene
 

@@ -126,7 +126,7 @@ def _ampere(part: str, text: str) -> float:
 
 
 def _check_files(options: argparse.Namespace) -> None:
-    from tactgen.validation.export.check_place import check_place
+    from tactgen.validation.export.files import check_place
 
     for option, path, suffix in (("plot", options.plot, ".svg"), ("csv", options.csv, ".csv")):
         if path:

@@ -17,8 +17,7 @@ from tactgen.validation.studies.whatif.compare.differences import AnswerDifferen
 from tactgen.validation.studies.whatif.compare.sides import Key, Side
 from tactgen.validation.studies.whatif.compare.wording import NOTHING_SHARED, place, shown
 from tactgen.validation.view.figures import BLUE, ORANGE, panels, plain_numbers, svg
-from tactgen.validation.view.page.html import inline
-from tactgen.validation.view.plain_page import plain_page, table
+from tactgen.validation.view.page.html import inline, plain_page, table
 
 #: File of the page.
 FILE = "compare.html"

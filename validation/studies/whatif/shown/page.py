@@ -28,7 +28,7 @@ from tactgen.validation.studies.whatif.run import Study, answers_at
 from tactgen.validation.studies.whatif.shown.aim_picture import aim_picture
 from tactgen.validation.studies.whatif.shown.pictures import study_picture
 from tactgen.validation.studies.whatif.shown.text_table import heading, table_lines
-from tactgen.validation.view.plain_page import plain_page
+from tactgen.validation.view.page.html import plain_page
 
 #: File of the page, and the script that moves it.
 FILE = "study.html"

@@ -8,7 +8,7 @@ from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.bimorph.row_shape import CentreLine, RowShape, row_shape
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.fields.result import MODE_SIZE
-from tactgen.validation.fields.solid import Found
+from tactgen.validation.fields.solid_fields import Found
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
 
 
