@@ -9,7 +9,8 @@ from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import actuator_regions
-from tactgen.validation.evidence.coverage_actuator import drawn_actuator
+from tactgen.validation.evidence.random_devices import ACTUATOR
+from tactgen.validation.evidence.random_devices import overrides as random_overrides
 from tactgen.validation.scene.scene import load_scene
 
 VALUES = ("flux_linkage", "coenergy", "force")
@@ -52,7 +53,7 @@ def job(device, currents, corner):
 def drawn_device(rng):
     """Return the overrides of a device whose parts fit and whose iron saturates, and it."""
     while True:
-        overrides = [*drawn_actuator(rng), "steel.curve=team20"]
+        overrides = [*random_overrides(rng, ACTUATOR), "steel.curve=team20"]
         try:
             device = load_scene("reluctance", overrides)[0].device
             actuator_regions(device, device.gap)

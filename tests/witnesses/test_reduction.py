@@ -12,7 +12,7 @@ from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
-from tactgen.validation.evidence.random_devices import drawn_bimorph
+from tactgen.validation.evidence.random_devices import slender_bimorph
 from tactgen.validation.scene.scene import load_scene
 
 SWEEP = np.geomspace(10.0, 20000.0, 400)
@@ -53,7 +53,7 @@ def test_a_fresh_reduction(witness, tmp_path):
     """Three motions per three loads of a random damped bimorph; the seed is shown."""
     seed = secrets.randbits(32)
     print(f"seed {seed}")
-    device = load_scene("paper", drawn_bimorph(np.random.default_rng(seed)))[0].device
+    device = load_scene("paper", slender_bimorph(np.random.default_rng(seed)))[0].device
     system = assemble(
         device, bimorph_bricks(device, BrickMeshing((2, 2, 2), smallest=0.5)), lossy=True
     )

@@ -14,7 +14,7 @@ from tactgen.geometry.arrays import Floats
 ASSUMED_ORDER = 1.5
 #: Factor by which the error falls at least from one level of bricks to the next: with it, and
 #: the safety factor, 19 of 20 errors of varied bimorphs are within their bars
-#: (validation/evidence/coverage_solid.py).
+#: (validation/evidence/coverage_bimorph.py).
 ASSUMED_GAIN = 1.6
 #: Least gain in error of halved elements that is counted with.  Less is seen where rounding is all
 #: that separates two meshes; then what does separate them is the bar, with the safety factor.
@@ -31,7 +31,7 @@ BRICK_FACTOR = SAFETY / (ASSUMED_GAIN - 1.0)
 #: where the solution is singular at an edge inside the body: at the end of a tab, of glue or of an
 #: electrode, or where a base holds the shim alone.  Chosen on 31 bimorphs drawn at random, so that
 #: 19 of 20 errors are within their bars; of 35 drawn after it 98 % were, with half the bars at most
-#: 4.2 times the error (validation/evidence/coverage_solid.py).  With one factor for all, those
+#: 4.2 times the error (validation/evidence/coverage_bimorph.py).  With one factor for all, those
 #: without such an edge had to have bars of ten errors for those with one to be covered.
 SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES = 2.5, 5.0
 #: The same of a family's bricks, which have all products of their polynomials, so that those of one

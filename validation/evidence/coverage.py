@@ -15,7 +15,9 @@ from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
 from tactgen.geometry.store.store import kept
 from tactgen.geometry.store.values import storable
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_texts
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.view.figures import GREY, panels, svg
 
 #: Share of the errors that a bar promises to cover.
@@ -124,6 +126,30 @@ def calibration(found: Sequence[Judged]) -> Floats:
     """Return the share of errors within each of :data:`MULTIPLES` times the bar."""
     ratios = np.array([one.error / max(one.bar, 1e-300) for one in found])
     return np.asarray((ratios[:, None] <= MULTIPLES).mean(axis=0))
+
+
+def relative(where: str, name: str, values: object, errors: object, better: object) -> list[Judged]:
+    """Return the entries of a quantity held against better ones; errors relative to these."""
+    value, bars, right = (np.ravel(np.asarray(of)) for of in (values, errors, better))
+    size = np.abs(right)
+    return [
+        Judged(where, f"{name} {i + 1}" if value.size > 1 else name, float(off), float(bar))
+        for i, (off, bar) in enumerate(zip(np.abs(value - right) / size, bars / size, strict=True))
+    ]
+
+
+def compared(
+    judged: tuple[Scene, str], better: tuple[Scene, str], quantities: Sequence[str], where: str
+) -> list[Judged]:
+    """Return the answers of a scene by a model against a better scene's or model's."""
+    values, right = (
+        {q.name: q for q in solve(scene, [model], quantities).quantities}
+        for scene, model in (judged, better)
+    )
+    return [
+        one for name, q in values.items()
+        for one in relative(where, name, q.value, q.error, right[name].value)
+    ]  # fmt: skip
 
 
 #: What computes answers and is loaded by names in strings.
@@ -247,17 +273,17 @@ def _row_of(devices: int, what: str, code: str) -> PartRow:
 #: The parts of a run by name; only the modules of those that are run are imported.
 PARTS: dict[str, PartRow] = {
     "tmm": _row_of(60, "the transfer matrix against 80 digits; its bars are of rounding and wide",
-                   "coverage_beam.judge_tmm"),
-    "beam": _row_of(60, "beam elements against exact spans", "coverage_beam.judge"),
+                   "coverage_bimorph.judge_tmm"),
+    "beam": _row_of(60, "beam elements against exact spans", "coverage_bimorph.judge_beam"),
     "taper": _row_of(40, "tapers by the transfer matrix against four times as many segments",
-                     "coverage_beam.judge_taper"),
-    "solid": _row_of(16, "bricks against bricks two levels finer", "coverage_solid.judge"),
+                     "coverage_bimorph.judge_taper"),
+    "solid": _row_of(16, "bricks against bricks two levels finer", "coverage_bimorph.judge_solid"),
     "cad": _row_of(4, "tetrahedra of the CAD solids against much finer bricks",
-                   "coverage_solid.judge_cad"),
+                   "coverage_bimorph.judge_cad"),
     "reduced": _row_of(12, "a member of a family by its reduced basis against bricks two levels "
-                       "finer", "coverage_solid.judge_reduced"),
+                       "finer", "coverage_bimorph.judge_reduced"),
     "axisymmetric": _row_of(20, "the magnetic field against a finer grid, higher order and farther "
-                            "walls", "coverage_actuator.judge"),
+                            "walls", "coverage_actuator.judge_axisymmetric"),
     "magnetic3d": _row_of(20, "the magnetic field on coarse tetrahedra against the half section's",
                           "coverage_actuator.judge_magnetic3d"),
     "map": _row_of(60, "the co-energy map against the network itself",

@@ -29,7 +29,8 @@ from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.stages import Stages
-from tactgen.validation.evidence.coverage import Judged
+from tactgen.validation.evidence import random_devices
+from tactgen.validation.evidence.coverage import Judged, relative
 from tactgen.validation.evidence.random_devices import accepted, between
 from tactgen.validation.models.generator.judged_rod import JudgedRod, rod_by_network
 from tactgen.validation.models.generator.small_signal import SmallSignal
@@ -44,7 +45,7 @@ _VALUES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
 Fields: TypeAlias = tuple[Any, Any]
 
 
-def judge(rng: np.random.Generator) -> list[Judged]:
+def judge_axisymmetric(rng: np.random.Generator) -> list[Judged]:
     """Return the answers of one device, drawn by `rng`."""
     return judged_fields(rng, _solved)
 
@@ -60,31 +61,16 @@ def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) 
     """Return the answers of one device, drawn by `rng`; dimensions that do not fit are redrawn."""
 
     def attempt() -> list[Judged]:
-        overrides = drawn_actuator(rng)
+        overrides = random_devices.overrides(rng, random_devices.ACTUATOR)
         scene, _ = load_scene("reluctance", overrides)
         found, right = solved(scene.device)
-        return [_one(" ".join(overrides), name, found, right) for name in _VALUES]
+        return [
+            one for name in _VALUES
+            for one in relative(" ".join(overrides), name, getattr(found, name),
+                                getattr(found.errors, name), getattr(right, name))
+        ]  # fmt: skip
 
     return accepted(attempt)
-
-
-def drawn_actuator(rng: np.random.Generator) -> list[str]:
-    """Return the overrides of a random normal actuator; they may not fit together."""
-    turns = int(between(rng, 200, 2000))
-    return [
-        f"gap={between(rng, 20.0, 400.0):.4g}um",
-        f"coil.current={between(rng, 2.0, 300.0):.4g}mA",
-        f"coil.turns={turns}",
-        f"rod.head_thickness={between(rng, 0.3, 0.8):.4g}mm",
-        f"sleeve.collar_thickness={between(rng, 0.1, 0.4):.4g}mm",
-        f"steel.curve={rng.choice(['team20', 'linear'])}",
-    ]
-
-
-def _one(where: str, name: str, found: Any, right: Any) -> Judged:
-    value, exact = getattr(found, name), getattr(right, name)
-    bar = getattr(found.errors, name)
-    return Judged(where, name, abs(value / exact - 1.0), bar / abs(exact))
 
 
 #: Lines of the sector's grid, of the usual: less than half to two thirds.
@@ -143,12 +129,9 @@ def judge_switching(rng: np.random.Generator) -> list[Judged]:
     right = _balances(scene)
     found = []
     for name in _SWITCHING:
-        value, bar = (
-            float(getattr(solution.get(name, "network"), of)) for of in ("value", "error")
-        )
-        if np.isfinite(value) and np.isfinite(right[name]):
-            size = abs(right[name])
-            found.append(Judged(where, name, abs(value - right[name]) / size, bar / size))
+        of = solution.get(name, "network")
+        if np.isfinite(of.value) and np.isfinite(right[name]):
+            found += relative(where, name, of.value, of.error, right[name])
     return found
 
 
@@ -164,9 +147,7 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
         read = QUANTITIES[name].read
         assert isinstance(read, AnswerReadout)
         answer, known = read.of(judged), read.of(right)
-        size = np.abs(known.value)
-        pairs = zip(np.abs(answer.value - known.value) / size, answer.error / size, strict=True)
-        found += [Judged(where, name, float(error), float(bar)) for error, bar in pairs]
+        found += relative(where, name, answer.value, answer.error, known.value)
     return found
 
 
@@ -183,28 +164,12 @@ def _fitting(rng: np.random.Generator, tried: Callable[[Scene], object]) -> tupl
     """Return a drawn machine that `tried` does not refuse, and what it differs in."""
 
     def attempt() -> tuple[Scene, str]:
-        overrides = _drawn(rng)
+        overrides = random_devices.machine(rng)
         scene, _ = load_scene("generator", overrides)
         tried(scene)
         return scene, " ".join(overrides)
 
     return accepted(attempt)
-
-
-def _drawn(rng: np.random.Generator) -> list[str]:
-    at = ",".join(f"{between(rng, 10.0, 3000.0):.4g}Hz" for _ in range(3))
-    return [
-        f"gap={between(rng, 80.0, 300.0):.4g}um",
-        f"coil.current={between(rng, 2.0, 300.0):.4g}mA",
-        f"coil.history={rng.choice(['rising', 'falling'])}",
-        f"coil.turns={int(between(rng, 200, 2000))}",
-        f"rod.head_thickness={between(rng, 0.3, 0.8):.4g}mm",
-        f"sleeve.collar_thickness={between(rng, 0.1, 0.4):.4g}mm",
-        f"spring.preload={between(rng, 30.0, 300.0):.4g}mN",
-        f"steel.curve={rng.choice(['team20', 'linear'])}",
-        "load.kind=none",
-        f"frequency={at}",
-    ]
 
 
 def _balances(scene: Scene) -> dict[str, float]:

@@ -1,26 +1,133 @@
-"""Random devices, and one scene's answers held against another's."""
+"""Random devices and scenes: keys with their ranges, sampled by a seeded generator.
+
+Coverage, the random scenes of the stress run, witnesses and tests all sample here.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TypeVar
+from collections.abc import Callable, Mapping
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.solve import solve
-from tactgen.validation.evidence.coverage import Judged
-from tactgen.validation.scene.scene import Scene
+from tactgen.tmm.ports.finger import FINGER_RANGE
 
-#: Draws after which no device is looked for any more: of those drawn here no more than one in two
-#: is refused, so it is the model that refuses all.
+#: Draws after which no device is looked for any more: at most one in two of those sampled here is
+#: refused, so it is the model that refuses all.
 MOST_DRAWS = 200
+#: Values of a key: from, to and unit, even on a logarithmic scale; or choices.
+Values: TypeAlias = tuple[float, float, str] | tuple[str, ...]
 
-_Drawn = TypeVar("_Drawn")
+_Device = TypeVar("_Device")
+
+CERAMICS = ("M1876", "PZT-5H", "PZT-5A")
+_STEELS = ("team20", "linear")
+
+#: The normal actuator alone; the dimensions may not fit together.
+ACTUATOR: dict[str, Values] = {
+    "gap": (20.0, 400.0, "um"),
+    "coil.current": (2.0, 300.0, "mA"),
+    "coil.turns": ("200", "300", "400", "560", "800", "1100", "1500", "2000"),
+    "rod.head_thickness": (0.3, 0.8, "mm"),
+    "sleeve.collar_thickness": (0.1, 0.4, "mm"),
+    "steel.curve": _STEELS,
+}
+#: The whole machine with nothing on its tip.
+MACHINE: dict[str, Values] = ACTUATOR | {
+    "gap": (80.0, 300.0, "um"),
+    "coil.history": ("rising", "falling"),
+    "spring.preload": (30.0, 300.0, "mN"),
+    "load.kind": ("none",),
+}
+
+#: Scenes from foil to block: sizes, of which all are sampled, and keys, of which some are.
+SIZES: dict[str, Values] = {
+    "bimorph.length": (2.0, 80.0, "mm"),
+    "bimorph.piezo_thickness": (0.01, 1.0, "mm"),
+    "bimorph.shim_thickness": (0.01, 1.0, "mm"),
+}
+_BIMORPH: dict[str, Values] = {
+    "bimorph.width": (0.2, 10.0, "mm"),
+    "bimorph.tab_length": (0.05, 5.0, "mm"),
+    "bimorph.bare_below": (0.01, 2.0, "mm"),
+    "bimorph.bare_above": (0.01, 2.0, "mm"),
+    "bimorph.glue_thickness": (1e-3, 0.1, "mm"),
+    "bimorph.wiring": ("parallel", "series"),
+    "piezo.material": CERAMICS,
+    "piezo.quality_factor": (5.0, 1e3, ""),
+    "shim.material": ("brass", "titanium"),
+    "load.kind": ("none", "mass", "spring_damper", "finger"),
+    "load.mass": (1e-2, 1e4, "mg"),
+    "load.stiffness": (1e-1, 1e6, "N/m"),
+    "load.damping": (1e-5, 1e1, "N*s/m"),
+    "drive.voltage": (1e-3, 50.0, "V"),
+    "modes": ("1", "3", "6"),
+}
+_SUPPORT: dict[str, Values] = {
+    "support.kind": ("clamped", "spring"),
+    "support.rotational_stiffness": (1e-3, 1e3, "N*m/rad"),
+    "support.rotational_damping": (1e-9, 1e-3, "N*m*s/rad"),
+}
+_ROD: dict[str, Values] = {
+    "coil.current": (1e-3, 1e3, "mA"),
+    "coil.history": ("rising", "falling"),
+    "coil.supply": ("current", "voltage"),
+    "coil.source_resistance": (1e-3, 1e6, "ohm"),
+    "coil.turns": ("10", "200", "560", "2000"),
+    "gap": (60.0, 600.0, "um"),
+    "spring.preload": (1e-3, 1e3, "mN"),
+    "spring.stiffness": (1.0, 1e6, "N/m"),
+    "spring.eccentricity": (1e-3, 1.0, "mm"),
+    "spring.stop_gap": (1.0, 100.0, "um"),
+    "contact.shape": ("ring", "disc"),
+    "contact.decay_length": (1e-3, 100.0, "um"),
+    "contact.relaxation_time": (1e-3, 1e3, "us"),
+    "contact.lower_decay_ratio": (1e-2, 1e2, ""),
+    "contact.tangential_ratio": (1e-1, 1.0, ""),
+    "contact.friction": (1e-3, 1.0, ""),
+    "guide.axial_damping": (1e-6, 1e2, "N*s/m"),
+    "guide.lateral_stiffness": (1.0, 1e9, "N/m"),
+    "guide.rotational_stiffness": (1e-6, 1e3, "N*m/rad"),
+    "guide.clearance": (1e-3, 1e2, "um"),
+    "load.normal_force": (1e-3, 1e3, "mN"),
+    "steel.curve": _STEELS,
+    "rod.head_thickness": (0.1, 2.0, "mm"),
+    "sleeve.collar_thickness": (0.05, 2.0, "mm"),
+}
+#: Frequencies (Hz) of a scene; share of those that a finger presses which stay within its law.
+_FREQUENCIES, _WITHIN = (1.0, 2e4), 0.9
+#: Most keys of a scene beside its sizes; share of machines.
+_MOST_KEYS, _MACHINES = 6, 0.3
 
 
-def accepted(attempt: Callable[[], _Drawn]) -> _Drawn:
-    """Return what `attempt`, which draws a device anew each time, gives for the first that fits.
+def between(rng: np.random.Generator, low: float, high: float) -> float:
+    """Return a number even on a logarithmic scale."""
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def sample(rng: np.random.Generator, values: Values) -> str:
+    """Return one value of a key as a scene has it."""
+    low, high, unit = (*values, "", "")[:3]
+    if isinstance(low, str):
+        return str(rng.choice(values))
+    assert isinstance(high, float), values
+    return f"{between(rng, low, high):.5g} {unit}".strip()
+
+
+def overrides(rng: np.random.Generator, keys: Mapping[str, Values]) -> list[str]:
+    """Return one value of each key, as for ``--set``."""
+    return [f"{key}={sample(rng, values)}" for key, values in keys.items()]
+
+
+def three_frequencies(rng: np.random.Generator) -> str:
+    """Return the override of three frequencies from 10 Hz to 3 kHz."""
+    frequencies = sorted(between(rng, 10.0, 3000.0) for _ in range(3))
+    return "frequency=" + ",".join(f"{f:.5g} Hz" for f in frequencies)
+
+
+def accepted(attempt: Callable[[], _Device]) -> _Device:
+    """Return what `attempt`, which samples anew each time, gives for the first device that fits.
 
     Raises
     ------
@@ -39,45 +146,95 @@ def accepted(attempt: Callable[[], _Drawn]) -> _Drawn:
     )
 
 
-def between(rng: np.random.Generator, low: float, high: float) -> float:
-    """Return a number even on a logarithmic scale."""
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
-
-
-def drawn_bimorph(
+def slender_bimorph(
     rng: np.random.Generator, *, length: float | None = None, layer: float | None = None
 ) -> list[str]:
-    """Return the overrides of a random bimorph, by default 5 to 60 mm long and slender."""
+    """Return the overrides of a random bimorph for beam models, by default 5 to 60 mm long."""
     layer = between(rng, 0.05, 0.5) if layer is None else layer
     length = between(rng, 15.0, 120.0) * 3.0 * layer if length is None else length
-    frequencies = sorted(between(rng, 10.0, 3000.0) for _ in range(3))
     return [
         f"bimorph.length={length:.6g}mm",
         f"bimorph.width={between(rng, 0.5, 5.0):.4g}mm",
         f"bimorph.piezo_thickness={layer:.4g}mm",
         f"bimorph.shim_thickness={layer * between(rng, 0.3, 2.0):.4g}mm",
-        f"piezo.material={rng.choice(['M1876', 'PZT-5H', 'PZT-5A'])}",
+        f"piezo.material={rng.choice(CERAMICS)}",
         f"support.kind={rng.choice(['clamped', 'spring'])}",
-        "frequency=" + ",".join(f"{f:.5g}Hz" for f in frequencies),
+        three_frequencies(rng),
     ]
 
 
-def compared(
-    judged: tuple[Scene, str], better: tuple[Scene, str], quantities: Sequence[str], where: str
-) -> list[Judged]:
-    """Return the answers of a scene by a model against a better scene's or model's."""
-    values, right = (
-        {q.name: q for q in solve(scene, [model], quantities).quantities}
-        for scene, model in (judged, better)
-    )
-    found = []
-    for name, quantity in values.items():
-        size = np.abs(np.ravel(right[name].value))
-        error = np.abs(np.ravel(quantity.value) - np.ravel(right[name].value)) / size
-        bar = np.ravel(quantity.error) / size
-        several = error.size > 1
-        found += [
-            Judged(where, f"{name} {i + 1}" if several else name, float(e), float(b))
-            for i, (e, b) in enumerate(zip(error, bar, strict=True))
-        ]
-    return found
+def bimorph_on_rod(rng: np.random.Generator) -> list[str]:
+    """Return the overrides of a random bimorph that is glued into its rod, its tip free."""
+    sampled = [one for one in slender_bimorph(rng) if not one.startswith("support.")]
+    return [
+        *sampled, "load.kind=none",  # the finger's model ends at 1000 Hz
+        f"bimorph.tab_length={between(rng, 0.5, 5.0):.4g}mm",
+        f"glue.thickness={between(rng, 0.5, 60.0):.4g}um",
+    ]  # fmt: skip
+
+
+def tapered_bimorph(rng: np.random.Generator) -> list[str]:
+    """Return the overrides of a random bimorph whose width has a corner."""
+    length = rng.uniform(8.0, 40.0)
+    width, share = rng.uniform(0.5, 3.0), rng.uniform(0.1, 0.9)
+    step, layer = rng.uniform(0.2, 0.8) * length, rng.uniform(0.1, 0.4)
+    points = ((0.0, width), (step, width), (length, share * width))
+    profile = ", ".join(f"{z:.6g} mm: {w:.4g} mm" for z, w in points)
+    sampled = slender_bimorph(rng, length=length, layer=layer)
+    return [*sampled, f"bimorph.width_profile={profile}"]
+
+
+def solid_bimorph(rng: np.random.Generator) -> list[str] | None:
+    """Return the overrides of a bimorph of all that could be built, and more, for solid models.
+
+    Lengths 3 to 60 mm, widths 0.3 to 10 mm, layers 20 µm to 1 mm; three ceramics, two shims;
+    tabs, bare ends, glue; masses and springs at the tip; springs and clamps at the base.  None
+    if it is too stout, too slender or too wide to be a bimorph.
+    """
+    limits = ((0.02, 1.0), (0.02, 1.0), (3.0, 60.0), (0.3, 10.0))
+    piezo, shim, length, width = (between(rng, *of) for of in limits)
+    chance = rng.random(7)
+    tab, below, above = rng.uniform(0.5, 3.0), rng.uniform(0.05, 0.15), rng.uniform(0.02, 0.1)
+    glue = min(between(rng, 0.005, 0.05), 0.3 * min(piezo, shim))
+    mass, stiffness = between(rng, 0.1, 100.0), between(rng, 10.0, 1e4)
+    material = rng.choice(CERAMICS)
+    thickness = 2.0 * piezo + shim
+    if not 4.0 * thickness <= length <= 120.0 * thickness or width > 40.0 * thickness:
+        return None
+    options = {
+        f"bimorph.tab_length={tab:.3g}mm": chance[0] < 0.3,
+        f"bimorph.bare_below={below * length:.3g}mm": chance[1] < 0.2,
+        f"bimorph.bare_above={above * length:.3g}mm": chance[2] < 0.2,
+        f"bimorph.glue_thickness={glue:.3g}mm": chance[3] < 0.25,
+        # the springs were fitted to a bimorph of 2.1 mm
+        "support.kind=clamped": chance[4] < 0.5 or width > 2.0,
+        "shim.shear_modulus=53.846GPa": chance[5] < 0.4,
+        "load.kind=mass": chance[6] < 0.2,
+        f"load.mass={mass:.3g}mg": chance[6] < 0.2,
+        "load.kind=spring_damper": 0.2 <= chance[6] < 0.4,
+        f"load.stiffness={stiffness:.3g}N/m": 0.2 <= chance[6] < 0.4,
+    }
+    return [
+        f"bimorph.length={length:.4g}mm", f"bimorph.width={width:.4g}mm",
+        f"bimorph.piezo_thickness={piezo:.4g}mm", f"bimorph.shim_thickness={shim:.4g}mm",
+        f"piezo.material={material}", *(key for key, wanted in options.items() if wanted),
+    ]  # fmt: skip
+
+
+def machine(rng: np.random.Generator) -> list[str]:
+    """Return the overrides of a random machine; its dimensions may not fit together."""
+    return [*overrides(rng, MACHINE), three_frequencies(rng)]
+
+
+def any_scene(rng: np.random.Generator) -> tuple[str, list[str]]:
+    """Return a scene's name and random overrides: a bimorph on springs, or the whole machine."""
+    whole = rng.random() < _MACHINES
+    keys = _BIMORPH | (_ROD if whole else _SUPPORT)
+    some = rng.choice(sorted(keys), size=int(rng.integers(_MOST_KEYS + 1)), replace=False)
+    values = {} if whole and rng.random() < 0.5 else {k: sample(rng, v) for k, v in SIZES.items()}
+    values |= {str(key): sample(rng, keys[str(key)]) for key in some}
+    pressed = values.get("load.kind", "finger" if whole else "none") == "finger"
+    band = FINGER_RANGE if pressed and rng.random() < _WITHIN else _FREQUENCIES
+    count = int(rng.integers(1, 4))
+    values["frequency"] = ", ".join(f"{between(rng, *band):.5g} Hz" for _ in range(count))
+    return "generator" if whole else "prototype", [f"{k}={v}" for k, v in values.items()]

@@ -9,11 +9,10 @@ from functools import partial
 
 import numpy as np
 
-from tactgen.tmm.ports.finger import FINGER_RANGE
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.coverage import PROMISED
-from tactgen.validation.evidence.random_devices import between
+from tactgen.validation.evidence.random_devices import any_scene
 from tactgen.validation.evidence.stress import (
     FAR,
     REFUSALS,
@@ -169,87 +168,8 @@ _MACHINE = Pair(
     "generator", form=1e-12,
 )  # fmt: skip
 
-#: What a scene may say of a key: from, to and unit, even on a logarithmic scale; or a choice.
-_Says = tuple[float, float, str] | tuple[str, ...]
-_SIZES: dict[str, _Says] = {
-    "bimorph.length": (2.0, 80.0, "mm"),
-    "bimorph.piezo_thickness": (0.01, 1.0, "mm"),
-    "bimorph.shim_thickness": (0.01, 1.0, "mm"),
-}
-_BIMORPH: dict[str, _Says] = {
-    "bimorph.width": (0.2, 10.0, "mm"),
-    "bimorph.tab_length": (0.05, 5.0, "mm"),
-    "bimorph.bare_below": (0.01, 2.0, "mm"),
-    "bimorph.bare_above": (0.01, 2.0, "mm"),
-    "bimorph.glue_thickness": (1e-3, 0.1, "mm"),
-    "bimorph.wiring": ("parallel", "series"),
-    "piezo.material": ("M1876", "PZT-5H", "PZT-5A"),
-    "piezo.quality_factor": (5.0, 1e3, ""),
-    "shim.material": ("brass", "titanium"),
-    "load.kind": ("none", "mass", "spring_damper", "finger"),
-    "load.mass": (1e-2, 1e4, "mg"),
-    "load.stiffness": (1e-1, 1e6, "N/m"),
-    "load.damping": (1e-5, 1e1, "N*s/m"),
-    "drive.voltage": (1e-3, 50.0, "V"),
-    "modes": ("1", "3", "6"),
-}
-_SUPPORT: dict[str, _Says] = {
-    "support.kind": ("clamped", "spring"),
-    "support.rotational_stiffness": (1e-3, 1e3, "N*m/rad"),
-    "support.rotational_damping": (1e-9, 1e-3, "N*m*s/rad"),
-}
-_ROD: dict[str, _Says] = {
-    "coil.current": (1e-3, 1e3, "mA"),
-    "coil.history": ("rising", "falling"),
-    "coil.supply": ("current", "voltage"),
-    "coil.source_resistance": (1e-3, 1e6, "ohm"),
-    "coil.turns": ("10", "200", "560", "2000"),
-    "gap": (60.0, 600.0, "um"),
-    "spring.preload": (1e-3, 1e3, "mN"),
-    "spring.stiffness": (1.0, 1e6, "N/m"),
-    "spring.eccentricity": (1e-3, 1.0, "mm"),
-    "spring.stop_gap": (1.0, 100.0, "um"),
-    "contact.shape": ("ring", "disc"),
-    "contact.decay_length": (1e-3, 100.0, "um"),
-    "contact.relaxation_time": (1e-3, 1e3, "us"),
-    "contact.lower_decay_ratio": (1e-2, 1e2, ""),
-    "contact.tangential_ratio": (1e-1, 1.0, ""),
-    "contact.friction": (1e-3, 1.0, ""),
-    "guide.axial_damping": (1e-6, 1e2, "N*s/m"),
-    "guide.lateral_stiffness": (1.0, 1e9, "N/m"),
-    "guide.rotational_stiffness": (1e-6, 1e3, "N*m/rad"),
-    "guide.clearance": (1e-3, 1e2, "um"),
-    "load.normal_force": (1e-3, 1e3, "mN"),
-    "steel.curve": ("team20", "linear"),
-    "rod.head_thickness": (0.1, 2.0, "mm"),
-    "sleeve.collar_thickness": (0.05, 2.0, "mm"),
-}
-#: Frequencies (Hz) of a scene; share of those that a finger presses which stay within its law.
-_FREQUENCIES, _WITHIN = (1.0, 2e4), 0.9
-#: Scenes of a run, and of a quick one; most keys of one beside its sizes; share of machines.
-_SCENES, _QUICK, _MOST_KEYS, _MACHINES = 2000, 16, 6, 0.3
-
-
-def draw(rng: np.random.Generator) -> tuple[str, list[str]]:
-    """Return a scene's name and random overrides: a bimorph on springs, or the whole machine."""
-    machine = rng.random() < _MACHINES
-    keys = _BIMORPH | (_ROD if machine else _SUPPORT)
-    some = rng.choice(sorted(keys), size=int(rng.integers(_MOST_KEYS + 1)), replace=False)
-    said = {} if machine and rng.random() < 0.5 else {k: _said(rng, v) for k, v in _SIZES.items()}
-    said |= {str(key): _said(rng, keys[str(key)]) for key in some}
-    pressed = said.get("load.kind", "finger" if machine else "none") == "finger"
-    band = FINGER_RANGE if pressed and rng.random() < _WITHIN else _FREQUENCIES
-    at = (f"{between(rng, *band):.5g} Hz" for _ in range(int(rng.integers(1, 4))))
-    said["frequency"] = ", ".join(at)
-    return "generator" if machine else "prototype", [f"{key}={v}" for key, v in said.items()]
-
-
-def _said(rng: np.random.Generator, says: _Says) -> str:
-    low, high, unit = (*says, "", "")[:3]
-    if isinstance(low, str):
-        return str(rng.choice(says))
-    assert isinstance(high, float), says
-    return f"{between(rng, low, high):.5g} {unit}".strip()
+#: Scenes of a run, and of a quick one.
+_SCENES, _QUICK = 2000, 16
 
 
 def run(asked: Asked) -> Stress:
@@ -267,7 +187,7 @@ def random_rows(asked: Asked, count: int) -> tuple[Row, ...]:
     scenes = dict.fromkeys(families, 0)
     for number in range(count):
         asked.announce(f"random scene {number + 1} of {count}, seed {seed}")
-        name, overrides = draw(np.random.default_rng([seed, number]))
+        name, overrides = any_scene(np.random.default_rng([seed, number]))
         points, refusals = asked.keep((number,), partial(_judged, name, overrides))
         scenes[name] += 1
         families[name].points += points

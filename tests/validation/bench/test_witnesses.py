@@ -8,7 +8,7 @@ import pytest
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence import bench_solid as jobs
 from tactgen.validation.evidence import peers
-from tactgen.validation.evidence.random_devices import drawn_bimorph
+from tactgen.validation.evidence.random_devices import slender_bimorph
 from tactgen.validation.scene.scene import load_scene
 
 #: Order of the witness's bricks.
@@ -54,7 +54,7 @@ def test_fresh_bimorphs(peer):
     print(f"seed {seed}")
     rng = np.random.default_rng(seed)
     for _ in range(_COUNT[peer]):
-        drawn = [o for o in drawn_bimorph(rng) if not o.startswith(("support", "frequency"))]
+        drawn = [o for o in slender_bimorph(rng) if not o.startswith(("support", "frequency"))]
         clamped = ["support.kind=clamped", "load.kind=none", f"modes={jobs.MODES}", "accuracy=3e-3"]
         scene, _ = load_scene("paper", [*drawn, *clamped])
         own = {q.name: q for q in solve(scene, ["solid"], QUANTITIES).quantities}

@@ -20,7 +20,7 @@ from tactgen.validation.engine.error_bars import (
 )
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.coverage import PROMISED, median_width
-from tactgen.validation.evidence.coverage_solid import judged, varied_cases
+from tactgen.validation.evidence.coverage_bimorph import judged, varied_cases
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.solid import _BRICK_BARS, BrickPair, level_for
 from tactgen.validation.scene.scene import load_scene

@@ -13,7 +13,7 @@ from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import evaluate, solve
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.evidence.coverage import PROMISED, median_width
-from tactgen.validation.evidence.coverage_solid import cad_cases, judged
+from tactgen.validation.evidence.coverage_bimorph import cad_cases, judged
 from tactgen.validation.models.bimorph import adaptive_meshes, two_meshes
 from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
 from tactgen.validation.models.comparison import compare

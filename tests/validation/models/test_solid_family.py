@@ -15,7 +15,7 @@ from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.stretching import LEVELS, dividing, stretched
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.evidence import coverage_solid as coverage
+from tactgen.validation.evidence import coverage_bimorph as coverage
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.family import answers, solid_family, surplus
 from tactgen.validation.models.bimorph.family.many import _points, for_many

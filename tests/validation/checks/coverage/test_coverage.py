@@ -18,8 +18,8 @@ from tactgen.tmm.reluctance.network import DirectPull
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.evidence import coverage as run
 from tactgen.validation.evidence import coverage_actuator as axisymmetric
-from tactgen.validation.evidence import coverage_beam as beam
-from tactgen.validation.evidence import coverage_solid as solid
+from tactgen.validation.evidence import coverage_bimorph as beam
+from tactgen.validation.evidence import coverage_bimorph as solid
 from tactgen.validation.evidence import random_devices as scenes
 from tactgen.validation.evidence.coverage import (
     MULTIPLES,
@@ -120,7 +120,7 @@ def test_wide_bars_are_said_in_table_json_and_csv(monkeypatch, capsys, tmp_path)
         return [Judged("device", "f", 1e-6, 6e-6)]
 
     judge.__module__ = beam.__name__  # by which the store keys it
-    monkeypatch.setattr(beam, "judge", judge)
+    monkeypatch.setattr(beam, "judge_beam", judge)
     asked = ["coverage", "--only", "beam", "--devices", "2", "--seed", "1"]
     assert main([*asked, "--out", str(tmp_path)]) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -152,7 +152,7 @@ def test_references_of_the_solid_are_per_volt_of_the_drive(monkeypatch, few_bric
 @pytest.mark.parametrize(
     ("judge", "model"),
     [
-        (axisymmetric.judge, (axisymmetric, "solve_point")),
+        (axisymmetric.judge_axisymmetric, (axisymmetric, "solve_point")),
         (axisymmetric.judge_magnetic3d, (axisymmetric, "solve_solid")),
         (axisymmetric.judge_motions, (axisymmetric, "load_scene")),
     ],
@@ -183,4 +183,4 @@ def test_bars_hold(part):
     """As many devices as the command takes; solid and cad have tests of their own."""
     (found,) = run.run_parts([part], None, 1, lambda _: None)
     assert found.holds, found.rows
-    assert found.devices == PARTS[part][2]
+    assert found.devices == PARTS[part].devices

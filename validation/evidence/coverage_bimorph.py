@@ -1,0 +1,373 @@
+"""Bars of the lateral actuator's models: random bimorphs against 80 digits and finer divisions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import reduce
+from typing import Any, Literal, TypeAlias
+
+import mpmath as mp
+import numpy as np
+
+from tactgen.fem.piezo.bricks import assemble_bricks
+from tactgen.fem.piezo.krylov import reduce_to_ports
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import ports_from_blocks
+from tactgen.fem.piezo.symmetry import Motion
+from tactgen.fem.piezo.system import SolidSystem
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.device.checks import beyond_plain_layers
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
+from tactgen.tmm.ports.elements import attach, base_stiffness
+from tactgen.tmm.ports.multiport import Multiport, respond
+from tactgen.tmm.ports.port import BIMORPH
+from tactgen.validation.checks.cases import reference_beam as exact
+from tactgen.validation.checks.cases.reference_modes import Row, natural_frequency
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.coverage import Judged, compared, relative
+from tactgen.validation.evidence.random_devices import (
+    CERAMICS,
+    accepted,
+    between,
+    bimorph_on_rod,
+    slender_bimorph,
+    solid_bimorph,
+    tapered_bimorph,
+)
+from tactgen.validation.models.bimorph.family.solid_family import solid_family
+from tactgen.validation.models.bimorph.family.values import family_values
+from tactgen.validation.scene.scene import Scene, load_scene
+
+_STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
+_HARMONIC = ("tip_displacement", "admittance")
+_SHORT, _OPEN = "short_circuit_frequencies", "open_circuit_frequencies"
+_BEAM = (*_STATIC[:2], _SHORT, _OPEN, *_HARMONIC)
+_ONE_IN_THREE = 1.0 / 3.0
+
+
+def judge_beam(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of beam elements against exact spans; one in three is on its rod."""
+    on_rod = rng.random() < _ONE_IN_THREE
+    name, sampled = ("bimorph_on_rod", bimorph_on_rod) if on_rod else ("prototype", slender_bimorph)
+
+    def attempt() -> tuple[Scene, str]:
+        overrides = sampled(rng)
+        return load_scene(name, overrides)[0], f"{name} {' '.join(overrides)}"
+
+    scene, where = accepted(attempt)
+    return compared((scene, "beam"), (scene, "tmm"), _BEAM, where)
+
+
+#: How many times as many segments the reference has: its own error is 1/256 of the one judged.
+_FINER = 4
+
+
+def judge_taper(rng: np.random.Generator) -> list[Judged]:
+    """Return the frequencies of a tapered bimorph against those of more segments."""
+    overrides = tapered_bimorph(rng)
+    scene, _ = load_scene("prototype", overrides)
+    found = solve(scene, ["tmm"], [_SHORT]).quantities[0]
+    row = sections(scene.device, scene.support, scene.beam, lossy=False, segments=_FINER * SEGMENTS)
+    right = bending_frequencies(row, scene.ends.lossless, found.value.size, open_circuit=False)
+    return relative(" ".join(overrides), _SHORT, found.value, found.error, right)
+
+
+def judge_tmm(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of the transfer matrix against 80 digits; every other has bare ends.
+
+    A uniform beam has a closed form; a row of three is joined.
+    """
+    layer = between(rng, 0.05, 0.5)
+    length = between(rng, 15.0, 120.0) * 3.0 * layer
+    overrides = slender_bimorph(rng, length=length, layer=layer)
+    if rng.random() < 0.5:
+        overrides += [
+            f"bimorph.bare_{where}={length * between(rng, 0.01, 0.2):.4g}mm"
+            for where in ("below", "above")
+        ]
+    scene, _ = load_scene("prototype", [*overrides, "modes=3"])
+    return against_digits(scene, " ".join(overrides))
+
+
+def against_digits(scene: Scene, where: str) -> list[Judged]:
+    """Return the answers of a bimorph of one cross-section on its support, its tip free."""
+    driven = ("tip_displacement", "tip_rotation", "admittance")
+    quantities = solve(scene, ["tmm"], (*_STATIC, *driven, _SHORT, _OPEN)).quantities
+    lossless, at_rest = _row(scene, lossy=False), _at_rest_by_digits(scene)
+    right: dict[str, list[Any]] = {
+        name: [value] for name, value in zip(_STATIC, at_rest, strict=True)
+    }
+    columns = zip(*_driven_by_digits(scene), strict=True)
+    right |= {name: list(column) for name, column in zip(driven, columns, strict=True)}
+    answers = []
+    for quantity in quantities:
+        values, bars = np.ravel(quantity.value), np.ravel(quantity.error)
+        known = right.get(quantity.name) or [
+            natural_frequency(lossless, scene.ends, float(f), open_circuit=quantity.name == _OPEN)
+            for f in values
+        ]
+        for i, (value, bar, digits) in enumerate(zip(values, bars, known, strict=True)):
+            name = f"{quantity.name} {i + 1}" if values.size > 1 else quantity.name
+            error = exact.relative_error(value, digits)
+            answers.append(Judged(where, name, error, float(bar / abs(digits))))
+    return answers
+
+
+def _at_rest_by_digits(scene: Scene) -> tuple[Any, ...]:
+    """Return static deflection (m) and the capacitances free and blocked (F)."""
+    d = _stiffness(_row(scene, lossy=False), 0.0)
+    base = scene.ends.lossless.base
+    held = None if base is None else (base.lateral_stiffness, base.rotational_stiffness)
+    moved, charge, _ = exact.tip_motion(d, held, 0)
+    with mp.workdps(exact.DIGITS):
+        return moved * scene.drive.voltage, charge, d[4, 4]
+
+
+def _driven_by_digits(scene: Scene) -> list[tuple[Any, ...]]:
+    """Return the tip's displacement (m) and rotation (rad) and the admittance (S) by frequency."""
+    row, volts, found = _row(scene, lossy=True), scene.drive.voltage, []
+    for frequency in scene.frequency:
+        base = None
+        if scene.ends.base is not None:
+            lateral, rotational = base_stiffness(scene.ends.base, np.array([frequency]))
+            base = complex(lateral[0]), complex(rotational[0])
+        with mp.workdps(exact.DIGITS):
+            omega = 2 * mp.pi * mp.mpf(frequency)
+            moved, charge, turned = exact.tip_motion(_stiffness(row, omega), base, 0)
+            found.append((moved * volts, turned * volts, mp.j * omega * charge))
+    return found
+
+
+def _row(scene: Scene, *, lossy: bool) -> Row:
+    """Return section constants and length of the pieces, none of which is bare shim."""
+    layers = exact.Layers.of(scene.device, scene.beam)
+    if not lossy:
+        layers = replace(layers, quality_factor=mp.inf, loss_tangent=0)
+    active = exact.bimorph_constants(layers)
+    bare = exact.without_electrode(active)
+    pieces = beam_pieces(scene.device, scene.support)
+    return [(active if piece.electrode else bare, piece.length) for piece in pieces]
+
+
+def _stiffness(row: Row, omega: Any) -> mp.matrix:
+    parts = [exact.dynamic_stiffness(constants, length, omega) for constants, length in row]
+    return reduce(exact.join, parts)
+
+
+#: Where responses of solids are judged, per first resonance: at all but rest, about the first
+#: resonance, and beyond it.
+_AT = (0.05, 0.9, 1.1, 2.0, 4.0)
+#: References are solved so many levels above the one judged; that of tetrahedra.
+_ABOVE, _FOR_TETRAHEDRA = 2, LEVELS[3]
+#: Error that the reduction of a reference may add: far less than bricks have.
+_REDUCTION = 1e-7
+#: Largest quarter (functions of its reference) that is affordable.
+_MOST_FUNCTIONS = {"solid": 9_000, "cad": 6_500}
+
+#: Numbers by quantity and class of motion, ascending.
+Known: TypeAlias = dict[tuple[str, str], list[complex]]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One bimorph, and what is judged of it.
+
+    Attributes
+    ----------
+    overrides : tuple of str
+        Of the scene ``prototype``.
+    level : int
+        Level (2 or 3) of bricks.
+    model : {"solid", "cad"}
+        On bricks, or on tetrahedra for the accuracy that the scene asks for by default.
+    all_motions : bool
+        Judge the frequencies of all classes of motion; else those that bend in x.
+    at : tuple of float
+        Frequencies at which the response is judged as well, per first resonance.
+    """
+
+    overrides: tuple[str, ...]
+    level: int = 2
+    model: Literal["solid", "cad"] = "solid"
+    all_motions: bool = False
+    at: tuple[float, ...] = ()
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is judged."""
+        return (*_STATIC, _SHORT, "coupling_factor", *(_HARMONIC if self.at else ()))
+
+    def scene(self) -> Scene:
+        """Return what is solved."""
+        more = [f"mesh.level={self.level}"] if self.model == "solid" else []
+        if self.at:
+            scene, _ = load_scene("prototype", list(self.overrides))
+            first = solve(scene, ["tmm"], [_SHORT]).quantities[0].value[0]
+            more.append("frequency=" + ",".join(f"{part * first:.6g} Hz" for part in self.at))
+        return load_scene("prototype", [*self.overrides, *more])[0]
+
+    @property
+    def reference(self) -> BrickMeshing:
+        """The division that its reference is solved on."""
+        return _FOR_TETRAHEDRA if self.model == "cad" else LEVELS[self.level - 1 + _ABOVE]
+
+    @property
+    def affordable(self) -> bool:
+        """Whether its reference is."""
+        bricks = bimorph_bricks(self.scene().device, self.reference)
+        return int((bricks.used() & bricks.products()).sum()) <= _MOST_FUNCTIONS[self.model]
+
+
+def varied_cases(seed: int, count: int = 44, finer: int = 6) -> list[Case]:
+    """Return random bimorphs; the first `finer` that are small enough come at level 3 as well."""
+    rng, cases = np.random.default_rng(seed), list[Case]()
+    while len(cases) < count:
+        case = _sampled(rng, len(cases))
+        if case is None or not case.affordable:
+            continue
+        cases.append(case)
+        again = replace(case, level=3, all_motions=False, at=())
+        if finer and again.affordable:
+            finer -= 1
+            cases.append(again)
+    return cases[:count]
+
+
+def cad_cases(seed: int, count: int = 20) -> list[Case]:
+    """Return random bimorphs of those that CAD knows, for the model cad."""
+    rng, cases = np.random.default_rng(seed), list[Case]()
+    while len(cases) < count:
+        case = _sampled(rng, len(cases))
+        if case is None or beyond_plain_layers(case.scene().device.bimorph):
+            continue
+        case = replace(case, model="cad", all_motions=True)
+        if case.affordable:
+            cases.append(case)
+    return cases
+
+
+def _sampled(rng: np.random.Generator, number: int) -> Case | None:
+    overrides = solid_bimorph(rng)
+    if overrides is None:
+        return None
+    at = _AT if number % 4 == 3 else ()
+    return Case(tuple(overrides), all_motions=number % 3 == 0, at=at)
+
+
+def judge_solid(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of one device by bricks, of a third all motions or responses."""
+    (case,) = varied_cases(int(rng.integers(2**31)), 1, finer=0)
+    every, responds = rng.random(2) < _ONE_IN_THREE
+    return judged(replace(case, all_motions=bool(every), at=_AT if responds else ()))
+
+
+def judge_cad(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of one device by tetrahedra of its CAD solids."""
+    (case,) = cad_cases(int(rng.integers(2**31)), 1)
+    return judged(case)
+
+
+def judged(case: Case) -> list[Judged]:
+    """Return every answer of a case with its error; modes by their order in their class."""
+    quantities = solve(case.scene(), [case.model], case.quantities).quantities
+    kinds = {kind for q in quantities for kind in q.classes or ()} if case.all_motions else set()
+    known, where, answers = reference(case, kinds), " ".join(case.overrides), []
+    for q in quantities:
+        values, errors = np.ravel(q.value), np.ravel(q.error)
+        classes = q.classes or ("",) * values.size
+        for i, (value, error, kind) in enumerate(zip(values, errors, classes, strict=True)):
+            if kind not in ("", "bending_x") and not case.all_motions:
+                continue
+            number = classes[:i].count(kind)
+            right = known[q.name, kind][number]
+            which = f" {kind} {number + 1}".replace("  ", " ") if values.size > 1 or kind else ""
+            off, size = abs(value - right), abs(right)
+            answers.append(Judged(where, q.name + which, float(off / size), float(error / size)))
+    return answers
+
+
+def reference(case: Case, kinds: Iterable[str]) -> Known:
+    """Return the quantities on the reference division; frequencies of the motions in `kinds`."""
+    scene = case.scene()
+    bricks = bimorph_bricks(scene.device, case.reference)
+    system = assemble_bricks(scene.device, bricks, lossy=False)
+    port = _at_rest(system)
+    response = respond(attach(port, scene.ends.lossless), {"voltage": scene.drive.voltage})
+    modes = natural_modes(system, scene.ends, scene.modes)
+    opened = natural_modes(system, scene.ends, 1, open_circuit=True)[0]
+    known: Known = {
+        ("static_tip_displacement", ""): [complex(response.motion["w_tip"][0])],
+        ("capacitance_free", ""): [complex(response.effort["voltage"][0]) / scene.drive.voltage],
+        ("capacitance_blocked", ""): [complex(port["voltage", "voltage"][0])],
+        ("coupling_factor", ""): [
+            complex(np.sqrt(1.0 - (modes[0].frequency / opened.frequency) ** 2))
+        ],
+    }
+    others: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
+    for motion in others:
+        if motion in kinds or "mixed" in kinds:
+            system = assemble_bricks(scene.device, bricks, lossy=False, motion=motion)
+            modes += natural_modes(system, scene.ends, scene.modes)
+    for mode in sorted(modes, key=lambda mode: mode.frequency):
+        known.setdefault((_SHORT, mode.kind), []).append(mode.frequency)
+    return known | (_responses(scene, bricks) if case.at else {})
+
+
+def _responses(scene: Scene, bricks: Bricks) -> Known:
+    frequencies = np.asarray(scene.frequency, dtype=float)
+    system = assemble_bricks(scene.device, bricks, lossy=True)
+    port = reduce_to_ports(system, frequencies, tolerance=_REDUCTION).multiport(frequencies)
+    response = respond(attach(port, scene.ends), {"voltage": scene.drive.voltage})
+    current = 2j * np.pi * frequencies * response.effort["voltage"] / scene.drive.voltage
+    return {
+        ("tip_displacement", ""): [complex(value) for value in response.motion["w_tip"]],
+        ("admittance", ""): [complex(value) for value in current],
+    }
+
+
+def _at_rest(system: SolidSystem) -> Multiport:
+    """Return D(0) to some seven digits, with no residual in long double."""
+    n, stiffness = system.inner, system.stiffness
+    x: Floats = np.zeros((n + 3, 5))
+    x[n:, :3] = np.eye(3)
+    x[:n] = system.held_factor.solve(np.hstack([-stiffness.border, system.tip[:n]]))
+    force, seen = stiffness @ x, system.tip.T @ x
+    blocks = (force[n:, :3], force[n:, 3:], seen[:, :3], seen[:, 3:])
+    stacked = (np.array([part], dtype=complex) for part in blocks)
+    return Multiport(np.zeros(1), ports_from_blocks(*stacked), BIMORPH)
+
+
+#: Where the response of a reduced basis is judged, per first resonance; how far its lengths reach.
+_AT_REDUCED, _REACH = 0.9, 1.2
+
+
+def judge_reduced(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers of one member of one family by its reduced basis."""
+    names = (*_STATIC, _SHORT, "coupling_factor", *_HARMONIC)
+    layer = between(rng, 0.1, 0.4)
+    length = between(rng, 15.0, 40.0) * 3.0 * layer
+    sampled = (
+        f"bimorph.width={layer * between(rng, 2.0, 10.0):.4g}mm",
+        f"bimorph.piezo_thickness={layer:.4g}mm",
+        f"bimorph.shim_thickness={layer * between(rng, 0.3, 2.0):.4g}mm",
+        f"piezo.material={rng.choice(CERAMICS)}",
+        "support.kind=clamped", "accuracy=0.1", "modes=1",
+    )  # fmt: skip
+    ends = 1e-3 * length / _REACH, 1e-3 * length * _REACH
+    member = between(rng, *ends)
+    case = Case((*sampled, f"bimorph.length={1e3 * member:.12g}mm"), at=(_AT_REDUCED,))
+    scene, _ = load_scene("prototype", [*sampled, f"frequency={case.scene().frequency[0]:.12g} Hz"])
+    basis = solid_family(scene, {"bimorph.length": ends}, names)
+    found = family_values(scene, basis, {"bimorph.length": np.array([member])}, names)
+    kinds = dict.fromkeys(names, "") | {_SHORT: str(found[_SHORT].classes[0, 0])}
+    right, where = reference(case, kinds.values()), " ".join(case.overrides)
+    answers: list[Judged] = []
+    for name, kind in kinds.items():
+        value, bar = (np.ravel(of)[:1] for of in (found[name].value, found[name].error))
+        answers += relative(where, name, value, bar, right[name, kind][0])
+    return answers
