@@ -1,11 +1,12 @@
 """Options that take a number: both ends of their ranges are taken, what lies beyond is refused."""
 
 from functools import partial
-from types import SimpleNamespace
 
 import pytest
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import VOLTAGE
+from tactgen.validation.command_line.commands.common import low_high, values_of
 from tactgen.validation.command_line.commands.studies import backbone, design, positions, simulate
 from tactgen.validation.command_line.study_options import whole_number
 from tactgen.validation.scene.frequencies import parse_frequencies
@@ -18,7 +19,7 @@ OPTIONS = {
     ),
     "--accuracy": (simulate._accuracy, {"1e-6": 1e-6, "0.5": 0.5}, ("9e-7", "0.51", "fine")),
     "--voltage of backbone": (
-        backbone._voltages,
+        partial(values_of, option="--voltage", unit=VOLTAGE, example="1", most=100),
         {"1:3:2": [1.0, 3.0], "1:4:3:log": [1.0, 2.0, 4.0], "1:3:3:lin": [1.0, 2.0, 3.0],
          "2,0.5 V": [2.0, 0.5]},
         ("1:2:1", "1:2:101", "1:2", "1:2:3:log:4", "1:2:3:cubic", "0:2:3", "-1", "1 A"),
@@ -36,7 +37,7 @@ OPTIONS = {
         {"1": 1, "30": 30}, ("0", "31", "1.5", "-2", "", "100000000000"),
     ),
     "--band": (
-        partial(design._two, option="--band", example="10:1000"), {"10 : 20": ["10", "20"]},
+        partial(low_high, option="--band", example="10:1000"), {"10 : 20": ["10", "20"]},
         ("10", "10:", ":20", "1:2:3"),
     ),
     "--lengths": (design._length, {"20 mm": 0.02}, ("20", "0 mm", "20 s")),
@@ -67,10 +68,3 @@ def test_ends_are_taken_and_no_more(option):
     for text in refused:
         with pytest.raises(InputError):
             pytest.fail(f"{text} was taken as {read(text)}")
-
-
-def test_a_scenes_band_is_that_of_its_frequencies_above_0():
-    scene = SimpleNamespace(name="own", frequency=(300.0, 0.0, 200.0, 400.0))
-    assert backbone._scene_band(scene) == (200.0, 400.0)
-    with pytest.raises(InputError, match="scene own states no band"):
-        backbone._scene_band(SimpleNamespace(name="own", frequency=(0.0, 200.0)))

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.streams import say
 
 if TYPE_CHECKING:
+    from tactgen.geometry.units import Unit
     from tactgen.validation.scene.scene import Scene
 
 #: What argparse hands out for adding commands (its type is private).
@@ -65,8 +68,6 @@ def overrides_of(option: str, key: str, given: str | list[str] | None, example: 
     InputError
         If it was given without a value.
     """
-    from tactgen.geometry.errors import InputError
-
     if given is None:
         return []
     text = given if isinstance(given, str) else ",".join(given)
@@ -86,7 +87,6 @@ def lateral_scene(
         As :func:`validation.scene.scene.load_scene`; or if no model of the lateral actuator is
         asked for.
     """
-    from tactgen.geometry.errors import InputError
     from tactgen.validation.catalogue.models import models_of
     from tactgen.validation.scene.scene import load_scene
 
@@ -104,3 +104,49 @@ def warn(warnings: Iterable[str]) -> None:
     """Print warnings to stderr."""
     for warning in warnings:
         say(f"warning: {warning}")
+
+
+def low_high(text: str, option: str, example: str) -> tuple[str, str]:
+    """Return the two ends of ``LOW:HIGH``."""
+    low, colon, high = (part.strip() for part in text.partition(":"))
+    if not (low and colon and high) or ":" in high:
+        raise InputError(f'{option} "{text}" is not LOW:HIGH; write for example {option} {example}')
+    return low, high
+
+
+def values_of(
+    text: str, option: str, unit: Unit, example: str, most: int, *, zero: bool = False
+) -> list[float]:
+    """Return the magnitudes (SI) of ``LIST`` or ``START:STOP:N[:log]``.
+
+    Bare numbers are SI; with `zero` only 0 may be bare, and is a value.
+    """
+    import numpy as np
+
+    def one(part: str) -> float:
+        try:
+            value = unit.parse(part, bare=not zero or part == "0")
+        except ValueError:
+            value = math.nan
+        low, high = unit.limits or (0.0, math.inf)
+        if not (low <= value <= high or (zero and 0.0 <= value <= high)):
+            kind = "of 0 or more with its unit" if zero else "above 0"
+            raise InputError(
+                f'{option} "{text}" has "{part}", which is no {unit.kind} {kind}; write for '
+                f"example {option} {example}"
+            )
+        return value
+
+    parts = [part.strip() for part in text.split(":")]
+    if len(parts) == 1:
+        return [one(part.strip()) for part in text.split(",")]
+    count, spacing = parts[2] if len(parts) > 2 else "", parts[3] if len(parts) > 3 else "lin"
+    whole = count.isascii() and count.isdigit() and 2 <= int(count) <= most
+    if not whole or spacing not in ("lin", "log") or len(parts) > 4:
+        raise InputError(
+            f'{option} "{text}" is not START:STOP:N or START:STOP:N:log with N from 2 to {most}; '
+            f"write for example {option} {example}"
+        )
+    spaced = np.geomspace if spacing == "log" else np.linspace
+    values: list[float] = spaced(one(parts[0]), one(parts[1]), int(count)).tolist()
+    return values

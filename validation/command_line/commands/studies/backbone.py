@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,16 +10,18 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import (
     Commands,
     lateral_scene,
+    low_high,
     scene_options,
+    values_of,
     warn,
 )
 from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.amplitude.backbone import Backbone, Curve
+    from tactgen.validation.models.amplitude.backbone import Backbone
     from tactgen.validation.scene.scene import Scene
 
-_EXAMPLE = "--voltage 0.1:2:6"
+_EXAMPLE = "0.1:2:6"
 #: Most voltages of one request.
 _MOST = 100
 
@@ -33,7 +34,7 @@ def add(commands: Commands) -> None:
     scene_options(parser)
     parser.add_argument(
         "--voltage", metavar="LIST|START:STOP:N[:log]",
-        help=f"amplitudes in V, for example {_EXAMPLE[10:]} (default: the scene's)",
+        help=f"amplitudes in V, for example {_EXAMPLE} (default: the scene's)",
     )  # fmt: skip
     parser.add_argument(
         "--frequency", metavar="LOW:HIGH", help="band in Hz (default: that of the scene)"
@@ -49,13 +50,16 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
+    from tactgen.geometry.units import VOLTAGE
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.models.amplitude.backbone import backbone
     from tactgen.validation.models.amplitude.held_head import held_head
 
     scene, origins = lateral_scene(options.scene, options.overrides, "backbone")
-    voltages = _voltages(options.voltage) if options.voltage else [abs(scene.drive.voltage)]
+    voltages = [abs(scene.drive.voltage)]
+    if options.voltage:
+        voltages = values_of(options.voltage, "--voltage", VOLTAGE, _EXAMPLE, _MOST)
     band = _band(options.frequency) if options.frequency else _scene_band(scene)
     if options.plot and not options.plot.endswith(".svg"):
         raise InputError(
@@ -64,65 +68,30 @@ def run(options: argparse.Namespace) -> int:
     warn(scene_warnings(scene, origins))
     with announcer() as announce:
         announce("backbone")
-        found = backbone(held_head(scene, options.model), voltages, band, announce)
+        result = backbone(held_head(scene, options.model), voltages, band, announce)
         if options.plot:
-            _draw(Path(options.plot), found)
-    warn(found.warnings)
+            from tactgen.geometry.files import write_text
+            from tactgen.validation.report.sections.large_motion import backbone_plot
+
+            write_text(Path(options.plot), backbone_plot(result))
+    warn(result.warnings)
     if options.json:
-        print_json(_as_json(scene, options.model, found))
+        print_json(_as_json(scene, options.model, result))
     else:
-        _print(scene, found)
+        _print(scene, result)
     return 0
-
-
-def _voltages(text: str) -> list[float]:
-    """Return the amplitudes that ``--voltage`` states (V)."""
-    import numpy as np
-
-    parts = [part.strip() for part in text.split(":")]
-    if len(parts) == 1:
-        return [_volt(part, text) for part in text.split(",")]
-    spaced = np.geomspace if parts[-1] == "log" else np.linspace
-    count = parts[2] if len(parts) > 2 else ""
-    if (
-        len(parts) > 4
-        or (len(parts) == 4 and parts[3] not in ("log", "lin"))
-        or not (count.isascii() and count.isdigit() and 2 <= int(count) <= _MOST)
-    ):
-        raise InputError(
-            f'--voltage "{text}" is not START:STOP:N or START:STOP:N:log with N from 2 to {_MOST}; '
-            f"write for example {_EXAMPLE}"
-        )
-    return [float(v) for v in spaced(_volt(parts[0], text), _volt(parts[1], text), int(count))]
-
-
-def _volt(part: str, text: str) -> float:
-    from tactgen.geometry.units import VOLTAGE
-
-    try:
-        value = VOLTAGE.parse(part.strip(), bare=True)
-    except ValueError:
-        value = math.nan
-    low, high = VOLTAGE.limits or (0.0, math.inf)
-    if not low <= value <= high:
-        raise InputError(
-            f'--voltage "{text}" has "{part.strip()}", which is no amplitude above 0 V; write for '
-            f"example {_EXAMPLE}"
-        )
-    return value
 
 
 def _band(text: str) -> tuple[float, float]:
     from tactgen.validation.scene.frequencies import parse_frequencies
 
-    low, colon, high = (part.strip() for part in text.partition(":"))
-    found = parse_frequencies([low, high]) if low and colon and high else (0.0, 0.0)
-    if not 0.0 < found[0] < found[1]:
+    low, high = parse_frequencies(list(low_high(text, "--frequency", "100:1000")))
+    if not 0.0 < low < high:
         raise InputError(
-            f'--frequency "{text}" is not LOW:HIGH above 0 Hz; write for example '
+            f'--frequency "{text}" does not rise from above 0 Hz; write for example '
             "--frequency 100:1000"
         )
-    return found[0], found[1]
+    return low, high
 
 
 def _scene_band(scene: Scene) -> tuple[float, float]:
@@ -135,46 +104,37 @@ def _scene_band(scene: Scene) -> tuple[float, float]:
     return min(positive), max(positive)
 
 
-def _draw(file: Path, found: Backbone) -> None:
-    from tactgen.geometry.files import write_text
-    from tactgen.validation.report.sections.large_motion import backbone_plot
-
-    write_text(file, backbone_plot(found))
-
-
-def _print(scene: Scene, found: Backbone) -> None:
-    place, support = found.head.place, found.head.support
+def _print(scene: Scene, result: Backbone) -> None:
+    place, support = result.head.place, result.head.support
     print(
         f"{scene.name}: head on its {place.kind} with {1e3 * place.contact_force:.4g} mN, small "
         f"rocking stiffness {support.rotational_stiffness:.4g} N m/rad"
     )
     print(f"{'voltage':>10} {'peak at':>12} {'+/-':>9} {'velocity':>12} {'+/-':>9} "
           f"{'tip':>11} {'M / N R':>8}  turns back at")  # fmt: skip
-    for curve in found.curves:
+    for curve in result.curves:
+        first = f"{curve.voltage:>8.4g} V"
         turns = ", ".join(f"{f:.5g} Hz" for f in curve.folds) or "-"
-        for number, p in enumerate(curve.peaks):
-            first = f"{curve.voltage:>8.4g} V" if not number else " " * 10
-            print(f"{first} {p.frequency:>9.5g} Hz {p.frequency_bar:>9.2g} "
+        for p in curve.peaks:
+            print(f"{first:10} {p.frequency:>9.5g} Hz {p.frequency_bar:>9.2g} "
                   f"{1e3 * p.velocity:>7.4g} mm/s {1e3 * p.velocity_bar:>9.2g} "
-                  f"{1e6 * p.displacement:>8.4g} µm {p.moment_share:>8.3f}  "
-                  f"{turns if not number else ''}")  # fmt: skip
+                  f"{1e6 * p.displacement:>8.4g} µm {p.moment_share:>8.3f}  {turns}")  # fmt: skip
+            first = turns = ""
         if not curve.peaks:
-            print(f"{curve.voltage:>8.4g} V {'no peak in the band':>33}  {turns}")
+            print(f"{first} {'no peak in the band':>33}  {turns}")
 
 
-def _as_json(scene: Scene, model: str, found: Backbone) -> dict[str, Any]:
+def _as_json(scene: Scene, model: str, result: Backbone) -> dict[str, Any]:
+    from tactgen.validation.engine.answers import plain
+
     return {
         "scene": scene.name,
         "model": model,
-        "place": found.head.place,
-        "small_rotational_stiffness": found.head.support.rotational_stiffness,
-        "curves": [_curve(curve) for curve in found.curves],
-        "warnings": list(found.warnings),
+        "place": result.head.place,
+        "small_rotational_stiffness": result.head.support.rotational_stiffness,
+        "curves": [
+            plain(curve) | {"displacement": [[w.real, w.imag] for w in curve.displacement.tolist()]}
+            for curve in result.curves
+        ],
+        "warnings": result.warnings,
     }
-
-
-def _curve(curve: Curve) -> dict[str, Any]:
-    from tactgen.validation.engine.answers import plain
-
-    displacement = [[w.real, w.imag] for w in curve.displacement.tolist()]
-    return plain(curve) | {"displacement": displacement}  # type: ignore[no-any-return]

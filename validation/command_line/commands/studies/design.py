@@ -12,6 +12,7 @@ from tactgen.geometry.names import nearest
 from tactgen.validation.command_line.commands.common import (
     Commands,
     lateral_scene,
+    low_high,
     scene_options,
     warn,
 )
@@ -192,18 +193,11 @@ def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
     threshold = threshold_of(scene.threshold)
     band = stated_band(threshold)
     if options.band is not None:
-        low, high = _two(options.band, "--band", "10:1000")
+        low, high = low_high(options.band, "--band", "10:1000")
         first, last = parse_frequencies([low, high], f'--band = "{options.band}"')
         band = first, last
-    short, long = _two(options.lengths or "20mm:40mm", "--lengths", "20mm:40mm")
+    short, long = low_high(options.lengths or "20mm:40mm", "--lengths", "20mm:40mm")
     return Aim(kinds[aims[0]], margin, band, (_length(short), _length(long)), threshold)
-
-
-def _two(text: str, option: str, example: str) -> tuple[str, str]:
-    low, colon, high = (part.strip() for part in text.partition(":"))
-    if not (low and colon and high) or ":" in high:
-        raise InputError(f'{option} "{text}" is not LOW:HIGH; write for example {option} {example}')
-    return low, high
 
 
 def _length(text: str) -> float:

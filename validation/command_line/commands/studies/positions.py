@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+from tactgen.validation.command_line.commands.common import Commands, scene_options, values_of, warn
 from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
@@ -46,20 +46,21 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.catalogue.quantities import DROP_OUT_CURRENT, PULL_IN_CURRENT
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.solve import solve
+    from tactgen.validation.export.files import check_place
     from tactgen.validation.models.generator.rod_loop import rod_loop
     from tactgen.validation.models.reluctance.model import MagneticModel
     from tactgen.validation.scene.scene import load_scene
 
-    _check_files(options)
+    for option, path, suffix in (("plot", options.plot, ".svg"), ("csv", options.csv, ".csv")):
+        if path:
+            check_place(f"--{option}", Path(path), (suffix,))
     currents = _currents(options.current) if options.current else None
     scene, _ = load_scene(options.scene, options.overrides)
     models = _models(options.model, scene.models)
-    asked = (PULL_IN_CURRENT.name, DROP_OUT_CURRENT.name)
     with announcer() as announce:
-        solution = solve(scene, models, asked, announce)
+        solution = solve(scene, models, ("pull_in_current", "drop_out_current"), announce)
         loops = []
         for name in models:
             model = solution.models[name]
@@ -69,135 +70,95 @@ def run(options: argparse.Namespace) -> int:
     warn(solution.warnings)
     _write(options, loops, abs(scene.coil.current))
     if options.json:
-        print_json({"scene": scene.name, "loops": [_plain(f) for f in loops]})
+        print_json({"scene": scene.name, "loops": [_plain(loop) for loop in loops]})
     else:
-        for found in loops:
-            _print(found)
+        for loop in loops:
+            _print(loop)
     return 0
 
 
-def _models(asked: list[str] | None, of_scene: tuple[str, ...]) -> tuple[str, ...]:
+def _models(names: list[str] | None, of_scene: tuple[str, ...]) -> tuple[str, ...]:
     from tactgen.validation.catalogue.models import MODELS, models_of
     from tactgen.validation.scene.files import choices
 
     known = models_of("reluctance")
-    if asked:
-        for name in ",".join(asked).split(","):
-            if name.strip() in MODELS and name.strip() not in known:
-                raise InputError(
-                    f'--model "{name.strip()}" is of the bimorph, and positions are of the normal '
-                    f"actuator; name one of {', '.join(known)}"
-                )
-        return choices(",".join(asked), known, "model", "--model")
-    return tuple(name for name in of_scene if name in known) or known[:1]
+    if not names:
+        return tuple(name for name in of_scene if name in known) or known[:1]
+    for name in ",".join(names).split(","):
+        if name.strip() in MODELS and name.strip() not in known:
+            raise InputError(
+                f'--model "{name.strip()}" is of the bimorph, and positions are of the normal '
+                f"actuator; name one of {', '.join(known)}"
+            )
+    return choices(",".join(names), known, "model", "--model")
 
 
 def _currents(text: str) -> Floats:
-    """Return the currents that ``--current`` states (A)."""
+    """Currents (A) of ``--current``."""
     import numpy as np
 
-    parts = [part.strip() for part in text.split(":")]
-    count = parts[2] if len(parts) == 3 else ""
-    if not (count.isascii() and count.isdigit() and 2 <= int(count) <= _MOST):
-        raise InputError(
-            f'--current "{text}" is not START:STOP:N with N from 2 to {_MOST}; write for example '
-            f"{_EXAMPLE}"
-        )
-    low, high = (_ampere(part, text) for part in parts[:2])
-    if not low < high:
-        raise InputError(f'--current "{text}" does not rise; write for example {_EXAMPLE}')
-    return np.linspace(low, high, int(count))
-
-
-def _ampere(part: str, text: str) -> float:
     from tactgen.geometry.units import CURRENT
 
-    try:
-        value = 0.0 if part == "0" else CURRENT.parse(part)
-    except ValueError:
-        value = math.nan
-    _, high = CURRENT.limits or (0.0, math.inf)
-    if not 0.0 <= value <= high:
+    currents = np.array(values_of(text, "--current", CURRENT, _EXAMPLE, _MOST, zero=True))
+    if currents.size < 2 or not (np.diff(currents) > 0.0).all():
         raise InputError(
-            f'--current "{text}" has "{part}", which is no current of 0 A or more with its unit; '
-            f"write for example {_EXAMPLE}"
+            f'--current "{text}" does not rise; write for example --current {_EXAMPLE}'
         )
-    return value
-
-
-def _check_files(options: argparse.Namespace) -> None:
-    from tactgen.validation.export.files import check_place
-
-    for option, path, suffix in (("plot", options.plot, ".svg"), ("csv", options.csv, ".csv")):
-        if path:
-            check_place(f"--{option}", Path(path), (suffix,))
+    return currents
 
 
 def _write(options: argparse.Namespace, loops: list[RodLoop], current: float) -> None:
-    from tactgen.geometry.files import write_text
-
     if options.plot:
+        from tactgen.geometry.files import write_text
         from tactgen.validation.report.sections.machine import position_plot
 
         write_text(Path(options.plot), position_plot(loops, current))
     if options.csv:
-        lines = [_COLUMNS]
-        for found in loops:
-            lines += [
-                ",".join([found.model, f"{i:.10g}", *rising, *falling])
-                for i, rising, falling in _steps(found)
+        from tactgen.geometry.csv_tables import write_csv
+
+        def cells(places: Any, errors: Floats) -> list[list[str]]:
+            return [
+                [f"{p.lift:.10g}", f"{error:.3g}", p.kind, f"{p.contact_force:.10g}"]
+                for p, error in zip(places, errors, strict=True)
             ]
-        write_text(Path(options.csv), "\n".join(lines) + "\n")
+
+        rows = [
+            [of.model, f"{current:.10g}", *rising, *falling]
+            for of in loops
+            for current, rising, falling in zip(
+                of.loop.currents.tolist(), cells(of.loop.rising, of.rising_bar),
+                cells(of.loop.falling, of.falling_bar), strict=True,
+            )
+        ]  # fmt: skip
+        write_csv(Path(options.csv), _COLUMNS.split(","), rows)
 
 
-def _steps(found: RodLoop) -> list[tuple[float, list[str], list[str]]]:
-    """Return each current with position, bar, kind and contact force of both ways."""
-    ways = [
-        [
-            [f"{p.lift:.10g}", f"{bar:.3g}", p.kind, f"{p.contact_force:.10g}"]
-            for p, bar in zip(way, bars, strict=True)
-        ]
-        for way, bars in (
-            (found.loop.rising, found.rising_bar),
-            (found.loop.falling, found.falling_bar),
-        )
-    ]
-    return list(zip(found.loop.currents.tolist(), *ways, strict=True))
-
-
-def _plain(found: RodLoop) -> dict[str, Any]:
-    loop = found.loop
-
-    def way(places: Any, bars: Floats) -> dict[str, Any]:
-        return {"places": places, "uncertainty": bars}
-
+def _plain(of: RodLoop) -> dict[str, Any]:
     return {
-        "model": found.model,
-        "current": loop.currents,
-        "rising": way(loop.rising, found.rising_bar),
-        "falling": way(loop.falling, found.falling_bar),
-        "unstable": loop.unstable,
-        "switching": found.switching,
+        "model": of.model,
+        "current": of.loop.currents,
+        "rising": {"places": of.loop.rising, "uncertainty": of.rising_bar},
+        "falling": {"places": of.loop.falling, "uncertainty": of.falling_bar},
+        "unstable": of.loop.unstable,
+        "switching": of.switching,
     }
 
 
-def _print(found: RodLoop) -> None:
+def _print(of: RodLoop) -> None:
     from tactgen.geometry.formats import engineering, with_bar
 
-    print(f"{found.model}: position of the rod, 0 at the upper stop, negative down")
-    if found.switching is not None:
+    print(f"{of.model}: position of the rod, 0 at the upper stop, negative down")
+    if of.switching is not None:
         for name in ("lift_off", "pull_in", "holding", "drop_out"):
-            at = getattr(found.switching, name)
+            at = getattr(of.switching, name)
             shown = with_bar(at.value, at.error, "A") if math.isfinite(at.value) else "not reached"
             print(f"  {name.replace('_', '-'):10} {shown}")
     print(f"  {'current':>10}  {'rising':>28}  {'falling':>28}")
-    last = len(found.loop.currents) - 1
-    shown_at = sorted({round(k * last / (_SHOWN - 1)) for k in range(_SHOWN)})
-    for k in shown_at:
+    last = len(of.loop.currents) - 1
+    for k in sorted({round(n * last / (_SHOWN - 1)) for n in range(_SHOWN)}):
         cells = [
             f"{engineering(way[k].lift, 'm', 4)} {way[k].kind}"
-            for way in (found.loop.rising, found.loop.falling)
+            for way in (of.loop.rising, of.loop.falling)
         ]
-        print(
-            f"  {engineering(found.loop.currents[k], 'A', 4):>10}  {cells[0]:>28}  {cells[1]:>28}"
-        )
+        current = engineering(of.loop.currents[k], "A", 4)
+        print(f"  {current:>10}  {cells[0]:>28}  {cells[1]:>28}")
