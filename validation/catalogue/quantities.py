@@ -286,7 +286,7 @@ _DISPLAY = (
     QuantityRow(
         "unit_frequencies", "Hz",
         "first natural frequency of each unit as drawn from the scatter, row by row",
-        AnswerReadout("spread", lambda units: units.asAnswerReadout("spread", )),
+        AnswerReadout("spread", lambda units: units.as_drawn()),
     ),
     QuantityRow(
         "frequency_spread", "Hz", "highest less lowest of the units' first natural frequencies",

@@ -15,7 +15,6 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from tactgen.fem.solvers.pardiso import thread_count
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.ending import said_of_the_end, unwound_when_told_to_end
 from tactgen.validation.command_line.explanations import explained
@@ -133,6 +132,7 @@ class _Version(argparse.Action):
 
 def _check_settings() -> None:
     """Refuse bad settings now, not after meshing."""
+    from tactgen.fem.solvers.pardiso import thread_count
     from tactgen.geometry.cad.system_libraries import require_room
     from tactgen.geometry.store.store import size_limit
 
