@@ -152,6 +152,7 @@ def slender_bimorph(
     """Return the overrides of a random bimorph for beam models, by default 5 to 60 mm long."""
     layer = between(rng, 0.05, 0.5) if layer is None else layer
     length = between(rng, 15.0, 120.0) * 3.0 * layer if length is None else length
+    frequencies = three_frequencies(rng)
     return [
         f"bimorph.length={length:.6g}mm",
         f"bimorph.width={between(rng, 0.5, 5.0):.4g}mm",
@@ -159,7 +160,7 @@ def slender_bimorph(
         f"bimorph.shim_thickness={layer * between(rng, 0.3, 2.0):.4g}mm",
         f"piezo.material={rng.choice(CERAMICS)}",
         f"support.kind={rng.choice(['clamped', 'spring'])}",
-        three_frequencies(rng),
+        frequencies,
     ]
 
 

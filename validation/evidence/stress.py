@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import math
 import re
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -417,31 +418,35 @@ class Asked:
     announce: Callable[[str], None] = lambda _: None
     keep: Callable[[tuple[object, ...], Callable[[], Any]], Any] = lambda _, work: work()
 
-    def rows(self, part: str, families: Families) -> tuple[Row, ...]:
-        """Return the rows of all families of a part, each announced before."""
-        rows: list[Row] = []
-        for name, family in families.items():
-            self.announce(f"{part}: {name}")
-            found = self.keep((name, self.quick), partial(family, self.quick))
+    def part(self, name: str, statement: str, families: Families) -> Stress:
+        """Return a part with the rows of all its families, each announced before."""
+        started, rows = time.perf_counter(), list[Row]()
+        for title, family in families.items():
+            self.announce(title if title.startswith(name) else f"{name}: {title}")
+            found = self.keep((title, self.quick), partial(family, self.quick))
             rows += found if isinstance(found, list) else [found]
-        return tuple(rows)
+        return Stress(name, statement, tuple(rows), (), (), time.perf_counter() - started)
 
 
-#: Modules of the parts, in order; each has ``run(asked) -> Stress``.
+#: The parts in order: module and function, which takes :class:`Asked` and gives :class:`Stress`.
 PARTS = {
-    "tmm": "stress_beam",
-    "lateral": "stress_lateral",
-    "solid": "stress_solid",
-    "magnetics": "stress_magnetics",
-    "machine": "stress_machine",
-    "random": "stress_driven",
-    "faults": "faults",
+    "tmm": "stress_beam.run",
+    "lateral": "stress_driven.run_lateral",
+    "solid": "stress_solid.run",
+    "magnetics": "stress_magnetics.run",
+    "machine": "stress_machine.run",
+    "random": "stress_driven.run_random",
+    "faults": "faults.run",
 }
 
 
-def _part(name: str) -> Any:
-    """Return the module of a part; only its own models are imported."""
-    return importlib.import_module(f"{__package__}.{PARTS[name]}")
+def _run_of(name: str) -> Callable[[Asked], Stress]:
+    """Return what runs a part; only its own models are imported."""
+    module, _, function = PARTS[name].partition(".")
+    run: Callable[[Asked], Stress] = getattr(
+        importlib.import_module(f"{__package__}.{module}"), function
+    )
+    return run
 
 
 def run_parts(
@@ -454,21 +459,21 @@ def run_parts(
     """
     found = []
     for name in names:
-        module = _part(name)
+        run = _run_of(name)
 
         def keep(
             of: tuple[object, ...], work: Callable[[], Any],
-            name: str = name, module: str = module.__name__,
+            name: str = name, module: str = run.__module__,
         ) -> Any:  # fmt: skip
             return judged_once("stress", (name, *of, seed), module, work)
 
-        found.append(module.run(Asked(quick, seed, announce, keep)))
+        found.append(run(Asked(quick, seed, announce, keep)))
     return found
 
 
 def section(announce: Callable[[str], None]) -> dict[str, Any]:
     """Run the transfer matrix's part on few points: what ``stress.html`` shows."""
-    part = _part("tmm").run(Asked(quick=True, announce=announce))
+    part = _run_of("tmm")(Asked(quick=True, announce=announce))
     return {
         "stress": [part],
         "stress_maps": [map_plot(table) for table in part.maps],

@@ -11,17 +11,14 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient import record
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.evidence import stress_driven as sweep
-from tactgen.validation.evidence import stress_lateral as lateral
-from tactgen.validation.evidence import stress_machine as holding
 from tactgen.validation.evidence import stress_machine as machine
-from tactgen.validation.evidence import stress_machine as motion
 from tactgen.validation.evidence.stress import Asked
 from tactgen.validation.scene.scene import load_scene
 
 
 def test_beam_elements_are_right_or_say_how_many_they_would_need():
     """Waves too short for dense matrices are refused at once, with what answers instead."""
-    row = lateral._BEAM.row(lateral._FREQUENCY, True)
+    row = sweep._BEAM.row(sweep.FREQUENCY, True)
     assert row.verdict == "holds or says why not"
     assert row.points
     (outside,) = row.refusals
@@ -80,18 +77,18 @@ def test_of_a_response_one_value_in_twenty_may_miss(off, judged):
 
 
 @pytest.mark.heavy
-@pytest.mark.parametrize("part", [lateral, machine], ids=["lateral", "machine"])
+@pytest.mark.parametrize("run", [sweep.run_lateral, machine.run], ids=["lateral", "machine"])
 @pytest.mark.parametrize("quick", [True, False])
-def test_no_family_fails(part, quick):
-    """All models, the reduced basis and the machine, over their whole ranges."""
-    found = part.run(Asked(quick))
+def test_no_family_fails(run, quick):
+    """All models and the machine, over their whole ranges."""
+    found = run(Asked(quick))
     assert [(row.family, row.worst) for row in found.rows if row.verdict == "fails"] == []
 
 
 @pytest.mark.heavy
 def test_the_machine_in_time_holds_its_bars():
     """Blows up to 2 m/s, nothing damped, circuits of 10 ohm to 1 Mohm: each against a finer run."""
-    for row in motion.motion_rows(quick=False):
+    for row in machine.motion_rows(quick=False):
         assert row.verdict == "holds", row
         assert row.points >= 12
         assert row.worst.bound < 0.2  # a bar that could hide the effect would prove nothing
@@ -108,32 +105,10 @@ def test_values_between_a_runs_times_are_those_of_the_cubic():
     assert record.output_at(run, np.ones(1), at) == pytest.approx(cubic(at), rel=1e-12)
 
 
-def test_the_machines_run_holds_every_family_and_says_which_it_is_at(monkeypatch):
-    """Rows in the order of what is announced; those of the circuit by their own pair."""
-    for name in ("_PAIR", "CIRCUIT_PAIR"):
-        row = SimpleNamespace(row=lambda sweep, quick, by=name: (by, sweep.family, quick))
-        monkeypatch.setattr(machine, name, row)
-    for name in ("slow_row", "edge_row"):
-        monkeypatch.setattr(machine, name, lambda quick, by=name: by)
-    monkeypatch.setattr(machine, "motion_rows", lambda quick: ["motion"])
-    said = []
-    rows = machine.run(Asked(quick=True, announce=said.append)).rows
-    families = [row[1] for row in rows[:-3]]
-    assert rows[-3:] == ("slow_row", "edge_row", "motion")
-    assert said == [f"machine: {family}" for family in families] + [
-        "machine: slow motion against rest", "machine: edges of the co-energy map",
-        "machine: in time",
-    ]  # fmt: skip
-    assert [row[0] for row in rows[:-3]] == ["_PAIR"] * (4 + len(machine.HELD)) + [
-        "CIRCUIT_PAIR"
-    ] * len(machine.DRIVEN)
-    assert all(row[2] is True for row in rows[:-3])
-
-
 def test_stiff_circuits_drive_fifty_milliamperes():
     """Each source through its own resistance, once the coil has answered."""
-    assert len(motion._CIRCUITS) == 6
-    for run in motion._CIRCUITS:
+    assert len(machine._CIRCUITS) == 6
+    for run in machine._CIRCUITS:
         scene, _ = load_scene("generator", list(run.overrides))
         assert run.by_voltage
         assert run.coil.level / scene.coil.source_resistance == pytest.approx(0.05)
@@ -141,13 +116,9 @@ def test_stiff_circuits_drive_fifty_milliamperes():
 
 def test_quick_runs_reach_both_ends_of_a_range():
     """Of every sweep: some of its points, none twice, among them the last."""
-    sweeps = [v for part in (lateral, machine) for v in vars(part).values()
-              if isinstance(v, sweep.Sweep)]  # fmt: skip
-    for one in (*sweeps, *holding.HELD, *holding.DRIVEN):
-        if not one.quick:
-            continue
+    for one in (*(s for _, sweeps in sweep.LATERAL for s in sweeps), *sweep.MACHINE):
         chosen = list(one.chosen(True))
         assert len(chosen) == len(set(chosen)) <= len(one.points)
-        if one is not lateral._CAD_LENGTH:  # a long one on tetrahedra takes minutes
+        if len(chosen) > 1:
             assert one.points[-1] in chosen, one.family
         assert list(one.chosen(False)) == list(one.points)
