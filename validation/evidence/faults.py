@@ -12,6 +12,7 @@ import math
 import os
 import random
 import resource
+import shlex
 import shutil
 import signal
 import subprocess
@@ -19,10 +20,11 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from tactgen.geometry.store.store import kept, recalled
 from tactgen.validation.evidence.stress import Asked, Family, Row, Stress, answered
@@ -39,10 +41,9 @@ class Command:
 
     Attributes
     ----------
-    name : str
-        What it is called in the table.
-    arguments : tuple of str
-        With ``{out}`` for the folder that it writes to, and ``{measured}`` for a file to read.
+    name, line : str
+        What it is called in the table, and its words, with ``{out}`` for the folder that it writes
+        to, and ``{measured}`` for a file to read.
     answer : str
         Key of what must be the same in its JSON on stdout whatever happened before; empty
         where it prints none.
@@ -51,7 +52,7 @@ class Command:
     """
 
     name: str
-    arguments: tuple[str, ...]
+    line: str
     answer: str = ""
     overwrites: bool = True
 
@@ -61,101 +62,47 @@ MEASURED = "frequency (Hz),velocity (mm/s)\n" + "".join(
     f"{f},{22.8 / math.hypot(1.0, 12.0 * (f / 782.0 - 782.0 / f)):.4g}\n"
     for f in range(600, 1000, 40)
 )
-_SOLVED = (
-    "--quantity", "static_tip_displacement", "--quantity", "short_circuit_frequencies", "--json",
-)  # fmt: skip
+_SOLVED = "--quantity static_tip_displacement --quantity short_circuit_frequencies --json"
+_STATIC = "--model lumped --quantity static_tip_displacement"
+_COARSE = "--set mesh.level=2"
+_QUICK = "--set models=tmm --set modes=1"
 #: The light ones take a second each.
 LIGHT = (
-    Command("init", ("init", "{out}/scene.toml"), overwrites=False),
-    Command(
-        "whatif",
-        ("whatif", "prototype", "--model", "tmm", "--vary", "bimorph.length=13mm:15mm:3",
-         "--quantity", "static_tip_displacement", "--out", "{out}/study"),
-        overwrites=False,
-    ),
-    Command("solve, beam", ("solve", "prototype", "--model", "beam", *_SOLVED), "quantities"),
+    Command("init", "init {out}/scene.toml", overwrites=False),
+    Command("whatif", "whatif prototype --model tmm --vary bimorph.length=13mm:15mm:3 "
+            "--quantity static_tip_displacement --out {out}/study", overwrites=False),
+    Command("solve, beam", f"solve prototype --model beam {_SOLVED}", "quantities"),
 )  # fmt: skip
 HEAVY = (
-    Command(
-        "solve, solid", ("solve", "j1", "--model", "solid", "--set", "mesh.level=2", *_SOLVED),
-        "quantities",
-    ),
-    Command(
-        "export, CAD", ("export", "paper", "--step", "{out}/a.step", "--glb", "{out}/a.glb")
-    ),
-    Command(
-        "export, ports",
-        ("export", "j1", "--set", "mesh.level=2", "--ports", "{out}/a.npz", "--mesh",
-         "{out}/a.vtu"),
-    ),
-    Command(
-        "export, map",
-        ("export", "reluctance", "--set", "models=network", "--map", "{out}/a.nc"),
-    ),
-    Command("verify", ("verify", "--only", "beams", "--quick", "--out", "{out}/book")),
-    Command(
-        "coverage",
-        ("coverage", "--only", "beam", "--devices", "2", "--seed", "1", "--out", "{out}/c"),
-    ),
-    Command("stress", ("stress", "--only", "tmm", "--quick", "--out", "{out}/s")),
-    Command(
-        "export, states",
-        ("export", "j1", "--set", "mesh.level=2", "--state-space", "{out}/a.npz"),
-    ),
-    Command(
-        "export, fields",
-        ("export", "j1", "--set", "models=tmm", "--set", "modes=1", "--fields", "{out}/a.vtu",
-         "--animated-glb", "{out}/a.glb"),
-    ),
-    Command(
-        "export, machine",
-        ("export", "generator", "--machine", "{out}/a.npz", "--fmu", "{out}/a.fmu"),
-    ),
-    Command(
-        "view", ("view", "j1", "--set", "models=tmm", "--set", "modes=1", "--out", "{out}/a.html")
-    ),
-    Command(
-        "simulate",
-        ("simulate", "paper", "--set", "load.kind=none", "--voltage", "10 V sine 200 Hz", "--until",
-         "50 us", "--accuracy", "0.2", "--out", "{out}/a.nc", "--plot", "{out}/a.svg"),
-    ),
-    Command(
-        "identify",
-        ("identify", "{measured}", "--plot", "{out}/a.svg", "--write", "{out}/a.toml", "--json"),
-        "parameters",
-        overwrites=False,
-    ),
-    Command(
-        "compare",
-        ("compare", "prototype", "paper", "--model", "lumped", "--quantity",
-         "static_tip_displacement", "--out", "{out}/c"),
-    ),
-    Command(
-        "positions",
-        ("positions", "generator", "--model", "network", "--current", "0:140mA:8", "--csv",
-         "{out}/a.csv", "--plot", "{out}/a.svg"),
-    ),
-    Command(
-        "backbone",
-        ("backbone", "prototype", "--set", "support.kind=contact", "--set", "coil.current=0mA",
-         "--voltage", "0.2", "--frequency", "700:800", "--model", "lumped", "--plot",
-         "{out}/a.svg"),
-    ),
-    Command(
-        "sensitivity",
-        ("sensitivity", "prototype", "--model", "lumped", "--quantity", "static_tip_displacement",
-         "--key", "bimorph.length", "--json"),
-    ),
-    Command("cache", ("cache", "--clear", "--json")),
-    Command("bill", ("bill", "display", "--json")),
-    Command("plan", ("plan", "prototype", "--json")),
-    Command("bench", ("bench", "--only", "tmm", "--quick", "--out", "{out}/b")),
-    Command("design", ("design", "--lengths", "20mm:22mm", "--plot", "{out}/a.svg")),
-    Command(
-        "report",
-        ("report", "prototype", "--quick", "--model", "lumped", "--set", "frequency=10:900:3",
-         "--out", "{out}/report"),
-    ),
+    Command("solve, solid", f"solve j1 --model solid {_COARSE} {_SOLVED}", "quantities"),
+    Command("export, CAD", "export paper --step {out}/a.step --glb {out}/a.glb"),
+    Command("export, ports", f"export j1 {_COARSE} --ports {{out}}/a.npz --mesh {{out}}/a.vtu"),
+    Command("export, map", "export reluctance --set models=network --map {out}/a.nc"),
+    Command("verify", "verify --only beams --quick --out {out}/book"),
+    Command("coverage", "coverage --only beam --devices 2 --seed 1 --out {out}/c"),
+    Command("stress", "stress --only tmm --quick --out {out}/s"),
+    Command("export, states", f"export j1 {_COARSE} --state-space {{out}}/a.npz"),
+    Command("export, fields",
+            f"export j1 {_QUICK} --fields {{out}}/a.vtu --animated-glb {{out}}/a.glb"),
+    Command("export, machine", "export generator --machine {out}/a.npz --fmu {out}/a.fmu"),
+    Command("view", f"view j1 {_QUICK} --out {{out}}/a.html"),
+    Command("simulate", "simulate paper --set load.kind=none --voltage '10 V sine 200 Hz' --until "
+            "'50 us' --accuracy 0.2 --out {out}/a.nc --plot {out}/a.svg"),
+    Command("identify", "identify {measured} --plot {out}/a.svg --write {out}/a.toml --json",
+            "parameters", overwrites=False),
+    Command("compare", f"compare prototype paper {_STATIC} --out {{out}}/c"),
+    Command("positions", "positions generator --model network --current 0:140mA:8 "
+            "--csv {out}/a.csv --plot {out}/a.svg"),
+    Command("backbone", "backbone prototype --set support.kind=contact --set coil.current=0mA "
+            "--voltage 0.2 --frequency 700:800 --model lumped --plot {out}/a.svg"),
+    Command("sensitivity", f"sensitivity prototype {_STATIC} --key bimorph.length --json"),
+    Command("cache", "cache --clear --json"),
+    Command("bill", "bill display --json"),
+    Command("plan", "plan prototype --json"),
+    Command("bench", "bench --only tmm --quick --out {out}/b"),
+    Command("design", "design --lengths 20mm:22mm --plot {out}/a.svg"),
+    Command("report", "report prototype --quick --model lumped --set frequency=10:900:3 "
+            "--out {out}/report"),
 )  # fmt: skip
 
 
@@ -191,7 +138,9 @@ class Ended:
 
 def begin(command: Command, around: Surroundings, **streams: Any) -> subprocess.Popen[str]:
     """Start a command as a process of its own."""
-    words = [word.format(out=around.out, measured=around.measured) for word in command.arguments]
+    words = [
+        word.format(out=around.out, measured=around.measured) for word in shlex.split(command.line)
+    ]
     variables = {**os.environ, "TACTGEN_CACHE": str(around.store), **around.variables}
     process = subprocess.Popen(
         [sys.executable, "-m", "tactgen", *words],
@@ -391,31 +340,13 @@ def _names(folder: Path) -> list[str]:
     )
 
 
-def _add(family: Family, where: str, wrong: str, done: Ended | None = None) -> None:
-    if done is not None and done.code == _REFUSED:
-        family.refusals.append(said(done)[1])
-    family.add(f"{where}{': ' if wrong else ''}{wrong}", math.inf if wrong else 0.0, 0.0)
+#: Points of a family: where, what is wrong (nothing if all is right), and how the process ended
+#: where its refusal is quoted.
+Points: TypeAlias = Iterator[tuple[str, str, Ended | None]]
 
 
-def killed(trials: Trials, times: int) -> Row:
-    """Kill commands at random moments, by SIGKILL."""
-    return _ended_by(trials, times, signal.SIGKILL, "killed (SIGKILL)", (-signal.SIGKILL, 0))
-
-
-def terminated(trials: Trials, times: int) -> Row:
-    """Tell commands to end at random moments, by SIGTERM."""
-    codes = (_TERMINATED, -signal.SIGTERM, 0)  # the latter before the program has begun
-    return _ended_by(trials, times, signal.SIGTERM, "told to end (SIGTERM)", codes)
-
-
-def interrupted(trials: Trials, times: int) -> Row:
-    """Interrupt commands at random moments, as Ctrl-C does: by SIGINT."""
-    codes = (_INTERRUPTED, -signal.SIGINT, 0)
-    return _ended_by(trials, times, signal.SIGINT, "interrupted (SIGINT)", codes)
-
-
-def _ended_by(trials: Trials, times: int, number: int, name: str, codes: Sequence[int]) -> Row:
-    family = Family()
+def _ended_by(trials: Trials, times: int, number: int, codes: Sequence[int]) -> Points:
+    """End commands at random moments by a signal."""
     for turn in range(times):
         command = trials.commands[turn % len(trials.commands)]
         around = trials.place()
@@ -424,85 +355,67 @@ def _ended_by(trials: Trials, times: int, number: int, name: str, codes: Sequenc
         if before_us(done):
             done = Ended(-number, "", "")
         wrong = trials.judge(command, around, done, codes)
-        _add(family, f"{command.name} after {moment:.2f} s", wrong)
-    what = f"{times} runs of {len(trials.commands)} commands, at random moments"
-    return answered(f"faults: {name}", what, family.points, family.refusals)
+        yield f"{command.name} after {moment:.2f} s", wrong, None
 
 
-def no_room(trials: Trials) -> Row:
-    """Let no file grow beyond some bytes, as on a full disk."""
-    family = Family()
-    for command in trials.commands:
-        for size in (0, 300):
-            around = replace(trials.place(), limit=(resource.RLIMIT_FSIZE, size))
+def killed(trials: Trials, times: int) -> Points:
+    """Kill commands at random moments."""
+    return _ended_by(trials, times, signal.SIGKILL, (-signal.SIGKILL, 0))
+
+
+def terminated(trials: Trials, times: int) -> Points:
+    """Tell commands to end; before the program has begun its code is the signal's."""
+    return _ended_by(trials, times // 2, signal.SIGTERM, (_TERMINATED, -signal.SIGTERM, 0))
+
+
+def interrupted(trials: Trials, times: int) -> Points:
+    """Interrupt commands as Ctrl-C does."""
+    return _ended_by(trials, times // 2, signal.SIGINT, (_INTERRUPTED, -signal.SIGINT, 0))
+
+
+def corrupted(trials: Trials, times: int) -> Points:
+    """Flip a bit, cut, empty or swap entries of the store."""
+    for turn in range(times // 2):
+        command = trials.commands[turn % len(trials.commands)]
+        around = trials.place()
+        if trials.stores[command.name].exists():  # some commands cache nothing
+            shutil.copytree(trials.stores[command.name], around.store)
+        entries = sorted(around.store.rglob("*.kept"))
+        how = trials.chance.choice(("bit", "cut", "empty", "swapped"))
+        for path in entries:
+            _spoil(path, trials.chance.choice(entries), how, trials.chance)
+        wrong = trials.again(command, around)
+        yield f"{command.name}, {len(entries)} entries, {how}", wrong, None
+
+
+def limited(what: int, sizes: Sequence[int]) -> Callable[[Trials, int], Points]:
+    """Return what runs commands with so much of a resource at most."""
+
+    def run(trials: Trials, _: int) -> Points:
+        for command, size in product(trials.commands, sizes):
+            around = replace(trials.place(), limit=(what, size))
             done = finish(begin(command, around))
             wrong = trials.judge(command, around, done, (0, _REFUSED))
-            _add(family, f"{command.name}, files of {size} bytes", wrong, done)
-    what = "files of at most 0 and 300 bytes"
-    return answered("faults: no room on the disk", what, family.points, family.refusals)
+            yield f"{command.name}, at most {size} bytes", wrong, done
+
+    return run
 
 
-def read_only(trials: Trials) -> Row:
+def read_only(trials: Trials, _: int) -> Points:
     """Let neither store nor output folder be writable."""
-    family = Family()
     for command in trials.commands:
         spoilt = replace(trials.place(), store=Path(_NOWHERE))
         done = finish(begin(command, spoilt))
-        _add(family, f"{command.name}, store", trials.judge(command, spoilt, done, (0,)), done)
-        if "{out}" in " ".join(command.arguments):
+        yield f"{command.name}, store", trials.judge(command, spoilt, done, (0,)), done
+        if "{out}" in command.line:
             done = finish(begin(command, replace(spoilt, out=Path(_NOWHERE))))
-            ours, _ = said(done)
-            wrong = "" if done.code == _REFUSED and ours else f"ended with {done.code}: {done.err}"
-            _add(family, f"{command.name}, folder", wrong, done)
-    what = "a store and a folder in which no file can be made"
-    return answered("faults: read-only places", what, family.points, family.refusals)
+            right = done.code == _REFUSED and said(done)[0]
+            wrong = "" if right else f"ended with {done.code}: {done.err}"
+            yield f"{command.name}, folder", wrong, done
 
 
-def nobody(trials: Trials) -> Row:
-    """Take HOME away, or let it name nothing."""
-    family = Family()
-    homes = (None, "", "/nonexistent")
-    for turn in range(max(len(homes), len(trials.commands))):
-        command = trials.commands[turn % len(trials.commands)]
-        home = homes[turn % len(homes)]
-        around = trials.place()
-        spoilt = replace(around, variables={"HOME": home, "TACTGEN_CACHE": None})
-        done = finish(begin(command, spoilt))
-        wrong = trials.judge(command, around, done, (0,))
-        _add(family, f"{command.name}, HOME={home}", wrong, done)
-    return answered("faults: no home", "HOME missing, empty, not there", family.points)
-
-
-def shut_pipe(trials: Trials) -> Row:
-    """Close the other end of stdout before anything is written."""
-    family = Family()
-    for command in trials.commands:
-        around = trials.place()
-        read, write = os.pipe()
-        os.close(read)
-        process = begin(command, around, stdout=write)
-        os.close(write)
-        done = finish(process)
-        wrong = trials.judge(command, around, done, (0, _PIPE, _REFUSED))
-        _add(family, command.name, wrong)
-    return answered("faults: closed pipe", "stdout into a pipe that nobody reads", family.points)
-
-
-def little_memory(trials: Trials) -> Row:
-    """Let a process have 1 GiB of address space."""
-    family = Family()
-    for command in trials.commands:
-        around = replace(trials.place(), limit=(resource.RLIMIT_AS, _GIB))
-        done = finish(begin(command, around))
-        wrong = trials.judge(command, around, done, (0, _REFUSED))
-        _add(family, command.name, wrong, done)
-    what = "1 GiB of address space: an answer, or a sentence"
-    return answered("faults: little memory", what, family.points, family.refusals)
-
-
-def two_at_once(trials: Trials) -> Row:
+def two_at_once(trials: Trials, _: int) -> Points:
     """Start a command twice at once, with one store and one folder."""
-    family = Family()
     for command in trials.commands:
         around = trials.place()
         pair = [finish(process) for process in [begin(command, around) for _ in range(2)]]
@@ -512,29 +425,61 @@ def two_at_once(trials: Trials) -> Row:
                 wrong = trials.compared(command, around, done)
             elif done.code != _REFUSED or not said(done)[0]:
                 wrong = f"ended with {done.code}: {done.err[-200:]}"
-            _add(family, f"{command.name}, number {number}", wrong, done)
+            yield f"{command.name}, number {number}", wrong, done
         if any(done.code for done in pair):
-            _add(family, f"{command.name}, both", trials.again(command, around))
-    what = "the same command twice on one store and one folder"
-    return answered("faults: two at once", what, family.points, family.refusals)
+            yield f"{command.name}, both", trials.again(command, around), None
 
 
-def corrupted(trials: Trials, times: int) -> Row:
-    """Flip a bit, cut, empty or swap entries of the store."""
-    family = Family()
-    for turn in range(times):
-        command = trials.commands[turn % len(trials.commands)]
+def shut_pipe(trials: Trials, _: int) -> Points:
+    """Close the other end of stdout before anything is written."""
+    for command in trials.commands:
         around = trials.place()
-        if trials.stores[command.name].exists():  # some commands keep nothing
-            shutil.copytree(trials.stores[command.name], around.store)
-        entries = sorted(around.store.rglob("*.kept"))
-        how = trials.chance.choice(("bit", "cut", "empty", "swapped"))
-        for path in entries:
-            _spoil(path, trials.chance.choice(entries), how, trials.chance)
-        wrong = trials.again(command, around)
-        _add(family, f"{command.name}, {len(entries)} entries, {how}", wrong)
-    what = "every entry with a bit flipped, cut, emptied, or another's content"
-    return answered("faults: corrupted store", what, family.points, family.refusals)
+        read, write = os.pipe()
+        os.close(read)
+        process = begin(command, around, stdout=write)
+        os.close(write)
+        done = finish(process)
+        yield command.name, trials.judge(command, around, done, (0, _PIPE, _REFUSED)), None
+
+
+def homeless(trials: Trials, _: int) -> Points:
+    """Take HOME away, or let it name nothing."""
+    homes = (None, "", "/nonexistent")
+    for turn in range(max(len(homes), len(trials.commands))):
+        command, home = trials.commands[turn % len(trials.commands)], homes[turn % len(homes)]
+        spoilt = replace(trials.place(), variables={"HOME": home, "TACTGEN_CACHE": None})
+        done = finish(begin(command, spoilt))
+        yield f"{command.name}, HOME={home}", trials.judge(command, spoilt, done, (0,)), None
+
+
+#: Families by name: what is spoilt, and what runs the trials.
+FAMILIES: dict[str, tuple[str, Callable[[Trials, int], Points]]] = {
+    "killed (SIGKILL)": ("at random moments", killed),
+    "told to end (SIGTERM)": ("at random moments", terminated),
+    "interrupted (SIGINT)": ("at random moments", interrupted),
+    "corrupted store": ("every entry with a bit flipped, cut, emptied, or another's content",
+                        corrupted),
+    "no room on the disk": ("files of at most 0 and 300 bytes",
+                            limited(resource.RLIMIT_FSIZE, (0, 300))),
+    "read-only places": ("a store and a folder in which no file can be made", read_only),
+    "two at once": ("the same command twice on one store and one folder", two_at_once),
+    "little memory": ("1 GiB of address space: an answer, or a sentence",
+                      limited(resource.RLIMIT_AS, (_GIB,))),
+    "closed pipe": ("stdout into a pipe that nobody reads", shut_pipe),
+    "no home": ("HOME missing, empty, not there", homeless),
+}  # fmt: skip
+
+
+def judge(name: str, trials: Trials, times: int) -> Row:
+    """Return the row of a family."""
+    what, run = FAMILIES[name]
+    family = Family()
+    for where, wrong, done in run(trials, times):
+        if done is not None and done.code == _REFUSED:
+            family.refusals.append(said(done)[1])
+        family.add(f"{where}{': ' if wrong else ''}{wrong}", math.inf if wrong else 0.0, 0.0)
+    what = f"{len(trials.commands)} commands, {what}"
+    return answered(f"faults: {name}", what, family.points, family.refusals)
 
 
 def _spoil(path: Path, other: Path, how: str, chance: random.Random) -> None:
@@ -561,24 +506,11 @@ def _rows(asked: Asked) -> tuple[Row, ...]:
     with tempfile.TemporaryDirectory(prefix="tactgen-faults-") as folder:
         asked.announce("faults: undisturbed runs")
         commands = LIGHT if asked.quick else (*LIGHT, *HEAVY)
-        trials = Trials(commands, Path(folder), asked.seed)
-        rows = []
-        for family in _families(asked.quick):
-            asked.announce("faults: more")
-            rows.append(family(trials))
-            asked.announce(rows[-1].family)
-    return tuple(rows)
-
-
-def _families(quick: bool) -> tuple[Callable[[Trials], Row], ...]:
-    times = 6 if quick else 60
-    return (
-        lambda trials: killed(trials, times),
-        lambda trials: terminated(trials, times // 2),
-        lambda trials: interrupted(trials, times // 2),
-        lambda trials: corrupted(trials, times // 2),
-        no_room, read_only, two_at_once, little_memory, shut_pipe, nobody,
-    )  # fmt: skip
+        trials, rows = Trials(commands, Path(folder), asked.seed), []
+        for name in FAMILIES:
+            asked.announce(f"faults: {name}")
+            rows.append(judge(name, trials, 6 if asked.quick else 60))
+        return tuple(rows)
 
 
 def keep_rows(rows: tuple[Row, ...], *, quick: bool) -> None:

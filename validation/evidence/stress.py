@@ -7,6 +7,7 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -220,6 +221,18 @@ class Family:
         """Take what was said instead of an answer."""
         self.refusals.append(str(error))
 
+    @contextmanager
+    def attempt(self) -> Iterator[None]:
+        """Take a refusal of what is inside in place of its answers."""
+        try:
+            yield
+        except REFUSALS as error:
+            self.refuse(error)
+
+    def row(self, name: str, what: str) -> Row:
+        """Return the family, judged."""
+        return answered(name, what, self.points, self.refusals)
+
 
 def spread(values: Iterable[float]) -> float:
     """Return how far values are apart, relative to the largest; nan if one is not finite."""
@@ -395,6 +408,21 @@ def _flat(table: ErrorMap) -> Iterator[tuple[float, ...]]:
 
 #: By name, what gives the rows of a family, told whether a few points will do.
 Families = Mapping[str, Callable[[bool], Row | list[Row]]]
+
+
+#: Adds the points of a family; told whether a few will do.
+Judge = Callable[[Family, bool], None]
+
+
+def table(part: str, families: Mapping[str, tuple[str, Judge]]) -> Families:
+    """Return families of a part, by name, from their ranges and what adds their points."""
+
+    def run(name: str, what: str, judge: Judge, quick: bool) -> Row:
+        family = Family()
+        judge(family, quick)
+        return family.row(f"{part}: {name}", what)
+
+    return {name: partial(run, name, *row) for name, row in families.items()}
 
 
 @dataclass(frozen=True)
