@@ -10,7 +10,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from copy import copy
 
 import numpy as np
 
@@ -63,12 +62,6 @@ class FieldPath:
         self._home = two_orders(device, gap, order, refinement, outer_radius)
         self._places: list[Floats] = []
         self._solved: list[Start] = []  # potentials alone: the tables of a field are large
-
-    def fork(self) -> FieldPath:
-        """Return a path along something else from this one's first point, on the same grid."""
-        other = copy(self)
-        other._places, other._solved = self._places[:1], self._solved[:1]
-        return other
 
     def reaches(self, device: Device, gap: float) -> bool:
         """Return whether the grid fits another device or gap."""

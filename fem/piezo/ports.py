@@ -57,22 +57,6 @@ def static_multiports(
     return fine, better[0], better[1]
 
 
-def judged_at_rest(system: SolidSystem, surplus: Surplus) -> tuple[Floats, Floats]:
-    """Return what a volt, a tip force and a tip moment do, and what lacking functions add.
-
-    Returns
-    -------
-    work : (3,) array
-        Charge per volt, tip motion per force and moment (SI), of a lossless system at rest.
-    gained : (2, 3, 3) array
-        What any of them does to any by displacements that the system lacks, and what by
-        potentials, which is of the other sign.
-    """
-    (held, _, _, compliance), *gained = _judged(system, surplus)
-    work = np.array([-held[2, 2], *np.diagonal(compliance)], dtype=float)
-    return work, np.array([of[2:, 2:] for of in gained])
-
-
 def _judged(system: SolidSystem, surplus: Surplus) -> tuple[Blocks, Numbers, Numbers]:
     """Return the mixed form at rest, and what lacking functions add (5, 5)."""
     x = _states(system, 0.0)

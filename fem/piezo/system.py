@@ -179,14 +179,6 @@ class SolidSystem:
         """Give back the memory of the factor; who asks for it again has it made again."""
         self.__dict__.pop(_FACTOR, None)
 
-    def take_factor(self, factor: Factor) -> None:
-        """Make the factor of another system, of no use to that afterwards, the factor of this.
-
-        Saves the ordering where both have the same pattern, as members of a family have.
-        """
-        factor.refactorise(self.held)
-        self.__dict__[_FACTOR] = factor
-
 
 @dataclass(frozen=True)
 class Material:

@@ -13,7 +13,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.amplitude import states
 from tactgen.validation.models.amplitude.held_head import held_head, in_state
 from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
-from tactgen.validation.studies.whatif.answers import question
+from tactgen.validation.studies.whatif.questions import question
 
 #: What of a scene no stage reads: whose it is, and what is asked.
 ASKED = ("name", "description", "models", "quantities")

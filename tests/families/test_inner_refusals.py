@@ -1,6 +1,5 @@
 """Refusals that no command reaches at a small cost, provoked where they are said."""
 
-import queue
 import subprocess
 import sys
 from types import SimpleNamespace as Stub
@@ -11,13 +10,12 @@ import pytest
 from tactgen.fem.elements.nedelec import ElementTetEdge2
 from tactgen.fem.magnetics.two_orders import two_orders
 from tactgen.fem.piezo.solid import assemble
-from tactgen.geometry.bimorph.bimorph_bricks import BrickParts, bimorph_bricks
+from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece
-from tactgen.geometry.bimorph.stretching import stretched
 from tactgen.geometry.cad import solids
 from tactgen.geometry.cad.tessellation import Plane
-from tactgen.geometry.device.parameters import Beam, Bimorph, Device
+from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.tetwild import conform
 from tactgen.geometry.meshing.tetwild import conform as snapping
@@ -32,12 +30,10 @@ from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
 from tactgen.tmm.reluctance import flux_ladder
 from tactgen.validation.evidence.peers import sfepy
 from tactgen.validation.models.amplitude import backbone, deflection, held_head
-from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.models.display.spread import spread
-from tactgen.validation.models.reluctance.family import field_tables
 from tactgen.validation.scene import frequencies
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.whatif import cluster
+from tactgen.validation.studies.whatif import executor
 from tactgen.validation.studies.whatif.shown.pictures import study_picture
 from tactgen.validation.view import browser
 from tactgen.validation.view import stills as films
@@ -89,10 +85,6 @@ FAILED = Stub(rows=[(None, "tmm", Stub(status="failed"))])
             lambda: spread(scene("display", "spring.stiffness=0 N/m"), None),
             InputError, "give the spring a stiffness",
         ),
-        (
-            lambda: family_values(scene(), Stub(ranges={}), {}, ["magnetic_force"]),
-            InputError, '"magnetic_force" is not read off a family',
-        ),
         (lambda: study_picture(FAILED), InputError, "nothing to draw"),
         (
             lambda: section(
@@ -115,16 +107,6 @@ FAILED = Stub(rows=[(None, "tmm", Stub(status="failed"))])
             MeshError, "belongs to faces that do not meet; choose a smaller edge length",
         ),
         (lambda: ElementTetEdge2().lbasis(np.zeros((3, 1)), 14), ValueError, "Index larger"),
-        (
-            lambda: field_tables._Solver.at(
-                Stub(
-                    _done=0, ranges={"gap": (1.0, 2.0)}, announce=print, _accuracy=1.0,
-                    _changed=lambda _: scene(),
-                    _path=Stub(at=lambda *_: Stub(beyond_table=1.0)),
-                ), np.zeros(1),
-            ),
-            InputError, "steel.curve ends too early",
-        ),
     ],
 )  # fmt: skip
 def test_each_is_said(what, error, words):
@@ -158,35 +140,24 @@ def test_a_cluster_that_is_lost(monkeypatch):
     def gone(timeout):
         raise OSError("closed")
 
-    def nothing(timeout):
-        raise queue.Empty
-
-    batch = Stub(key="1", result=gone, add_done_callback=lambda done: done(batch))
-    client = Stub(submit=lambda *_, **__: batch, status="closed")
     monkeypatch.setitem(sys.modules, "distributed", Stub(KilledWorker=KeyError))
-    running = cluster._Running(client, ("tmm",))
-    running.submit(0, (0,), ())
+    pool = executor._Cluster(Stub(status="closed"), ("tmm",), None)
     with pytest.raises(InputError, match=r"the cluster was lost \(OSError: closed\); "):
-        running.next()
-    running._ended = Stub(get=nothing)
+        pool.result(Stub(result=gone))
     with pytest.raises(InputError, match="the scheduler ended; "):
-        running.next()
+        pool.ended([Stub(done=lambda: False)])
 
 
 def test_a_cluster_without_workers_is_left_after_a_while(monkeypatch):
     """A minute after the last one went: as long as there are some, it may take its time."""
-    hours = Stub(monotonic=iter(range(0, 10_000, 25)).__next__)
+    hours = Stub(monotonic=iter(range(0, 10_000, 25)).__next__, sleep=lambda _: None)
     there = iter([2, 0, 1, 0, 0, 0])
     client = Stub(status="running", nthreads=lambda: {"worker": 1} if next(there) else {})
 
-    def nothing(timeout):
-        raise queue.Empty
-
-    monkeypatch.setattr(cluster, "time", hours)
-    running = cluster._Running(client, ("tmm",))
-    running._ended = Stub(get=nothing)
+    monkeypatch.setattr(executor, "time", hours)
+    pool = executor._Cluster(client, ("tmm",), None)
     with pytest.raises(InputError, match="the cluster has had no worker for 60 s; "):
-        running.next()
+        pool.ended([Stub(done=lambda: False)])
     assert list(there) == []
 
 
@@ -199,12 +170,6 @@ def test_a_film_that_is_not_made(monkeypatch, tmp_path):
     with pytest.raises(InputError, match="ffmpeg says: Unknown encoder; write --gif"):
         films.save_film(tmp_path / "a.mp4", [picture], 40)
     assert not list(tmp_path.iterdir())
-
-
-def test_another_row_of_pieces_is_no_member(few_bricks):
-    """Bricks of a bimorph without a tab cannot be stretched into one with it."""
-    with pytest.raises(InputError, match="other pieces"):
-        stretched(bimorph_bricks(Device(), few_bricks[0]), Bimorph(tab_length=2e-3))
 
 
 def test_orbits_that_are_lost_are_refused(monkeypatch):

@@ -63,15 +63,6 @@ class ModelRow:
         Stages whose results are kept in the store, since they cost more than reading them.
     loads : tuple of str
         Modules and packages that compute them without being imported by name.
-    families : str
-        Module that answers many scenes of one family together, if there is one: see
-        :mod:`validation.engine.families`.
-    walks : str
-        Module that solves scenes one after another, each from those before, if there is one:
-        see :mod:`validation.engine.walks`.
-    derivatives : str
-        Module that gives better derivatives than differences of its answers with their bars, if
-        there is one: see :mod:`validation.engine.derivatives`.
     finest : float
         Relative error that its finest mesh is known to come down to; 0 if that is not known.
     """
@@ -90,9 +81,6 @@ class ModelRow:
     remedy: str = ""
     kept: tuple[str, ...] = ()
     loads: tuple[str, ...] = ()
-    families: str = ""
-    walks: str = ""
-    derivatives: str = ""
     finest: float = 0.0
 
     @property
@@ -201,8 +189,7 @@ _ROWS = (
         "tactgen.validation.models.bimorph.solid", "SolidModel", theory="solid", rank=5,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the bar", kept=_SOLID_KEPT,
-        families="tactgen.validation.models.bimorph.family.answers",
-        derivatives="tactgen.validation.models.bimorph.family.derivatives", finest=6e-5,
+        finest=6e-5,
     ),
     ModelRow(
         "cad", "3D piezoelectric solid on the CAD solids: fTetWild's tetrahedra in scikit-fem",
@@ -216,7 +203,6 @@ _ROWS = (
         "tactgen.validation.models.reluctance.model", "NetworkModel", theory="circuit", rank=1,
         stages=_magnetic_stages(CIRCUIT, wanted=()) | _in_array(CIRCUIT),
         gives=_IN_ARRAY_GIVES, quick=True, kept=_MAGNETIC_KEPT,
-        derivatives="tactgen.validation.models.reluctance.derivatives",
     ),
     ModelRow(
         "axisymmetric", "nonlinear magnetic field in the half section, finite elements",
@@ -224,9 +210,7 @@ _ROWS = (
         theory="field", rank=3,
         stages=_magnetic_stages(MAGNETIC),
         gives=_MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
-        kept=_MAGNETIC_KEPT, families="tactgen.validation.models.reluctance.family.axisymmetric",
-        walks="tactgen.validation.models.reluctance.family.walk",
-        derivatives="tactgen.validation.models.reluctance.field_derivatives",
+        kept=_MAGNETIC_KEPT,
     ),
     ModelRow(
         "magnetic3d", "nonlinear magnetic field in 3D by vector and scalar potential",

@@ -144,11 +144,10 @@ _KNOWN: tuple[Check, ...] = (
     *(
         Check(
             f"EULER-{letter}", "code verification",
-            f"The {words}'s derivatives by all lengths and the current add up as its power of "
-            "the size.",
-            power, "1", "Euler's theorem: at one H and B, W' grows as s³, λ and F as s²", 2e-3,
-            "differences at 1 % of 18 keys, across corners of the iron's curve; air that does "
-            "not grow leaves 1e-5",
+            f"The {words} of a device whose lengths and current are grown together grows as its "
+            "power of the size.",
+            power, "1", "at one H and B, W' grows as s³, λ and F as s²", 2e-3,
+            "grids of two devices, and air that does not grow",
             partial(scaled_actuator.power_of_size, name), heavy=True,
         )
         for letter, words, name, power in (

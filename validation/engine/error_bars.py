@@ -34,11 +34,6 @@ BRICK_FACTOR = SAFETY / (ASSUMED_GAIN - 1.0)
 #: 4.2 times the error (validation/evidence/coverage_bimorph.py).  With one factor for all, those
 #: without such an edge had to have bars of ten errors for those with one to be covered.
 SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES = 2.5, 5.0
-#: The same of a family's bricks, which have all products of their polynomials, so that those of one
-#: degree more take a larger part of what is missing: of 200 numbers of 20 varied bimorphs at rest
-#: and of natural frequencies 19 of 20 errors are below 1.6 differences, half below 0.8.  Of 20
-#: bimorphs drawn after it all of these were covered, half of them by bars of at most 2.4 errors.
-FAMILY_FACTOR = 2.0
 
 
 def observed_factor(before: Floats, last: Floats, order: float) -> Floats:

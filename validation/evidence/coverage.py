@@ -280,8 +280,8 @@ PARTS: dict[str, PartRow] = {
     "solid": _row_of(16, "bricks against bricks two levels finer", "coverage_bimorph.judge_solid"),
     "cad": _row_of(4, "tetrahedra of the CAD solids against much finer bricks",
                    "coverage_bimorph.judge_cad"),
-    "reduced": _row_of(12, "a member of a family by its reduced basis against bricks two levels "
-                       "finer", "coverage_bimorph.judge_reduced"),
+    "surrogate": _row_of(12, "a fresh length by a surrogate against bricks two levels finer",
+                       "coverage_bimorph.judge_surrogate"),
     "axisymmetric": _row_of(20, "the magnetic field against a finer grid, higher order and farther "
                             "walls", "coverage_actuator.judge_axisymmetric"),
     "magnetic3d": _row_of(20, "the magnetic field on coarse tetrahedra against the half section's",

@@ -29,6 +29,7 @@ from tactgen.tmm.ports.port import BIMORPH
 from tactgen.validation.checks.cases import reference_beam as exact
 from tactgen.validation.checks.cases.reference_modes import Row, natural_frequency
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.surrogate import build_surrogate
 from tactgen.validation.evidence.coverage import Judged, compared, relative
 from tactgen.validation.evidence.random_devices import (
     CERAMICS,
@@ -39,8 +40,6 @@ from tactgen.validation.evidence.random_devices import (
     solid_bimorph,
     tapered_bimorph,
 )
-from tactgen.validation.models.bimorph.family.solid_family import solid_family
-from tactgen.validation.models.bimorph.family.values import family_values
 from tactgen.validation.scene.scene import Scene, load_scene
 
 _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
@@ -342,12 +341,12 @@ def _at_rest(system: SolidSystem) -> Multiport:
     return Multiport(np.zeros(1), ports_from_blocks(*stacked), BIMORPH)
 
 
-#: Where the response of a reduced basis is judged, per first resonance; how far its lengths reach.
-_AT_REDUCED, _REACH = 0.9, 1.2
+#: Where the response of a surrogate is judged, per first resonance; how far its lengths reach.
+_AT_SURROGATE, _REACH = 0.9, 1.2
 
 
-def judge_reduced(rng: np.random.Generator) -> list[Judged]:
-    """Return the answers of one member of one family by its reduced basis."""
+def judge_surrogate(rng: np.random.Generator) -> list[Judged]:
+    """Return the answers at one length by the surrogate of one bimorph."""
     names = (*_STATIC, _SHORT, "coupling_factor", *_HARMONIC)
     layer = between(rng, 0.1, 0.4)
     length = between(rng, 15.0, 40.0) * 3.0 * layer
@@ -360,11 +359,12 @@ def judge_reduced(rng: np.random.Generator) -> list[Judged]:
     )  # fmt: skip
     ends = 1e-3 * length / _REACH, 1e-3 * length * _REACH
     member = between(rng, *ends)
-    case = Case((*sampled, f"bimorph.length={1e3 * member:.12g}mm"), at=(_AT_REDUCED,))
+    case = Case((*sampled, f"bimorph.length={1e3 * member:.12g}mm"), at=(_AT_SURROGATE,))
     scene, _ = load_scene("prototype", [*sampled, f"frequency={case.scene().frequency[0]:.12g} Hz"])
-    basis = solid_family(scene, {"bimorph.length": ends}, names)
-    found = family_values(scene, basis, {"bimorph.length": np.array([member])}, names)
-    kinds = dict.fromkeys(names, "") | {_SHORT: str(found[_SHORT].classes[0, 0])}
+    surrogate = build_surrogate(scene, "solid", names, {"bimorph.length": ends})
+    (estimates,) = surrogate.answers({"bimorph.length": np.array([member])})
+    found = {q.name: q for q in estimates}
+    kinds = dict.fromkeys(names, "") | {_SHORT: (found[_SHORT].classes or ("",))[0]}
     right, where = reference(case, kinds.values()), " ".join(case.overrides)
     answers: list[Judged] = []
     for name, kind in kinds.items():

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph import stretching
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.bricks import lobatto_points
 from tactgen.geometry.device.parameters import Bimorph, Device
@@ -82,14 +81,13 @@ def test_family_gets_finer():
     assert counts == sorted(set(counts))
 
 
-@pytest.mark.parametrize("levels", [LEVELS, stretching.LEVELS], ids=["answers", "families"])
-def test_a_division_is_what_its_level_states(levels):
+def test_a_division_is_what_its_level_states():
     """Shares fill a layer; bricks at edges and ends are of the size stated or, to fit in whole,
     less, and so is the longest; each level has smaller ones at both ends than the one before.
     """
     b = Bimorph(glue_thickness=10e-6, length=60e-3)
     thin = min(b.piezo_thickness, b.shim_thickness)
-    for number, meshing in enumerate(levels):
+    for number, meshing in enumerate(LEVELS):
         bricks = bimorph_bricks(Device(bimorph=b), meshing)
         assert tuple(axis.degree for axis in bricks.axes) == meshing.degree
         assert sum(meshing.layer) == pytest.approx(1.0, rel=1e-12)
@@ -106,8 +104,8 @@ def test_a_division_is_what_its_level_states(levels):
         ):  # fmt: skip
             assert 0.5 * stated < found < stated * (1.0 + 1e-12)
         if number:
-            assert meshing.smallest < levels[number - 1].smallest
-            assert tip <= max(levels[number - 1].smallest, levels[number - 1].tip)
+            assert meshing.smallest < LEVELS[number - 1].smallest
+            assert tip <= max(LEVELS[number - 1].smallest, LEVELS[number - 1].tip)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3, 6])

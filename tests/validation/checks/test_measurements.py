@@ -9,7 +9,6 @@ from tactgen.validation.checks import amplitude_measurements as amplitude
 from tactgen.validation.checks import bimorph_measurements as bimorph
 from tactgen.validation.checks import motion_measurements as motion
 from tactgen.validation.checks import team20
-from tactgen.validation.checks.cases.magnetics import scaled_actuator
 from tactgen.validation.checks.known import special_beams
 from tactgen.validation.checks.known.magnetics import iron
 from tactgen.validation.engine.results import Quantity
@@ -189,31 +188,6 @@ def test_two_models_of_a_job_are_apart_by_so_many_of_both_bars(monkeypatch):
         SimpleNamespace(get=get)))  # fmt: skip
     assert bimorph.j1_cad_against_bricks() == pytest.approx(1.0 / 0.4)
     assert asked[0][:2] == ("j1", "solid,cad")
-
-
-def test_homogeneous_functions_have_the_power_of_their_size(monkeypatch):
-    """Of the product of three lengths, one of them a position stated from the nominal gap: 3."""
-    keys = ("rod.radius", "coil.position", "gap")
-    monkeypatch.setattr(scaled_actuator, "_KEYS", keys)
-    scene = scaled_actuator.load_scene("reluctance", list(scaled_actuator._DEVICE))[0]
-    sizes = {key: float(scaled_actuator.value_of(scene, key)) for key in keys}
-    sizes["coil.position"] += scaled_actuator.NOMINAL_GAP
-    value = np.prod(list(sizes.values()))
-
-    def slopes(at, changed, model, names, asked):
-        assert (model, asked) == ("axisymmetric", keys)
-        assert changed("gap", 0.1e-3).gap == 0.1e-3
-        return [
-            SimpleNamespace(quantity=SimpleNamespace(name=name, value=value),
-                            slopes={key: value / size for key, size in sizes.items()})
-            for name in names
-        ]  # fmt: skip
-
-    monkeypatch.setattr(scaled_actuator, "derivatives", slopes)
-    scaled_actuator._powers.cache_clear()
-    assert scaled_actuator.power_of_size("coenergy") == pytest.approx(3.0)
-    assert scaled_actuator.power_of_size("magnetic_force") == pytest.approx(3.0)
-    scaled_actuator._powers.cache_clear()
 
 
 def test_team20_is_read_by_one_potential_or_by_the_mean_of_both(monkeypatch):

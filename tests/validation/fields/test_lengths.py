@@ -1,14 +1,11 @@
 """Modes over the length: the quantities' numbers, the solved shapes, and what lies between."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.fields import lengths
 from tactgen.validation.fields.gather import Request, gather
 from tactgen.validation.fields.lengths import _Lattice, _turned_like, length_range
 from tactgen.validation.fields.over_length import lagrange_weights
@@ -122,52 +119,3 @@ def test_a_shape_is_turned_like_the_first_whatever_its_size():
     first = np.array([[1e-6, 0.0, 0.0], [2e-6, 0.0, -1e-6]])
     for size in (1.0, -1.0, 1e-3, -1e-3):
         np.testing.assert_array_equal(_turned_like(first, size * first), abs(size) * first)
-
-
-@pytest.mark.parametrize(
-    ("sizes", "known"), [([3], True), ([2], False), ([1, 2], False), ([], False)]
-)
-def test_one_family_of_all_lengths_or_none(sizes, known, monkeypatch):
-    """Its answers mode by mode over the lengths, each by its class; nan where one has it not."""
-    scene, _ = load_scene("j1")
-    names, ends, said = tuple(lengths._NAMES.values()), np.array([0.01, 0.015, 0.02]), []
-
-    def find(model, scenes, wanted):
-        assert (model, wanted) == ("solid", names)
-        assert [one.bimorph.length for one in scenes] == ends.tolist()
-        return [SimpleNamespace(numbers=range(size)) for size in sizes]
-
-    def answer(family, scenes, wanted, announce):
-        announce(f"{len(family.numbers)} of {len(scenes)}")
-        rows = (("bending_x", "torsion"), ("torsion", "bending_x"), ("bending_x", "bending_x"))
-        return [
-            [
-                SimpleNamespace(
-                    name=name, classes=row if name == wanted[0] else None,
-                    value=np.array([10.0, 20.0]) + n, error=np.array([0.1, 0.2]) + n,
-                )
-                for name in wanted
-            ]
-            for n, row in enumerate(rows)
-        ]  # fmt: skip
-
-    monkeypatch.setattr(lengths, "find_families", find)
-    monkeypatch.setattr(lengths, "answer_family", answer)
-    found = lengths._tables(scene, "solid", ends, said.append)
-    if not known:
-        assert found is None
-        assert said == []
-        return
-    assert said == ["3 of 3"]
-    none = np.nan
-    assert {key: [row.tolist() for row in table] for key, table in found.items()} == {
-        ("short", "bending_x", 0): [[10.0, 21.0, 12.0], pytest.approx([0.1, 1.2, 2.1])],
-        ("short", "torsion", 0): [
-            pytest.approx([20.0, 11.0, none], nan_ok=True),
-            pytest.approx([0.2, 1.1, none], nan_ok=True),
-        ],
-        ("short", "bending_x", 1): [
-            pytest.approx([none, none, 22.0], nan_ok=True),
-            pytest.approx([none, none, 2.2], nan_ok=True),
-        ],
-    }

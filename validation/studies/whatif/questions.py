@@ -1,23 +1,169 @@
-"""Which questions the points of a study ask: of points that differ in nothing that is read, one."""
+"""What the points of a study ask, and the answers, kept under all that they are computed from.
+
+Of points that differ in nothing that a model reads, one is asked.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping, Sequence
+import time
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.geometry.store.sources import source_digest
+from tactgen.geometry.store.store import kept, recalled
+from tactgen.validation.catalogue.models import MODELS, gives, models_of, reading
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.scene.files import choices
+from tactgen.validation.engine.inputs import values_read
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.scene.files import choices, one_line
 from tactgen.validation.scene.nearby import ScenesNearby
-from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.answers import Question, question, reason
+from tactgen.validation.scene.scene import Scene, checked_scene
 from tactgen.validation.studies.whatif.asked.scene_field import as_stated
 from tactgen.validation.studies.whatif.asked.statement import Statement
 
 
 @dataclass(frozen=True)
+class Question:
+    """One model at one point: what its answer depends on, and nothing else.
+
+    Attributes
+    ----------
+    model : str
+        Its name.
+    quantities : tuple of str
+        Those that the model gives.
+    inputs : tuple
+        Plain values that stand for all of the scene that is read.
+    shared : tuple of str
+        Keys of the stages kept in the store that the answer is made of.
+    """
+
+    model: str
+    quantities: tuple[str, ...]
+    inputs: tuple[object, ...]
+    shared: tuple[str, ...]
+
+
+def question(scene: Scene, model: str, quantities: tuple[str, ...]) -> Question:
+    """Return what a model is asked at a scene.
+
+    Raises
+    ------
+    InputError
+        If the model cannot take the scene.
+    """
+    wanted = tuple(name for name in quantities if gives(model, name))
+    keys = make_plan(scene, (model,), wanted).keys
+    read = values_read(scene, reading(model))
+    stored = {f"{model}.{stage}" for stage in MODELS[model].kept}
+    shared = tuple(f"{stage} {key}" for stage, key in keys.items() if stage in stored)
+    return Question(model, wanted, (keys, read, wanted), shared)
+
+
+def recall(asked: Question, *, retry: bool = False) -> Answer | None:
+    """Return the answer that is kept, if any; with `retry` only one that did not fail."""
+    return recalled(_kind(asked), asked.inputs, _made_of(asked.model), _serving(retry))
+
+
+def answer(
+    asked: Question,
+    values: dict[str, Any],
+    announce: Callable[[str], None],
+    earlier: dict[str, Solution],
+    *,
+    retry: bool = False,
+) -> Answer:
+    """Return the answer, from the store if it is there; failures are answers, too.
+
+    Parameters
+    ----------
+    values : dict
+        The scene at the point, as :meth:`Statement.scene_at` gives it.
+    earlier : dict of str to Solution
+        By model the last solution of this process, whose stages are taken over where their
+        inputs are the same; brought up to date.
+    retry : bool
+        Whether an answer that is kept as failed gives way.
+    """
+    return kept(
+        _kind(asked), asked.inputs, _made_of(asked.model),
+        lambda: solved(asked, values, announce, earlier),
+        serves=_serving(retry), announce=announce,
+    )  # fmt: skip
+
+
+def solved(
+    asked: Question,
+    values: dict[str, Any],
+    announce: Callable[[str], None],
+    earlier: dict[str, Solution],
+) -> Answer:
+    """Return the answer, computed now and not kept; see :func:`answer`."""
+    start = time.perf_counter()
+    try:
+        found = solve(
+            checked_scene(values), (asked.model,), asked.quantities, announce,
+            reuse=earlier.get(asked.model),
+        )  # fmt: skip
+    except Exception as error:  # noqa: BLE001  (one point's failure is not the study's)
+        return Answer("failed", reason(error), seconds=time.perf_counter() - start)
+    earlier[asked.model] = found
+    seconds = time.perf_counter() - start
+    return Answer("ok", "", found.quantities, found.warnings, seconds)
+
+
+def keep(asked: Question, found: Answer, *, retry: bool = False) -> Answer:
+    """Keep an answer that was computed elsewhere; return what is kept, if one was already."""
+    return kept(
+        _kind(asked), asked.inputs, _made_of(asked.model), lambda: found, serves=_serving(retry)
+    )
+
+
+def refuse_if_no_scene(points: int, found: Collection[Answer]) -> None:
+    """Refuse a study, with the first reason, if all that its points have found is refusals.
+
+    Raises
+    ------
+    InputError
+        If no point makes a scene.
+    """
+    if all(each.status == "refused" for each in found):
+        said = "the only point makes no scene"
+        if points > 1:
+            said = f"none of the {points} points makes a scene"
+        raise InputError(f"{said}: {next(iter(found)).reason}")
+
+
+def reason(error: Exception) -> str:
+    """Return why something failed, in one sentence."""
+    if isinstance(error, InputError):
+        return one_line(str(error))
+    name = type(error).__name__
+    return one_line(f"{name}: {error}" if str(error) else name)
+
+
+def code_of(model: str) -> str:
+    """Return the hash of the code that a model's answers are made by."""
+    return source_digest(_made_of(model))
+
+
+def _kind(asked: Question) -> str:
+    return f"whatif.{asked.model}"
+
+
+def _made_of(model: str) -> tuple[str, ...]:
+    row = MODELS[model]
+    return (__name__, row.module, *row.loads)
+
+
+def _serving(retry: bool) -> Callable[[Answer], bool]:
+    return lambda found: found.status == "ok" or not retry
+
+
+@dataclass
 class Questions:
     """What is asked at points, by models.
 
@@ -27,16 +173,41 @@ class Questions:
         By point and model the number of the question, or why it is refused.
     different : dict of int to Question
         By number.
-    scenes : dict of int to Scene
-        Of models that answer families.
-    first : dict of int to dict
-        The first point that asks each, as a scene states it.
+    values : dict of int to dict
+        The scene that each is asked at, as it would be written.
     """
 
+    nearby: Mapping[str, ScenesNearby]
+    quantities: tuple[str, ...]
     at: dict[tuple[int, str], int | Answer] = field(default_factory=dict)
     different: dict[int, Question] = field(default_factory=dict)
-    scenes: dict[int, Scene] = field(default_factory=dict)
-    first: dict[int, dict[str, Any]] = field(default_factory=dict)
+    values: dict[int, dict[str, Any]] = field(default_factory=dict)
+    _numbers: dict[str, int] = field(default_factory=dict)
+
+    def add(self, point: Mapping[str, Any], model: str) -> int | Answer:
+        """Return the number of what a point asks a model, or the refusal."""
+        stated = {key: as_stated(key, value) for key, value in point.items()}
+        try:
+            scene = self.nearby[model].scene(stated)
+            asked = question(scene, model, self.quantities)
+        except InputError as error:
+            return Answer("refused", reason(error))
+        number = self._numbers.setdefault(repr((asked.model, asked.inputs)), len(self._numbers))
+        if number not in self.different:
+            self.different[number] = asked
+            self.values[number] = self.nearby[model].values(stated)
+        return number
+
+    def add_points(
+        self,
+        points: Iterable[tuple[int, Mapping[str, Any], str]],
+        announce: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        """Add what points, each with its place and a model, ask."""
+        for count, (number, point, model) in enumerate(points):
+            if count % 100 == 0:
+                announce(f"points checked: {count}")
+            self.at[number, model] = self.add(point, model)
 
 
 def scenes_nearby(statement: Statement) -> dict[str, ScenesNearby]:
@@ -56,35 +227,3 @@ def scenes_nearby(statement: Statement) -> dict[str, ScenesNearby]:
         model: ScenesNearby({**statement.values, "models": models, "quantities": ["all"]})
         for model, models in asked.items()
     }
-
-
-def questions(
-    statement: Statement,
-    points: Sequence[Mapping[str, Any]],
-    nearby: Mapping[str, ScenesNearby],
-    answered: Container[tuple[int, str]] = (),
-    announce: Callable[[str], None] = lambda _: None,
-) -> Questions:
-    """Return what points ask but those, with models, that are answered already."""
-    found = Questions()
-    # points that differ in what a model does not read ask it the same
-    place: dict[str, int] = {}
-    for number, point in enumerate(points):
-        if number % 100 == 0:
-            announce(f"points checked: {number} of {len(points)}")
-        models = [model for model in statement.models if (number, model) not in answered]
-        stated = {key: as_stated(key, value) for key, value in point.items()} if models else {}
-        for model in models:
-            try:
-                scene = nearby[model].scene(stated)
-                asked = question(scene, model, statement.quantities)
-            except InputError as error:
-                found.at[number, model] = Answer("refused", reason(error))
-                continue
-            n = place.setdefault(repr((asked.model, asked.inputs)), len(place))
-            found.at[number, model] = n
-            if n not in found.different:
-                found.different[n], found.first[n] = asked, stated
-                if MODELS[model].families or MODELS[model].walks:
-                    found.scenes[n] = scene
-    return found

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from tactgen.validation.catalogue.models import MODELS
+from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.engine.families import Box
 from tactgen.validation.engine.plan import check_models
-from tactgen.validation.studies.whatif.answers import recall, refuse_if_no_scene
+from tactgen.validation.engine.surrogate import Ranges, Surrogate
 from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.by_family import answers_by_family
-from tactgen.validation.studies.whatif.by_walk import answers_by_walk
-from tactgen.validation.studies.whatif.cluster import found_on_cluster
-from tactgen.validation.studies.whatif.questions import questions, scenes_nearby
-from tactgen.validation.studies.whatif.schedule import schedule
-from tactgen.validation.studies.whatif.sweep import sweep
-from tactgen.validation.studies.whatif.workers import Found, Job, work_through
+from tactgen.validation.studies.whatif.by_surrogate import Part, find_parts
+from tactgen.validation.studies.whatif.executor import Job, execute
+from tactgen.validation.studies.whatif.questions import (
+    Questions,
+    recall,
+    refuse_if_no_scene,
+    scenes_nearby,
+)
 
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 #: Of sentences that differ in their numbers, the first is told.
@@ -31,15 +30,14 @@ _OTHERS = " (other numbers at other points)"
 class Counts:
     """How many answers were recalled from the store, computed now, failed, and refused.
 
-    `together` of those computed come from reduced bases of families; `walked` each from others.
+    `interpolated` points were read off surrogates besides.
     """
 
     recalled: int
     computed: int
     failed: int
     refused: int
-    together: int
-    walked: int = 0
+    interpolated: int = 0
 
 
 @dataclass(frozen=True)
@@ -103,138 +101,122 @@ def run_study(
 
     Parameters
     ----------
-    processes : int
-        How many work at a time; 0 is one for each processor if a model takes long, else this
-        one alone.
+    processes, scheduler : int, str
+        Who solves what is not kept, as of :func:`validation.studies.whatif.executor.execute`.
     retry : bool
         Whether questions that failed earlier are asked again.
-    scheduler : str
-        Address of a Dask cluster whose workers solve what is not kept; empty for this machine.
 
     Raises
     ------
     InputError
         If the axes cannot be used, no point of them makes a scene, or the cluster is of no use.
     """
-    check_models(statement.models, statement.quantities)
     points = tuple(statement.points())
-    answers, counts = answers_at(
-        statement, points, processes, announce, retry=retry, scheduler=scheduler
-    )
+    solver = StudySolver(statement, processes, scheduler, announce, retry=retry)
+    answers = solver.answers(points)
     refuse_if_no_scene(len(points), [found for each in answers for found in each.values()])
-    return Study(statement, points, answers, counts)
+    return Study(statement, points, answers, solver.counts(answers))
 
 
-def answers_at(
-    statement: Statement,
-    points: Sequence[dict[str, Any]],
-    processes: int = 0,
-    announce: Callable[[str], None] = lambda _: None,
-    *,
-    retry: bool = False,
-    box: Box | None = None,
-    scheduler: str = "",
-) -> tuple[tuple[dict[str, Answer], ...], Counts]:
-    """Return the answers by model at any points of a statement's keys, refusals among them.
+class StudySolver:
+    """What answers points of a statement's keys, by its models.
 
     Parameters
     ----------
-    points : sequence of dict
-        Values by key (SI).
-    box : dict of str to (float, float), optional
-        The range of the keys, if many more points of it will be asked; as of
-        :func:`run_study` otherwise.
+    ranges : dict of str to (float, float), optional
+        The range of the keys, if many more points of it will be asked.
     """
-    nearby = scenes_nearby(statement)
-    read_off: dict[tuple[int, str], Answer] = {}
-    together = 0
-    for model in statement.models:
-        swept = sweep(model, statement.quantities, points, nearby[model], announce, box)
-        read_off |= {(number, model): answer for number, answer in swept.answers.items()}
-        together += swept.different
-    asked = questions(statement, points, nearby, read_off, announce)
-    different = asked.different
-    answers = {n: kept for n, q in different.items() if (kept := recall(q, retry=retry))}
-    old = len(answers)
-    new = {n: q for n, q in different.items() if n not in answers}
-    shared = {n: (q, asked.scenes[n]) for n, q in new.items() if n in asked.scenes}
-    by_family = answers_by_family(shared, announce, box)
-    rest = {n: each for n, each in shared.items() if n not in by_family and not scheduler}
-    by_walk = answers_by_walk(rest, processes, announce, box, retry=retry)
-    answers.update(by_family | by_walk)
-    computed, together = len(new) + together, len(by_family) + together
-    jobs = [
-        Job(n, q, nearby[q.model].values(asked.first[n]))
-        for n, q in new.items() if n not in answers
-    ]  # fmt: skip
-    if scheduler and jobs:
-        found_there = found_on_cluster(
-            schedule(job.asked for job in jobs), jobs, scheduler, retry=retry
-        )
-        answers.update(_told(found_there, len(jobs), announce))
-    else:
-        answers.update(_all_answers(jobs, processes, announce, retry=retry))
-    given = read_off | asked.at
 
-    def of(place: tuple[int, str]) -> Answer:
-        found = given[place]
-        return found if isinstance(found, Answer) else answers[found]
+    def __init__(
+        self,
+        statement: Statement,
+        processes: int = 0,
+        scheduler: str = "",
+        announce: Callable[[str], None] = lambda _: None,
+        *,
+        retry: bool = False,
+        ranges: Ranges | None = None,
+    ) -> None:
+        check_models(statement.models, statement.quantities)
+        self._statement, self._announce, self._ranges = statement, announce, ranges
+        self._workers, self._retry = (processes, scheduler), retry
+        self._nearby = scenes_nearby(statement)
+        self._questions = Questions(self._nearby, statement.quantities)
+        self._solved: dict[int, Answer] = {}
+        self._surrogates: dict[str, Surrogate | None] = {}
+        self.recalled = self.computed = self.interpolated = 0
 
-    by_point = [{m: of((number, m)) for m in statement.models} for number in range(len(points))]
-    every = [found for each in by_point for found in each.values()]
-    counts = Counts(
-        old, computed, sum(a.status == "failed" for a in every),
-        sum(a.status == "refused" for a in every), together,
-        len(by_walk),
-    )  # fmt: skip
-    return tuple(by_point), counts
+    def counts(self, answers: Sequence[dict[str, Answer]]) -> Counts:
+        """Return where answers came from."""
+        every = [found.status for each in answers for found in each.values()]
+        return Counts(
+            self.recalled, self.computed, every.count("failed"), every.count("refused"),
+            self.interpolated,
+        )  # fmt: skip
 
+    def answers(self, points: Sequence[dict[str, Any]]) -> tuple[dict[str, Answer], ...]:
+        """Return the answers by model at points (values by key), refusals among them."""
+        models, quantities = self._statement.models, self._statement.quantities
+        parts = [
+            p
+            for m in models
+            for p in find_parts(m, quantities, points, self._nearby[m], self._ranges)
+        ]
+        found: dict[tuple[int, str], Answer] = {}
+        covered = {(number, part.model) for part in parts for number in part.numbers}
+        designs = [self._design(part) for part in parts]
+        self._questions.at.clear()
+        self._questions.add_points(
+            ((n, point, m) for n, point in enumerate(points) for m in models
+             if (n, m) not in covered),
+            self._announce,
+        )  # fmt: skip
+        self._solve()
+        for part, design in zip(parts, designs, strict=True):
+            found |= self._interpolated(part, design, points)
+        left = [(n, points[n], m) for n, m in covered if (n, m) not in found]
+        self._questions.add_points(left, self._announce)
+        self._solve()
+        for place, given in self._questions.at.items():
+            found[place] = given if isinstance(given, Answer) else self._solved[given]
+        return tuple({m: found[number, m] for m in models} for number in range(len(points)))
 
-def _all_answers(
-    jobs: list[Job], processes: int, announce: Callable[[str], None], *, retry: bool
-) -> Iterator[tuple[int, Answer]]:
-    """Yield the answers to all jobs; those that another process is at are waited for last."""
-    if not jobs:
-        return
-    total, done = len(jobs), 0
+    def _design(self, part: Part) -> list[int | Answer]:
+        """Return the questions, or refusals, of the points that a surrogate is made from."""
+        if part.key in self._surrogates:
+            return []
+        self._announce(part.reason)
+        try:
+            points = part.design(self._nearby[part.model])
+        except InputError:
+            return []
+        return [self._questions.add(point, part.model) for point in points]
 
-    def stage(text: str) -> None:
-        announce(f"{done} of {total} answers: {text}")
+    def _interpolated(
+        self, part: Part, design: Sequence[int | Answer], points: Sequence[dict[str, Any]]
+    ) -> dict[tuple[int, str], Answer]:
+        """Return the answers of a part by point and model; none where no surrogate can be made."""
+        nearby = self._nearby[part.model]
+        if part.key not in self._surrogates:
+            given = [self._solved[one] if isinstance(one, int) else one for one in design]
+            try:
+                self._surrogates[part.key] = part.surrogate(nearby, given)
+            except InputError as error:
+                self._announce(f"{part.model}: one by one, since {error}")
+                self._surrogates[part.key] = None
+        surrogate = self._surrogates[part.key]
+        if surrogate is None:
+            return {}
+        answers = part.answers(surrogate, nearby, points, self._announce)
+        self.interpolated += sum(each.status == "ok" for each in answers.values())
+        return {(number, part.model): answer for number, answer in answers.items()}
 
-    announce(f"0 of {total} answers")
-    for patient in (False, True):
-        places = {job.number: place for place, job in enumerate(jobs)}
-        batches = schedule(job.asked for job in jobs)
-        count = processes or _processes(jobs)
-        found = work_through(
-            batches, jobs, min(count, max(1, len(batches))), stage, retry=retry, patient=patient
-        )
-        elsewhere = []
-        for number, answered in found:
-            if answered is None:
-                elsewhere.append(jobs[places[number]])
-                continue
-            done += 1
-            announce(f"{done} of {total} answers")
-            yield number, answered
-        jobs = elsewhere
-        if not jobs:
-            return
-
-
-def _told(
-    found: Iterator[Found], total: int, announce: Callable[[str], None]
-) -> Iterator[tuple[int, Answer]]:
-    """Yield the answers from a cluster, and say how many there are."""
-    announce(f"0 of {total} answers")
-    for done, (number, answered) in enumerate(found, start=1):
-        assert answered is not None
-        announce(f"{done} of {total} answers")
-        yield number, answered
-
-
-def _processes(jobs: list[Job]) -> int:
-    """Return one process for each processor if a model takes long, else one."""
-    if all(MODELS[job.asked.model].quick for job in jobs):
-        return 1
-    return len(os.sched_getaffinity(0))
+    def _solve(self) -> None:
+        """Solve all questions that have no answer yet, but those whose answers are kept."""
+        new = {n: q for n, q in self._questions.different.items() if n not in self._solved}
+        kept = {n: answer for n, q in new.items() if (answer := recall(q, retry=self._retry))}
+        jobs = [Job(n, q, self._questions.values[n]) for n, q in new.items() if n not in kept]
+        self._solved |= kept
+        self.recalled += len(kept)
+        self.computed += len(jobs)
+        self._solved.update(execute(jobs, *self._workers, self._announce, retry=self._retry))

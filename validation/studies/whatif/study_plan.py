@@ -1,95 +1,24 @@
-"""The plan of a study: which points are kept, come from a reduced basis, or are solved alone."""
+"""The plan of a study: which points are kept, interpolated, or solved, and what that costs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.engine.families import (
-    Box,
-    family_prospect,
-    family_ranges,
-    find_families,
-)
 from tactgen.validation.engine.plan import check_models, make_plan
-from tactgen.validation.engine.prospects import Prospect, stage_prospects, total
-from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.answers import Question, recall, refuse_if_no_scene
+from tactgen.validation.engine.prospects import stage_prospects, total
+from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.by_walk import routes
-from tactgen.validation.studies.whatif.questions import questions, scenes_nearby
-from tactgen.validation.studies.whatif.sweep import parts
-
-
-@dataclass(frozen=True)
-class PlannedBasis:
-    """A reduced basis that points would be read off: why, how many, and what it costs.
-
-    `kept` says whether it is built already; `seconds` what one over as many keys took here.
-    """
-
-    reason: str
-    points: int
-    kept: bool
-    seconds: float | None
-
-    @property
-    def sentence(self) -> str:
-        """For the reader."""
-        if self.kept:
-            cost = "which is kept"
-        elif self.seconds is None:
-            cost = "which is not built yet; what it costs is not recorded yet"
-        else:
-            cost = f"which is not built yet: about {self.seconds:.2g} s, once"
-        return f"{self.reason}, {cost}"
-
-
-@dataclass(frozen=True)
-class PlannedWalk:
-    """Points solved each from those before: how many, what a point and what they share cost.
-
-    Attributes
-    ----------
-    reason : str
-        Which points.
-    points : int
-        How many.
-    seconds : float or None
-        What a point took where the like was last walked through here.
-    shared : str
-        What all of them share and compute once, in words; empty if there is nothing.
-    kept : bool
-        Whether that is there.
-    shared_seconds : float or None
-        What it took when the like was last computed here.
-    """
-
-    reason: str
-    points: int
-    seconds: float | None
-    shared: str
-    kept: bool
-    shared_seconds: float | None
-
-    @property
-    def sentences(self) -> tuple[str, ...]:
-        """For the reader."""
-        each = "their cost is not recorded yet"
-        if self.seconds is not None:
-            each = f"about {self.seconds:.2g} s each"
-        first = f"{self.reason}: {each}"
-        if not self.shared:
-            return (first,)
-        cost = "it is kept"
-        if not self.kept:
-            cost = "its cost is not recorded yet"
-            if self.shared_seconds is not None:
-                cost = f"about {self.shared_seconds:.2g} s, once"
-        return first, f"  they share {self.shared}: {cost}"
+from tactgen.validation.studies.whatif.by_surrogate import find_parts
+from tactgen.validation.studies.whatif.questions import (
+    Questions,
+    recall,
+    refuse_if_no_scene,
+    scenes_nearby,
+)
 
 
 @dataclass(frozen=True)
@@ -100,23 +29,20 @@ class PlannedModel:
     ----------
     model : str
         Its name.
-    points, refused, kept, alone : int
-        Points; of them such as make no scene, answers that are kept, and answers solved alone.
-    bases : tuple of PlannedBasis
-        Where the others come from.
-    walks : tuple of PlannedWalk
-        What is solved each from those before.
+    points, refused, kept, solved : int
+        Points; of them such as make no scene; solutions that are kept, and those to be made.
+    interpolated : tuple of str
+        Which points come from surrogates, in words.
     seconds : float or None
-        At most what those solved alone take, as their stages did when they last ran here.
+        At most what the solutions take, as their stages did when they last ran here.
     """
 
     model: str
     points: int
     refused: int
     kept: int
-    alone: int
-    bases: tuple[PlannedBasis, ...]
-    walks: tuple[PlannedWalk, ...]
+    solved: int
+    interpolated: tuple[str, ...]
     seconds: float | None
 
     @property
@@ -125,15 +51,14 @@ class PlannedModel:
         counts = [f"{self.model}: {self.points} point{'s' if self.points > 1 else ''}"]
         counts += [f"{self.refused} refused"] if self.refused else []
         counts += [f"{self.kept} answers kept from before"] if self.kept else []
-        if self.alone:
+        if self.solved:
             cost = "cost not recorded yet"
             if MODELS[self.model].quick:
                 cost = "a fraction of a second each"
             elif self.seconds is not None:
                 cost = f"at most about {self.seconds:.2g} s"
-            counts.append(f"{self.alone} solved one by one, {cost}")
-        walks = (f"  {sentence}" for walk in self.walks for sentence in walk.sentences)
-        return (", ".join(counts), *(f"  {basis.sentence}" for basis in self.bases), *walks)
+            counts.append(f"{self.solved} to be solved, {cost}")
+        return (", ".join(counts), *(f"  {sentence}" for sentence in self.interpolated))
 
 
 def plan_study(
@@ -149,84 +74,36 @@ def plan_study(
     check_models(statement.models, statement.quantities)
     points = tuple(statement.points())
     nearby = scenes_nearby(statement)
-    in_blocks: dict[str, list[PlannedBasis]] = {model: [] for model in statement.models}
-    covered: set[tuple[int, str]] = set()
+    found, refusals, covered = [], list[Answer](), 0
     for model in statement.models:
-        for part in parts(model, statement.quantities, points, nearby[model]):
+        questions = Questions(nearby, statement.quantities)
+        parts = find_parts(model, statement.quantities, points, nearby[model])
+        reasons, interpolated = [], set[int]()
+        for part in parts:
             try:
-                basis = _basis(part.reason, len(part.numbers), model, part.scene, part.ranges(),
-                               part.quantities)  # fmt: skip
+                design = part.design(nearby[model])
             except InputError:  # then they are answered alone
                 continue
-            in_blocks[model].append(basis)
-            covered |= {(number, model) for number in part.numbers}
-    asked = questions(statement, points, nearby, covered, announce)
-    refusals = [given for given in asked.at.values() if isinstance(given, Answer)]
-    if len(refusals) == len(points) * len(statement.models):
-        refuse_if_no_scene(len(points), refusals)
-    found = []
-    for model in statement.models:
-        own = {n: q for n, q in asked.different.items() if q.model == model}
-        kept = {n for n, q in own.items() if recall(q) is not None}
-        new = [n for n in own if n not in kept]
-        bases, together = _families(own, new, asked.scenes)
-        walks, walked = _walks({n: (own[n], asked.scenes[n]) for n in new
-                                if n in asked.scenes and n not in together})  # fmt: skip
-        alone = [n for n in new if n not in together and n not in walked]
-        refused = sum(
-            isinstance(given, Answer) for (_, name), given in asked.at.items() if name == model
-        )
+            for point in design:
+                questions.add(point, model)
+            reasons.append(part.reason)
+            interpolated |= set(part.numbers)
+        covered += len(interpolated)
+        rest = ((n, p, model) for n, p in enumerate(points) if n not in interpolated)
+        questions.add_points(rest, announce)
+        refused = [given for given in questions.at.values() if isinstance(given, Answer)]
+        refusals += refused
+        new = [n for n, q in questions.different.items() if recall(q) is None]
         seconds = None
-        if alone and not MODELS[model].quick:
-            scene = nearby[model].scene(asked.first[alone[0]])
-            wanted = own[alone[0]].quantities
+        if new and not MODELS[model].quick:
+            scene = checked_scene(questions.values[new[0]])
+            wanted = questions.different[new[0]].quantities
             each = total(stage_prospects(make_plan(scene, (model,), wanted)))
-            seconds = each * len(alone) if each else None
+            seconds = each * len(new) if each else None
         found.append(PlannedModel(
-            model, len(points), refused, len(kept), len(alone), (*in_blocks[model], *bases),
-            tuple(walks), seconds,
+            model, len(points), len(refused), len(questions.different) - len(new), len(new),
+            tuple(reasons), seconds,
         ))  # fmt: skip
+    if not covered and len(refusals) == len(points) * len(statement.models):
+        refuse_if_no_scene(len(points), refusals)
     return tuple(found)
-
-
-def _families(
-    own: dict[int, Question], new: Sequence[int], scenes: dict[int, Scene]
-) -> tuple[list[PlannedBasis], set[int]]:
-    """Return the bases that new questions would be answered by, and these questions."""
-    chosen = [n for n in new if n in scenes]
-    if not chosen:
-        return [], set()
-    model, quantities = own[chosen[0]].model, own[chosen[0]].quantities
-    bases, together = [], set()
-    members = [scenes[n] for n in chosen]
-    for family in find_families(model, members, quantities):
-        try:
-            bases.append(_basis(
-                family.reason, len(family.numbers), model, members[family.numbers[0]],
-                family_ranges(family, members), quantities,
-            ))  # fmt: skip
-        except InputError:
-            continue
-        together |= {chosen[number] for number in family.numbers}
-    return bases, together
-
-
-def _walks(asked: dict[int, tuple[Question, Scene]]) -> tuple[list[PlannedWalk], set[int]]:
-    """Return the walks that questions would be answered by, and these questions."""
-    walks, walked = [], set()
-    for numbers, route in routes(asked):
-        quantities = asked[numbers[0]][0].quantities
-        shared, prospect = route.shares(quantities) or ("", Prospect(kept=True, seconds=None))
-        walks.append(PlannedWalk(
-            route.reason, len(route.numbers), route.seconds(quantities), shared, prospect.kept,
-            prospect.seconds,
-        ))  # fmt: skip
-        walked |= {numbers[n] for n in route.numbers}
-    return walks, walked
-
-
-def _basis(
-    reason: str, points: int, model: str, scene: Scene, ranges: Box, quantities: Sequence[str]
-) -> PlannedBasis:
-    prospect: Prospect = family_prospect(model, scene, ranges, quantities)
-    return PlannedBasis(reason, points, prospect.kept, prospect.seconds)

@@ -12,7 +12,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif import cluster, workers
+from tactgen.validation.studies.whatif import executor
 from tactgen.validation.studies.whatif.asked.statement import Statement, read_statement
 from tactgen.validation.studies.whatif.run import run_study
 
@@ -38,6 +38,10 @@ def assert_same(study, other):
 
 class KilledWorker(Exception):
     """As of distributed."""
+
+
+class Future:
+    """As of distributed; it can be a key."""
 
 
 class Cluster:
@@ -66,7 +70,7 @@ class Cluster:
     def submit(self, function, jobs, models, *, pure):
         assert not pure
         self.batches.append(jobs)
-        future = SimpleNamespace(key=str(len(self.batches)))
+        future = Future()
 
         def result(timeout):
             if any(1e3 * float(job.values["bimorph"]["length"]) in self.deadly for job in jobs):
@@ -75,15 +79,14 @@ class Cluster:
             return self.joined or build, answers
 
         future.result = result
-        future.add_done_callback = lambda done: done(future)
+        future.done = lambda: True
         return future
 
 
 @pytest.fixture
 def as_cluster(own_store, monkeypatch):
     """Return a function that puts a cluster into the place of Dask's."""
-    workers._earlier.clear()
-    cluster._earlier.clear()
+    executor._earlier.clear()
     monkeypatch.setenv("TACTGEN_THREADS", "1")
 
     def put(found):
@@ -119,7 +122,7 @@ def test_a_question_that_kills_every_worker_fails_alone(as_cluster):
 
 
 def test_a_worker_that_joins_with_other_code_is_refused(as_cluster):
-    own = cluster.build(("tmm",))
+    own = executor.build(("tmm",))
     as_cluster(Cluster(joined=replace(own, code=("other",))))
     with pytest.raises(InputError, match="that joined the cluster has other code of tactgen"):
         run_study(statement(3, models=("tmm",)), scheduler=ADDRESS)
@@ -135,11 +138,11 @@ def test_a_worker_that_joins_with_other_code_is_refused(as_cluster):
     ],
 )
 def test_workers_that_would_answer_otherwise_are_refused(theirs, words):
-    own = cluster.Build("1.0", ("digest",), ("numpy 2.0",))
-    cluster.check_workers(own, {"a": own})
+    own = executor.Build("1.0", ("digest",), ("numpy 2.0",))
+    executor.check_workers(own, {"a": own})
     other = theirs if isinstance(theirs, Exception) else replace(own, **theirs)
     with pytest.raises(InputError, match=f"the worker b {words}.*install the same there"):
-        cluster.check_workers(own, {"a": own, "b": other})
+        executor.check_workers(own, {"a": own, "b": other})
 
 
 @pytest.mark.parametrize(
@@ -164,7 +167,7 @@ def refused(capsys, *options):
 
 def test_a_scheduler_that_does_not_answer_is_refused(as_cluster, monkeypatch, capsys, tmp_path):
     def nobody(*_, timeout, **__):
-        assert timeout == cluster.PATIENCE
+        assert timeout == executor.PATIENCE
         raise OSError("timed out")
 
     there = as_cluster(Cluster())
@@ -187,7 +190,7 @@ def test_a_scheduler_that_does_not_answer_is_refused(as_cluster, monkeypatch, ca
 
 @pytest.mark.heavy
 def test_nobody_listens(own_store, monkeypatch, capsys):
-    monkeypatch.setattr(cluster, "PATIENCE", 1.0)
+    monkeypatch.setattr(executor, "PATIENCE", 1.0)
     monkeypatch.setattr(sys.modules[__name__], "ADDRESS", "tcp://127.0.0.1:9")
     assert "no Dask scheduler answers at tcp://127.0.0.1:9 within 1 s" in refused(capsys)
 

@@ -11,9 +11,7 @@ from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.validation.command_line import cli
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.bimorph.family import solid_family
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.whatif import answers
 from tactgen.validation.studies.whatif.search import points
 from tactgen.validation.studies.whatif.search.found import Found
 from tactgen.validation.studies.whatif.search.ranges import Range
@@ -92,14 +90,12 @@ def test_ranges_without_any_answer_are_refused(capsys):
     assert said == "tactgen: no point of the ranges has an answer: no such piezo\n"
 
 
-def test_the_solid_is_searched_on_one_reduced_basis(capsys, own_store, monkeypatch):
-    for module in (solid, solid_family):
-        monkeypatch.setattr(module, "LEVELS", QUICK)
-    monkeypatch.setattr(answers, "solve", lambda *_: pytest.fail("a point was solved alone"))
+def test_the_solid_is_searched_on_one_surrogate(capsys, own_store, monkeypatch):
+    monkeypatch.setattr(solid, "LEVELS", QUICK)
     found = design(capsys, "--vary", LONG, "--model", "solid", "--aim", "capacitance_free <= 9 nF",
                    "--set", "accuracy=0.1", "--set", "modes=1")  # fmt: skip
     assert found["met"]
-    assert found["from_reduced_basis"] == found["points"]
+    assert found["interpolated"] == found["points"]
     assert found["best"]["margins"][0] <= 1e-13
 
 

@@ -1,6 +1,5 @@
 """Studies: only what changed is solved, failures are kept, files open elsewhere."""
 
-import contextlib
 import csv
 import json
 from dataclasses import replace
@@ -9,14 +8,13 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.store import locked
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene, scene_values
-from tactgen.validation.studies.whatif import answers, schedule, workers
-from tactgen.validation.studies.whatif.answers import Question
+from tactgen.validation.studies.whatif import executor, questions
 from tactgen.validation.studies.whatif.asked.statement import Statement, read_statement
+from tactgen.validation.studies.whatif.questions import Question
 from tactgen.validation.studies.whatif.run import run_study
 from tactgen.validation.studies.whatif.shown.files import dataset
 
@@ -37,8 +35,8 @@ def solved(own_store, monkeypatch):
         found.append(scene)
         return solve(scene, *arguments, **options)
 
-    monkeypatch.setattr(answers, "solve", counted)
-    workers._earlier.clear()
+    monkeypatch.setattr(questions, "solve", counted)
+    executor._earlier.clear()
     return found
 
 
@@ -106,7 +104,7 @@ def test_values_that_make_no_scene_are_refused_and_the_others_go_on(solved):
 
 def test_a_failure_is_kept_until_it_is_tried_again(solved, monkeypatch):
     """One sentence, not asked again without being told to, and the other points are there."""
-    whole = answers.solve
+    whole = questions.solve
 
     def failing(scene, *arguments, **options):
         if scene.bimorph.length == 0.016:
@@ -115,12 +113,12 @@ def test_a_failure_is_kept_until_it_is_tried_again(solved, monkeypatch):
         return whole(scene, *arguments, **options)
 
     asked = statement("bimorph.length=14mm:18mm:3")
-    monkeypatch.setattr(answers, "solve", failing)
+    monkeypatch.setattr(questions, "solve", failing)
     study = run_study(asked)
     assert [a.status for _, _, a in study.rows] == ["ok", "failed", "ok"]
     assert study.answers[1]["tmm"].reason == "LinAlgError: singular matrix"
     assert len(solved) == 3
-    monkeypatch.setattr(answers, "solve", whole)
+    monkeypatch.setattr(questions, "solve", whole)
     assert run_study(asked).counts.failed == 1
     assert len(solved) == 3
     counts = run_study(asked, retry=True).counts
@@ -142,40 +140,20 @@ def test_a_damaged_answer_is_computed_anew(solved, own_store):
         np.testing.assert_array_equal(a.quantities[0].value, b.quantities[0].value)
 
 
-def test_a_point_that_another_process_is_at_is_left_for_last(solved, own_store):
-    """The others are answered first; then it is waited for, and taken from the store."""
-    asked = statement("bimorph.length=14mm:18mm:3")
-    run_study(asked)
-    taken = min(own_store.glob("whatif.tmm-*.kept"))
-    content = taken.read_bytes()
-    for file in own_store.glob("whatif.tmm-*.kept"):
-        file.unlink()
-    solved.clear()
-    with contextlib.ExitStack() as elsewhere:
-        elsewhere.enter_context(locked(taken.with_suffix(".claim"), lambda: None))
-
-        def done_elsewhere(text):
-            if "waiting" in text:
-                assert len(solved) == 2
-                taken.write_bytes(content)
-                elsewhere.close()
-
-        study = run_study(asked, 1, done_elsewhere)
-    assert [answer.status for _, _, answer in study.rows] == ["ok"] * 3
-    assert len(solved) == 2
-
-
 def test_what_is_shared_is_scheduled_once():
     """Questions of one field solution go to one worker, those that share a stage wait for it."""
 
-    def asked(*shared):
-        return Question("solid", ("capacitance_free",), (), shared)
+    def scheduled(*shared):
+        return executor.schedule(
+            executor.Job(number, Question("solid", ("capacitance_free",), (), keys), {})
+            for number, keys in enumerate(shared)
+        )
 
-    plain = schedule.schedule([asked("a"), asked("b"), asked("a"), asked("a", "c"), asked("d")])
-    assert [batch.numbers for batch in plain] == [(0, 2), (1,), (3,), (4,)]
+    plain = scheduled(("a",), ("b",), ("a",), ("a", "c"), ("d",))
+    assert [[job.number for job in batch.jobs] for batch in plain] == [[0, 2], [1], [3], [4]]
     assert [set(batch.after) for batch in plain] == [set(), set(), {0}, set()]
-    many = schedule.schedule([asked("a")] * 70)
-    assert [len(batch.numbers) for batch in many] == [32, 32, 6]
+    many = scheduled(*[("a",)] * 70)
+    assert [len(batch.jobs) for batch in many] == [32, 32, 6]
     assert [set(batch.after) for batch in many] == [set(), {0}, {0}]
 
 

@@ -1,20 +1,16 @@
-"""A sum rule for the derivatives of the actuator's field by all of its dimensions.
+"""A scaling law of the actuator's field: all of its dimensions grown together, and the current.
 
 If all lengths grow by a factor s, and the current with them, H and B stay: the co-energy grows as
-s³, pull and flux linkage as s².  So by Euler's theorem on homogeneous functions
-
-    Σ_k p_k ∂q/∂p_k + i ∂q/∂i = n q,    n = 3 for the co-energy, 2 for the others,
-
-over all lengths p_k, also the gap at which axial positions are stated, which is no parameter: it
-moves all of these positions.  Every derivative is taken by itself, on a grid that moves with its
-key alone.
+s³, pull and flux linkage as s².  Axial positions are stated from the nominal gap, which grows too.
 """
 
 from __future__ import annotations
 
+import math
+
 from tactgen.geometry.device.parameters import NOMINAL_GAP
 from tactgen.validation.checks.cases.fineness import cached
-from tactgen.validation.engine.derivatives import derivatives
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.nearby import value_of, with_values
 from tactgen.validation.scene.scene import load_scene
 
@@ -32,27 +28,31 @@ _DEVICE = (
     "rod.radius=0.62mm", "rod.head_radius=1.12mm", "rod.length=4.8mm",
     "sleeve.collar_radius=0.93mm", "coil.outer_radius=0.89mm", "accuracy=1%",
 )  # fmt: skip
+#: Factor of all lengths.
+_GROWTH = 1.25
 #: What a power of the size is known of.
 _QUANTITIES = ("coenergy", "flux_linkage", "magnetic_force")
 
 
 def power_of_size(name: str) -> float:
-    """Return the power with which a quantity grows with the device, from its derivatives."""
+    """Return the power with which a quantity grows with the device, as it is grown."""
     return _powers()[name]
 
 
 @cached
 def _powers() -> dict[str, float]:
     scene, _ = load_scene("reluctance", ["models=axisymmetric", *_DEVICE])
-    found = derivatives(
-        scene, lambda key, value: with_values(scene, {key: value}), "axisymmetric",
-        _QUANTITIES, _KEYS,
-    )  # fmt: skip
-    sums = {}
-    for each in found:
-        total = 0.0
-        for key in _KEYS:
-            size = float(value_of(scene, key)) + NOMINAL_GAP * (key in _POSITIONS)
-            total += size * float(each.slopes[key])
-        sums[each.quantity.name] = total / float(each.quantity.value)
-    return sums
+    grown = {}
+    for key in _KEYS:
+        shift = NOMINAL_GAP * (key in _POSITIONS)
+        grown[key] = _GROWTH * (float(value_of(scene, key)) + shift) - shift
+    before, after = (
+        solve(each, ("axisymmetric",), _QUANTITIES) for each in (scene, with_values(scene, grown))
+    )
+    return {
+        name: math.log(
+            float(after.get(name, "axisymmetric").value / before.get(name, "axisymmetric").value),
+            _GROWTH,
+        )
+        for name in _QUANTITIES
+    }

@@ -126,7 +126,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _scheduler(options: argparse.Namespace) -> str:
-    from tactgen.validation.studies.whatif.cluster import check_address
+    from tactgen.validation.studies.whatif.executor import check_address
 
     if options.scheduler is None:
         return ""
@@ -208,12 +208,10 @@ def _show(
         print("\n".join([*table_lines(study), *(sentences(study, found) if found else ())]))
     counts = study.counts
     where = f", written to {options.out}" if options.out else ""
-    ways = [f"{counts.together} of them together"] if counts.together else []
-    ways += [f"{counts.walked} of them each from others"] if counts.walked else []
-    said = f" ({', '.join(ways)})" if ways else ""
+    between = f", {counts.interpolated} interpolated" if counts.interpolated else ""
     print(
         f"{len(study.points)} points: {counts.computed} answers computed"
-        f"{said}, {counts.recalled} kept "
+        f"{between}, {counts.recalled} kept "
         f"from before, {counts.failed} failed, {counts.refused} refused{where}",
         file=sys.stderr,
     )

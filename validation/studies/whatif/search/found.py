@@ -41,8 +41,8 @@ class Found:
         Whether it meets them.
     present : Tried
         The scene's own values, or their nearest within the ranges.
-    tried, together : int
-        Number of points, and of answers from a reduced basis among them.
+    tried, interpolated : int
+        Number of points, and of answers from a surrogate among them.
     """
 
     statement: Statement
@@ -52,7 +52,7 @@ class Found:
     met: bool
     present: Tried
     tried: int
-    together: int
+    interpolated: int
 
     @property
     def at_end(self) -> tuple[str, ...]:
@@ -77,7 +77,7 @@ def as_values(found: Found) -> dict[str, Any]:
         "ranges": {r.key: [r.low, r.high] for r in found.ranges},
         "aims": [aim.text for aim in found.aims], "met": found.met, "best": point(found.best),
         "present": point(found.present), "ends": list(found.at_end), "points": found.tried,
-        "from_reduced_basis": found.together,
+        "interpolated": found.interpolated,
     }  # fmt: skip
 
 
@@ -104,6 +104,6 @@ def sentences(found: Found) -> list[str]:
         lines.append(f"  {aim.text}: {shown(aim, margin, bar)}{edge}; before: {before}")
     lines += [f"{key} is at an end of its range, beyond which there may be better"
               for key in found.at_end if any(aim.kind == "goal" for aim in found.aims)]  # fmt: skip
-    basis = f", {found.together} of their answers given together" if found.together else ""
-    lines.append(f"{found.tried} points tried{basis}.")
+    among = f", {found.interpolated} of their answers interpolated" if found.interpolated else ""
+    lines.append(f"{found.tried} points tried{among}.")
     return lines

@@ -11,7 +11,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.validation.studies.whatif.aim.best import Judged, felt_at, judged
 from tactgen.validation.studies.whatif.aim.expression import Aim
 from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.run import answers_at
+from tactgen.validation.studies.whatif.run import StudySolver
 from tactgen.validation.studies.whatif.search.found import Tried
 from tactgen.validation.studies.whatif.search.ranges import Range
 
@@ -31,7 +31,10 @@ class Points:
     here: Floats
     announce: Callable[[str], None]
     tried: dict[tuple[float, ...], Tried] = field(default_factory=dict)
-    together: int = 0
+
+    def __post_init__(self) -> None:
+        box = {r.key: (r.low, r.high) for r in self.ranges}
+        self.solver = StudySolver(self.statement, announce=self._announced, ranges=box)
 
     def ask(self, shares: Floats) -> list[Tried]:
         """Return points (n, ranges), asking for what is new."""
@@ -41,9 +44,7 @@ class Points:
             values = [
                 {r.key: r.at(v) for r, v in zip(self.ranges, place, strict=True)} for place in new
             ]
-            box = {r.key: (r.low, r.high) for r in self.ranges}
-            answers, counts = answers_at(self.statement, values, announce=self._announced, box=box)
-            self.together += counts.together
+            answers = self.solver.answers(values)
             for place, at, given in zip(new, values, answers, strict=True):
                 found = judged(0, given, self.aims, felt_at(self.statement, at))
                 reason = "; ".join(a.reason for a in given.values() if a.reason)

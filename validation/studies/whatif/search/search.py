@@ -2,8 +2,8 @@
 
 A few points spread over the ranges show where to begin; from the best of them scipy's COBYQA
 goes on, which takes bounds and conditions and needs no derivatives, since aims may have
-kinks.  Every point is an answer of the study: kept, and by a reduced basis of the whole
-range where the model has one.
+kinks.  Every point is an answer of the study: kept, and by a surrogate over the whole range
+of a model that takes long.
 """
 
 from __future__ import annotations
@@ -79,7 +79,8 @@ def search(
     found = points.tried[best]
     assert found.judged is not None
     met = points.shortfall(found.judged, scales) == 0.0
-    return Found(statement, ranges, aims, found, met, spread[0], len(points.tried), points.together)
+    return Found(statement, ranges, aims, found, met, spread[0], len(points.tried),
+                 points.solver.interpolated)  # fmt: skip
 
 
 def _apart(places: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:

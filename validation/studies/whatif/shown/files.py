@@ -14,8 +14,8 @@ import numpy as np
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine import answers
 from tactgen.validation.engine.answers import Dataset, Variable
-from tactgen.validation.studies.whatif.answers import code_of
 from tactgen.validation.studies.whatif.asked.statement import FORMAT
+from tactgen.validation.studies.whatif.questions import code_of
 from tactgen.validation.studies.whatif.run import Study
 
 #: Files in a study's folder.

@@ -1,7 +1,7 @@
 """A study as one self-contained page: its aims, sliders over its axes, the picture, the table.
 
-The sliders go from one baked point to the next.  Where a model answers the range by a reduced
-basis, the points are a finer grid than the study's own, which costs milliseconds each.
+The sliders go from one baked point to the next.  Where a surrogate answers for a model, the
+points are a finer grid than the study's own.
 """
 
 from __future__ import annotations
@@ -19,12 +19,11 @@ from tactgen.geometry.files import write_text
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.answers import Answer, representative
-from tactgen.validation.engine.families import basis
 from tactgen.validation.studies.whatif.aim.best import Verdict
 from tactgen.validation.studies.whatif.aim.wording import sentences
 from tactgen.validation.studies.whatif.asked.axes import Axis
 from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.run import Study, answers_at
+from tactgen.validation.studies.whatif.run import Study, StudySolver
 from tactgen.validation.studies.whatif.shown.aim_picture import aim_picture
 from tactgen.validation.studies.whatif.shown.pictures import study_picture
 from tactgen.validation.studies.whatif.shown.text_table import heading, table_lines
@@ -33,10 +32,7 @@ from tactgen.validation.view.page.html import plain_page
 #: File of the page, and the script that moves it.
 FILE = "study.html"
 _SCRIPT = Path(__file__).with_name("slider.js")
-_BAKED = (
-    "Each value is that of the nearest point that is in this page, with its bar; nothing is "
-    "interpolated."
-)
+_BAKED = "Each value is that of the nearest point that is in this page, with its bar."
 #: Values of an axis of the finer grid, by how many axes there are.
 _FINE = {1: 201, 2: 31}
 #: Most points of a page's grid, which is read whole by a browser.
@@ -96,16 +92,17 @@ def _sliders(study: Study, announce: Callable[[str], None]) -> list[str]:
     for model in stated.models:
         given = [answers[model] for answers in study.answers]
         statement, own = stated, True
-        finer = _finer(stated, model) if study.counts.together else None
+        finer = _finer(stated, model) if study.counts.interpolated else None
         if finer is not None:
             announce(f"{model}: a finer grid for the page")
             box = {a.key: (min(a.values), max(a.values)) for a in finer.axes if len(a.values) > 1}
-            answers, _ = answers_at(finer, list(finer.points()), announce=announce, box=box)
+            solver = StudySolver(finer, announce=announce, ranges=box)
+            answers = solver.answers(list(finer.points()))
             statement, given, own = finer, [found[model] for found in answers], False
         grids.append(_grid(statement, model, given))
         told.append(
             f"{model}: the study's own {len(given)} points" if own
-            else f"{model}: {len(given)} points read off {basis(model)}"
+            else f"{model}: {len(given)} points interpolated between solutions"
         )  # fmt: skip
     data = {
         "axes": [
@@ -131,9 +128,9 @@ def _sliders(study: Study, announce: Callable[[str], None]) -> list[str]:
 
 
 def _finer(stated: Statement, model: str) -> Statement | None:
-    """Return the statement of a finer grid, if the model has reduced bases and there is room."""
+    """Return the statement of a finer grid, if a surrogate may answer it and there is room."""
     numeric = [axis for axis in stated.axes if axis.numeric]
-    if not MODELS[model].families or len(numeric) not in _FINE:
+    if MODELS[model].quick or len(numeric) not in _FINE:
         return None
     count = _FINE[len(numeric)]
     vary = tuple(_stated_finer(axis, count) for axis in stated.axes)

@@ -1,1 +1,0 @@
-"""Many scenes of the axisymmetric field at once: tables over one or two numbers, and walks."""

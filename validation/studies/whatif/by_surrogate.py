@@ -1,0 +1,237 @@
+"""Parts of a study that a model's surrogate answers: many points over a few numbers.
+
+A surrogate pays where there are more points than it is made from, by a model that takes long.
+Where it cannot be made, or is not accurate enough, the points are solved one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.models import MODELS, gives, reading
+from tactgen.validation.engine.answers import Answer
+from tactgen.validation.engine.plan import check_scene
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import request_warnings
+from tactgen.validation.engine.surrogate import (
+    MOST_KEYS,
+    Ranges,
+    Surrogate,
+    design_points,
+    design_scene,
+    design_size,
+    fit_surrogate,
+)
+from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings
+from tactgen.validation.scene.nearby import ScenesNearby
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.studies.whatif.asked.scene_field import as_stated, scene_field
+from tactgen.validation.studies.whatif.questions import reason
+
+#: Values by key.
+Point = Mapping[str, Any]
+
+#: Keys and groups that say how a model is solved, and that nothing is smooth over.
+_NUMERICAL = ("mesh", "accuracy", "modes", "frequency", "limits", "beam")
+#: Error of interpolation up to which a surrogate serves, relative: that of the answers, or this.
+_LEAST_ACCURACY = 1e-2
+#: Points up to which it is looked which of them make scenes, before the range is chosen; and from
+#: which a surrogate may pay.
+_CHECKED, _MANY_ENOUGH = 2000, design_size(1)
+#: Points whose answers are given at a time.
+_BLOCK = 1024
+
+
+@dataclass(frozen=True)
+class Part:
+    """Points of a study that differ for a model in a few numbers only.
+
+    Attributes
+    ----------
+    model : str
+        Its name.
+    quantities : tuple of str
+        Those of the study that it gives.
+    numbers : tuple of int
+        Places of the points.
+    ranges : dict of str to (float, float)
+        Lowest and highest value (SI) of the keys in which they differ.
+    first : dict
+        The first of the points.
+    """
+
+    model: str
+    quantities: tuple[str, ...]
+    numbers: tuple[int, ...]
+    ranges: Ranges
+    first: Point
+
+    @property
+    def key(self) -> str:
+        """What its surrogate depends on, beside the study's scene and quantities."""
+        others = [value for key, value in self.first.items() if key not in self.ranges]
+        return repr((self.model, self.ranges, others))
+
+    @property
+    def reason(self) -> str:
+        """How they are answered, for the reader."""
+        return (
+            f"{self.model}: {len(self.numbers)} points differ in {', '.join(self.ranges)} only and "
+            f"are interpolated between {design_size(len(self.ranges))} solutions"
+        )
+
+    def scene(self, nearby: ScenesNearby, point: Point) -> Scene:
+        """Return the scene at a point; InputError if there is none."""
+        found = nearby.scene({key: as_stated(key, value) for key, value in point.items()})
+        check_scene(found, (self.model,), self.quantities)
+        return found
+
+    def design(self, nearby: ScenesNearby) -> list[dict[str, Any]]:
+        """Return the points that the surrogate is made from, with the modes that it needs.
+
+        Raises
+        ------
+        InputError
+            If the first point makes no scene.
+        """
+        base = self.scene(nearby, self.first)
+        modes = design_scene(base, self.quantities).modes
+        more = {"modes": modes} if modes != base.modes else {}
+        return [{**self.first, **point, **more} for point in design_points(self.ranges)]
+
+    def surrogate(self, nearby: ScenesNearby, given: Sequence[Answer]) -> Surrogate:
+        """Return the surrogate through the answers at :meth:`design`.
+
+        Raises
+        ------
+        InputError
+            If it cannot be made, or is off by more than the accuracy that is wanted.
+        """
+        scene = self.scene(nearby, self.first)
+        answers = [one.quantities if one.status == "ok" else None for one in given]
+        found = fit_surrogate(
+            scene, self.model, self.ranges, answers, sum(one.seconds for one in given)
+        )
+        for name in found.fits:
+            error = found.interpolation_error(name)
+            if error > max(scene.accuracy, _LEAST_ACCURACY):
+                raise InputError(f"{name} would be interpolated to {100 * error:.2g} % only")
+        return found
+
+    def answers(
+        self,
+        surrogate: Surrogate,
+        nearby: ScenesNearby,
+        points: Sequence[Point],
+        announce: Callable[[str], None],
+    ) -> dict[int, Answer]:
+        """Return the answers by place; points where what is asked is refused are left out."""
+        found: dict[int, Answer] = {}
+        for start in range(0, len(self.numbers), _BLOCK):
+            announce(f"{self.model}: {start} of {len(self.numbers)} points interpolated")
+            block, scenes = [], []
+            for number in self.numbers[start : start + _BLOCK]:
+                try:
+                    scenes.append(self.scene(nearby, points[number]))
+                except InputError as error:
+                    found[number] = Answer("refused", reason(error))
+                else:
+                    block.append(number)
+            if not block:
+                continue
+            values: dict[str, Floats] = {
+                key: np.array([float(points[n][key]) for n in block]) for key in self.ranges
+            }
+            for number, scene, given in zip(block, scenes, surrogate.answers(values), strict=True):
+                answer = _with_warnings(scene, self.model, given)
+                if answer is not None:
+                    found[number] = answer
+        return found
+
+
+def find_parts(
+    model: str,
+    quantities: Sequence[str],
+    points: Sequence[Point],
+    nearby: ScenesNearby,
+    ranges: Ranges | None = None,
+) -> list[Part]:
+    """Return the parts of a study that a model's surrogate is to answer, maybe none.
+
+    With `ranges`, of which many more points will be asked, it pays for few.
+    """
+    wanted = tuple(name for name in quantities if gives(model, name))
+    if MODELS[model].quick or not wanted or not points:
+        return []
+    own = {key for key in points[0] if _is_smooth(model, key, points)}
+    groups: dict[str, list[int]] = {}
+    for number, point in enumerate(points):
+        others = repr([value for key, value in point.items() if key not in own])
+        groups.setdefault(others, []).append(number)
+    if ranges is None:  # they end where the parts no longer fit
+        groups = {
+            others: [n for n in numbers if _is_scene(nearby, points[n])]
+            for others, numbers in groups.items()
+            if _MANY_ENOUGH < len(numbers) <= _CHECKED
+        } | {others: numbers for others, numbers in groups.items() if len(numbers) > _CHECKED}
+    found = []
+    for numbers in groups.values():
+        if not numbers:
+            continue
+        if ranges is not None:
+            over: Ranges = {key: ends for key, ends in ranges.items() if key in own}
+            least = 0
+        else:
+            over = _ranges(points, numbers, own)
+            least = design_size(len(over)) if 0 < len(over) <= MOST_KEYS else 0
+        different = {tuple(points[n][key] for key in over) for n in numbers}
+        if 0 < len(over) <= MOST_KEYS and len(different) > least:
+            found.append(Part(model, wanted, tuple(numbers), over, points[numbers[0]]))
+    return found
+
+
+def _is_scene(nearby: ScenesNearby, point: Point) -> bool:
+    try:
+        nearby.scene({key: as_stated(key, value) for key, value in point.items()})
+    except InputError:
+        return False
+    return True
+
+
+def _ranges(points: Sequence[Point], numbers: Sequence[int], own: set[str]) -> Ranges:
+    found = {}
+    for key in (key for key in points[0] if key in own):
+        values = [float(points[n][key]) for n in numbers]
+        if min(values) < max(values):
+            found[key] = min(values), max(values)
+    return found
+
+
+def _is_smooth(model: str, key: str, points: Sequence[Point]) -> bool:
+    """Return whether a key is a number over which a model's answers may be interpolated."""
+    field, value = scene_field(key), points[0][key]
+    if not field.numeric or field.whole or not isinstance(value, float):
+        return False
+    group = key.partition(".")[0]
+    if group in _NUMERICAL:
+        return False
+    read = {path for stage in MODELS[model].stages.values() for path in stage}
+    return bool({key, group} & (read | set(reading(model))))
+
+
+def _with_warnings(scene: Scene, model: str, given: tuple[Quantity, ...]) -> Answer | None:
+    """Return an answer with its warnings; None where what is asked is refused there."""
+    names = [quantity.name for quantity in given]
+    try:
+        warnings = request_warnings(scene, (model,), names)
+        warnings += accuracy_warnings(scene, given)
+        warnings += deflection_warnings(scene, given)
+    except InputError:
+        return None
+    return Answer("ok", "", given, warnings, sum(quantity.seconds for quantity in given))

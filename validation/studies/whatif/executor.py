@@ -1,0 +1,416 @@
+"""Questions are answered here, in processes of this machine, or on a Dask cluster.
+
+Whoever works, the answers are kept one by one as they come, so that a study that is killed goes
+on where it was.  A process that dies takes only the question with it that it died of.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import re
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.store import library_versions
+from tactgen.geometry.units import quoted
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.engine.answers import Answer
+from tactgen.validation.studies.whatif.questions import (
+    Question,
+    answer,
+    code_of,
+    keep,
+    solved,
+)
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+
+    from tactgen.validation.engine.solve import Solution
+
+#: Most questions of one batch: few enough for progress to be seen.
+_MOST = 32
+#: Time (s) in which a scheduler must answer, and in which it must have a worker.
+PATIENCE = 10.0
+#: Time (s) after which a cluster that lost all of its workers is given up.
+_DESERTED = 60.0
+_ADDRESS = re.compile(r"(tcp|tls|ucx)://[^\s/]+:[0-9]{1,5}")
+_MIND = "answers that came are kept; run the study again to go on"
+
+#: Of this process, by model: the last solution, whose stages the next question may take over.
+_earlier: dict[str, Solution] = {}
+#: In a worker of a cluster: one batch at a time.
+_alone = threading.Lock()
+
+
+@dataclass(frozen=True)
+class Job:
+    """A question by its number, with the values of the scene that it is asked at."""
+
+    number: int
+    asked: Question
+    values: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Jobs for one worker, one after another, and the batches that must be done `after`."""
+
+    jobs: tuple[Job, ...]
+    after: frozenset[int] = frozenset()
+
+
+def schedule(jobs: Iterable[Job]) -> list[Batch]:
+    """Return batches, each with those that it waits for.
+
+    Questions with the same kept stages, such as one geometry under several loads, go to one
+    worker, since all but the first cost little; of a stage that several batches share the first
+    of them is waited for.
+    """
+    groups: dict[tuple[str, tuple[str, ...]], list[Job]] = {}
+    for job in jobs:
+        groups.setdefault((job.asked.model, job.asked.shared), []).append(job)
+    batches: list[Batch] = []
+    first: dict[str, int] = {}
+    for (_, shared), own in groups.items():
+        for start in range(0, len(own), _MOST):
+            place = len(batches)
+            after = {first.setdefault(key, place) for key in shared} - {place}
+            batches.append(Batch(tuple(own[start : start + _MOST]), frozenset(after)))
+    return batches
+
+
+def execute(
+    jobs: Sequence[Job],
+    processes: int = 0,
+    scheduler: str = "",
+    announce: Callable[[str], None] = lambda _: None,
+    *,
+    retry: bool = False,
+) -> Iterator[tuple[int, Answer]]:
+    """Yield the answer to every job by its number as it is there, kept.
+
+    Parameters
+    ----------
+    processes : int
+        How many work at a time; 0 is one for each processor if a model takes long, else this
+        one alone.
+    scheduler : str
+        Address of a Dask cluster whose workers solve instead.
+    retry : bool
+        Whether answers that are kept as failed give way.
+
+    Raises
+    ------
+    InputError
+        If the cluster is of no use, or lost.  What came before is kept.
+    """
+    if not jobs:
+        return
+    batches, done = schedule(jobs), 0
+
+    def stage(text: str) -> None:
+        announce(f"{done} of {len(jobs)} answers: {text}")
+
+    announce(f"0 of {len(jobs)} answers")
+    quick = all(MODELS[job.asked.model].quick for job in jobs)
+    processes = min(processes or (1 if quick else len(os.sched_getaffinity(0))), len(batches))
+    if scheduler:
+        found = _on_cluster(batches, scheduler, retry=retry)
+    elif processes > 1:
+        with _Processes(processes, retry) as pool:
+            yield from _counted(_pooled(batches, pool), len(jobs), announce)
+        return
+    else:
+        found = (
+            (job.number, answer(job.asked, job.values, stage, _earlier, retry=retry))
+            for batch in batches for job in batch.jobs
+        )  # fmt: skip
+    for number, given in found:
+        done += 1
+        announce(f"{done} of {len(jobs)} answers")
+        yield number, given
+
+
+def _counted(
+    found: Iterator[tuple[int, Answer]], total: int, announce: Callable[[str], None]
+) -> Iterator[tuple[int, Answer]]:
+    for done, each in enumerate(found, start=1):
+        announce(f"{done} of {total} answers")
+        yield each
+
+
+def _pooled(batches: Sequence[Batch], pool: Any) -> Iterator[tuple[int, Answer]]:
+    """Yield the answers of a pool's workers; who of them dies of what shows one by one."""
+    left, done = dict(enumerate(batches)), set[int]()
+    running: dict[Any, tuple[int, Sequence[Job]]] = {}
+    suspects: list[Job] = []
+    while left or running or suspects:
+        ready = [place for place, batch in left.items() if batch.after <= done]
+        for place in ready[: pool.most - len(running)]:
+            batch = left.pop(place)
+            running[pool.submit(batch.jobs)] = place, batch.jobs
+        if not running:
+            job = suspects.pop()
+            running[pool.submit((job,))] = -1, (job,)
+        for future in pool.ended(running):
+            place, jobs = running.pop(future)
+            answers = pool.result(future)
+            done.add(place)
+            if answers is None and place >= 0:
+                suspects += jobs
+            elif answers is None:
+                yield jobs[0].number, pool.died(jobs[0])
+            else:
+                yield from zip((job.number for job in jobs), answers, strict=True)
+
+
+# -- processes of this machine ------------------------------------------------------------------
+
+
+class Workers:
+    """A pool whose processes end when this one does, or when the block is left by an error."""
+
+    def __init__(self, processes: int) -> None:
+        import multiprocessing
+
+        context = multiprocessing.get_context("spawn")
+        theirs, self.mine = context.Pipe(duplex=False)
+        self.theirs = theirs
+        self.executor = ProcessPoolExecutor(
+            processes, context, initializer=_begin, initargs=(theirs, os.getpid())
+        )
+
+    def __enter__(self) -> ProcessPoolExecutor:
+        return self.executor
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None:
+            self.mine.close()  # the processes see it, and end amid their work
+        self.executor.shutdown(wait=True, cancel_futures=True)
+        self.mine.close()
+        self.theirs.close()
+
+
+def _begin(line: Connection, parent: int) -> None:
+    """Prepare a worker: one solver thread, and an end when the line to the parent is cut."""
+    import signal
+
+    os.environ["TACTGEN_THREADS"] = "1"
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent is told as well, and ends this one
+
+    def watch() -> None:
+        try:
+            line.recv()
+        except (EOFError, OSError):
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+    if os.getppid() != parent:  # it died before the watch began
+        os._exit(1)
+
+
+class _Processes:
+    """Processes that keep what they answer; when one dies the others are begun anew."""
+
+    def __init__(self, processes: int, retry: bool) -> None:
+        self.most, self._processes, self._retry = 2 * processes, processes, retry
+
+    def __enter__(self) -> _Processes:
+        self._workers = Workers(self._processes)
+        self._pool = self._workers.__enter__()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._workers.__exit__(*error)
+
+    def submit(self, jobs: Sequence[Job]) -> Future[list[Answer]]:
+        try:
+            return self._pool.submit(_in_process, jobs, self._retry)
+        except BrokenProcessPool:
+            self.__exit__(None)
+            self.__enter__()
+            return self._pool.submit(_in_process, jobs, self._retry)
+
+    def ended(self, running: Iterable[Future[list[Answer]]]) -> Iterable[Future[list[Answer]]]:
+        return wait(running, return_when=FIRST_COMPLETED).done
+
+    def result(self, future: Future[list[Answer]]) -> list[Answer] | None:
+        try:
+            return future.result()
+        except BrokenProcessPool:
+            return None
+
+    def died(self, job: Job) -> Answer:
+        given = Answer(
+            "failed",
+            "the process that solved it was ended from outside, which is what happens when "
+            "memory runs out; take fewer --jobs or a coarser mesh",
+        )
+        return keep(job.asked, given, retry=self._retry)
+
+
+def _in_process(jobs: Sequence[Job], retry: bool) -> list[Answer]:
+    return [answer(job.asked, job.values, lambda _: None, _earlier, retry=retry) for job in jobs]
+
+
+# -- a Dask cluster -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Build:
+    """What answers are computed by: version, hash of each model's code, numerical libraries."""
+
+    version: str
+    code: tuple[str, ...]
+    libraries: tuple[str, ...]
+
+
+def build(models: Sequence[str]) -> Build:
+    """Return what this process computes the answers of models by."""
+    return Build(version("tactgen"), tuple(map(code_of, models)), library_versions())
+
+
+def check_address(address: str) -> str:
+    """Return the address of a scheduler; InputError if it is none."""
+    if not _ADDRESS.fullmatch(address):
+        raise InputError(
+            f"--scheduler {quoted(address)} is not the address of a Dask scheduler; write for "
+            "example --scheduler tcp://127.0.0.1:8786"
+        )
+    return address
+
+
+def check_workers(own: Build, workers: Mapping[str, Build | Exception]) -> None:
+    """Refuse workers that would give other answers than this process.
+
+    Raises
+    ------
+    InputError
+        With the first of them and what to do.
+    """
+    for name, theirs in workers.items():
+        if theirs == own:
+            continue
+        if not isinstance(theirs, Build):
+            what = f"cannot run this tactgen ({theirs})"
+        elif theirs.version != own.version:
+            what = f"has tactgen {theirs.version}, and this is {own.version}"
+        elif theirs.code != own.code:
+            what = f"has other code of tactgen {own.version} than this"
+        else:
+            others = set(theirs.libraries) - set(own.libraries)
+            what = f"has {', '.join(sorted(others))}, other than here"
+        raise InputError(
+            f"the worker {name} {what}, so that its answers would differ; install the same there, "
+            "or start the cluster without it"
+        )
+
+
+def _on_cluster(
+    batches: Sequence[Batch], address: str, *, retry: bool
+) -> Iterator[tuple[int, Answer]]:
+    asked = {job.number: job.asked for batch in batches for job in batch.jobs}
+    models = tuple(dict.fromkeys(question.model for question in asked.values()))
+    with _connected(address) as client:
+        own = build(models)
+        check_workers(own, client.run(build, models, on_error="return"))
+        for number, given in _pooled(batches, _Cluster(client, models, own)):
+            yield number, keep(asked[number], given, retry=retry)
+
+
+@contextlib.contextmanager
+def _connected(address: str) -> Iterator[Any]:
+    """Give the client of a scheduler that has workers; InputError otherwise."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise InputError(
+            "--scheduler needs Dask, which is not installed; pip install 'tactgen[cluster]'"
+        ) from None
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # its troubles are told here
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, TimeoutError) as error:
+        raise InputError(
+            f"no Dask scheduler answers at {address} within {PATIENCE:g} s "
+            f"({type(error).__name__}); start one with dask scheduler, or leave --scheduler out"
+        ) from None
+    try:
+        try:
+            client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError:
+            raise InputError(
+                f"the scheduler at {address} has no worker after {PATIENCE:g} s; start some with "
+                f"dask worker {address} --nthreads 1"
+            ) from None
+        yield client
+    finally:
+        client.close(timeout=PATIENCE)
+
+
+class _Cluster:
+    """The workers of a cluster, which keep nothing."""
+
+    most = 1_000_000
+
+    def __init__(self, client: Any, models: Sequence[str], own: Build) -> None:
+        self._client, self._models, self._own = client, models, own
+
+    def submit(self, jobs: Sequence[Job]) -> Any:
+        return self._client.submit(_in_cluster, jobs, self._models, pure=False)
+
+    def ended(self, running: Iterable[Any]) -> list[Any]:
+        """Return what ended; InputError if the cluster is lost."""
+        deserted = time.monotonic() + _DESERTED
+        while True:
+            ended = [future for future in running if future.done()]
+            if ended:
+                return ended
+            if self._client.status != "running":
+                raise InputError(f"the scheduler ended; {_MIND}")
+            if self._client.nthreads():
+                deserted = time.monotonic() + _DESERTED
+            elif time.monotonic() > deserted:
+                raise InputError(f"the cluster has had no worker for {_DESERTED:g} s; {_MIND}")
+            time.sleep(0.02)
+
+    def result(self, future: Any) -> list[Answer] | None:
+        from distributed import KilledWorker
+
+        try:
+            theirs, answers = future.result(timeout=PATIENCE)
+        except KilledWorker:
+            return None
+        except Exception as error:  # noqa: BLE001  (whatever a lost cluster raises)
+            raise InputError(
+                f"the cluster was lost ({type(error).__name__}: {str(error)[:200]}); {_MIND}"
+            ) from None
+        check_workers(self._own, {"that joined the cluster": theirs})
+        found: list[Answer] = answers
+        return found
+
+    def died(self, _: Job) -> Answer:
+        return Answer(
+            "failed",
+            "every worker of the cluster that solved it was ended from outside, which is what "
+            "happens when memory runs out; give the workers more of it or take a coarser mesh",
+        )
+
+
+def _in_cluster(jobs: Sequence[Job], models: Sequence[str]) -> tuple[Build, list[Answer]]:
+    """Solve a batch in a worker, with one solver thread, as local processes do."""
+    os.environ["TACTGEN_THREADS"] = "1"
+    with _alone:
+        return build(models), [
+            solved(job.asked, job.values, lambda _: None, _earlier) for job in jobs
+        ]
