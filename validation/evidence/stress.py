@@ -420,7 +420,7 @@ def table(part: str, families: Mapping[str, tuple[str, Judge]]) -> Families:
     def run(name: str, what: str, judge: Judge, quick: bool) -> Row:
         family = Family()
         judge(family, quick)
-        return family.row(f"{part}: {name}", what)
+        return family.row(f"{part}: {name}" if part else name, what)
 
     return {name: partial(run, name, *row) for name, row in families.items()}
 
