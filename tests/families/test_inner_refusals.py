@@ -34,7 +34,7 @@ from tactgen.validation.models.display.spread import spread
 from tactgen.validation.scene import frequencies
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif import executor
-from tactgen.validation.studies.whatif.shown.pictures import study_picture
+from tactgen.validation.studies.whatif.pictures import study_picture
 from tactgen.validation.view import browser
 from tactgen.validation.view import stills as films
 

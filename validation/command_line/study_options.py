@@ -12,7 +12,7 @@ from tactgen.validation.command_line.streams import say
 
 if TYPE_CHECKING:
     from tactgen.validation.models.comparison import Choice
-    from tactgen.validation.studies.whatif.asked.statement import Statement
+    from tactgen.validation.studies.whatif.statement import Statement
 
 #: Most samples that can be drawn.
 _MOST_SAMPLES = 1_000_000
@@ -48,10 +48,13 @@ def axis_options(parser: argparse.ArgumentParser) -> None:
 def stated(options: argparse.Namespace, before: Statement | None = None) -> Statement:
     """Return what the options ask; where they are silent, what a study asked before."""
     from tactgen.validation.scene.scene import scene_values
-    from tactgen.validation.studies.whatif.asked.choice import chosen, names_models
-    from tactgen.validation.studies.whatif.asked.contract import asks_accuracy
-    from tactgen.validation.studies.whatif.asked.statement import Statement
-    from tactgen.validation.studies.whatif.asked.tolerance_axes import with_tolerances
+    from tactgen.validation.studies.whatif.axes import with_tolerances
+    from tactgen.validation.studies.whatif.statement import (
+        Statement,
+        asks_accuracy,
+        chosen,
+        names_models,
+    )
 
     overrides = list(options.overrides)
     if options.frequency is not None:
@@ -114,7 +117,7 @@ def under_accuracy(statement: Statement) -> tuple[Statement, Choice | None]:
     if not statement.by_accuracy:
         return statement, None
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.studies.whatif.asked.contract import under_contract
+    from tactgen.validation.studies.whatif.statement import under_contract
 
     with announcer() as announce:
         statement, choice = under_contract(statement, announce)

@@ -31,7 +31,7 @@ from tactgen.validation.engine.surrogate import (
 from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings
 from tactgen.validation.scene.nearby import ScenesNearby
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.asked.scene_field import as_stated, scene_field
+from tactgen.validation.studies.whatif.axes import as_stated, scene_field
 from tactgen.validation.studies.whatif.questions import reason
 
 #: Values by key.

@@ -11,7 +11,6 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.plan import check_models
 from tactgen.validation.engine.surrogate import Ranges, Surrogate
-from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_surrogate import Part, find_parts
 from tactgen.validation.studies.whatif.executor import Job, execute
 from tactgen.validation.studies.whatif.questions import (
@@ -20,6 +19,7 @@ from tactgen.validation.studies.whatif.questions import (
     refuse_if_no_scene,
     scenes_nearby,
 )
+from tactgen.validation.studies.whatif.statement import Statement
 
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 #: Of sentences that differ in their numbers, the first is told.

@@ -11,7 +11,6 @@ from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.plan import check_models, make_plan
 from tactgen.validation.engine.prospects import stage_prospects, total
 from tactgen.validation.scene.scene import checked_scene
-from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.by_surrogate import find_parts
 from tactgen.validation.studies.whatif.questions import (
     Questions,
@@ -19,6 +18,7 @@ from tactgen.validation.studies.whatif.questions import (
     refuse_if_no_scene,
     scenes_nearby,
 )
+from tactgen.validation.studies.whatif.statement import Statement
 
 
 @dataclass(frozen=True)

@@ -9,18 +9,20 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif.aim.best import (
+from tactgen.validation.studies.whatif.aims import parse_aim
+from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.verdict import (
     Judged,
     Verdict,
+    as_values,
     pareto,
     parse_aims,
+    sentences,
+    shown,
     verdict,
     yield_interval,
 )
-from tactgen.validation.studies.whatif.aim.expression import parse_aim
-from tactgen.validation.studies.whatif.aim.wording import as_values, sentences, shown
-from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.run import run_study
 
 
 def quantity(name, value, unit, error=0.0, frequency=None):

@@ -5,9 +5,8 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif.asked.axes import parse_axes
-from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.asked.tolerance_axes import with_tolerances
+from tactgen.validation.studies.whatif.axes import parse_axes, with_tolerances
+from tactgen.validation.studies.whatif.statement import Statement
 
 
 def one(text, *, sampled=False):

@@ -11,12 +11,18 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import COLUMNS
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.whatif.asked.statement import Statement
-from tactgen.validation.studies.whatif.compare import page, sides
-from tactgen.validation.studies.whatif.compare.differences import answer_differences
-from tactgen.validation.studies.whatif.compare.sides import Key, Number, Side, read_sides
-from tactgen.validation.studies.whatif.compare.wording import as_values
-from tactgen.validation.studies.whatif.shown.files import TABLE
+from tactgen.validation.studies.whatif import compare_page as page
+from tactgen.validation.studies.whatif import compare_sides as sides
+from tactgen.validation.studies.whatif.compare_sides import (
+    Key,
+    Number,
+    Side,
+    answer_differences,
+    as_values,
+    read_sides,
+)
+from tactgen.validation.studies.whatif.files import TABLE
+from tactgen.validation.studies.whatif.statement import Statement
 from tactgen.validation.view import pictures
 
 KEY = Key((), "capacitance_free", "solid", "", "")

@@ -9,11 +9,11 @@ import pytest
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif import files as text_table
+from tactgen.validation.studies.whatif import page as pages
+from tactgen.validation.studies.whatif.page import write_page
 from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.shown import page as pages
-from tactgen.validation.studies.whatif.shown import text_table
-from tactgen.validation.studies.whatif.shown.page import write_page
+from tactgen.validation.studies.whatif.statement import Statement
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),

@@ -8,8 +8,8 @@ from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif.asked.statement import Statement
 from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.statement import Statement
 from tactgen.validation.studies.whatif.study_plan import plan_study
 
 QUICK = (

@@ -87,12 +87,15 @@ def _search(options: argparse.Namespace) -> int:
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.scene.nearby import value_of
     from tactgen.validation.scene.scene import checked_scene, scene_values
-    from tactgen.validation.studies.whatif.aim.best import parse_aims
-    from tactgen.validation.studies.whatif.asked.choice import chosen
-    from tactgen.validation.studies.whatif.asked.statement import Statement
-    from tactgen.validation.studies.whatif.search.found import as_values, sentences
-    from tactgen.validation.studies.whatif.search.ranges import ranges_of
-    from tactgen.validation.studies.whatif.search.search import search, with_aims
+    from tactgen.validation.studies.whatif.optimum import (
+        as_values,
+        ranges_of,
+        search,
+        sentences,
+        with_aims,
+    )
+    from tactgen.validation.studies.whatif.statement import Statement, chosen
+    from tactgen.validation.studies.whatif.verdict import parse_aims
 
     for option in ("margin", "band", "lengths", "plot"):
         if getattr(options, option):

@@ -19,14 +19,12 @@ from tactgen.geometry.files import write_text
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.answers import Answer, representative
-from tactgen.validation.studies.whatif.aim.best import Verdict
-from tactgen.validation.studies.whatif.aim.wording import sentences
-from tactgen.validation.studies.whatif.asked.axes import Axis
-from tactgen.validation.studies.whatif.asked.statement import Statement
+from tactgen.validation.studies.whatif.axes import Axis
+from tactgen.validation.studies.whatif.files import heading, table_lines
+from tactgen.validation.studies.whatif.pictures import aim_picture, study_picture
 from tactgen.validation.studies.whatif.run import Study, StudySolver
-from tactgen.validation.studies.whatif.shown.aim_picture import aim_picture
-from tactgen.validation.studies.whatif.shown.pictures import study_picture
-from tactgen.validation.studies.whatif.shown.text_table import heading, table_lines
+from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.verdict import Verdict, sentences
 from tactgen.validation.view.page.html import plain_page
 
 #: File of the page, and the script that moves it.

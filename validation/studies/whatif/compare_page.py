@@ -13,9 +13,15 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import percent, prefixed
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.compare.differences import AnswerDifference, InputDifference
-from tactgen.validation.studies.whatif.compare.sides import Key, Side
-from tactgen.validation.studies.whatif.compare.wording import NOTHING_SHARED, place, shown
+from tactgen.validation.studies.whatif.compare_sides import (
+    NOTHING_SHARED,
+    AnswerDifference,
+    InputDifference,
+    Key,
+    Side,
+    place,
+    shown,
+)
 from tactgen.validation.view.figures import BLUE, ORANGE, panels, plain_numbers, svg
 from tactgen.validation.view.page.html import inline, plain_page, table
 

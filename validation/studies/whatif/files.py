@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.engine import answers
-from tactgen.validation.engine.answers import Dataset, Variable
-from tactgen.validation.studies.whatif.asked.statement import FORMAT
+from tactgen.validation.engine.answers import Answer, Dataset, Variable, representative
+from tactgen.validation.studies.whatif.axes import scene_field
 from tactgen.validation.studies.whatif.questions import code_of
 from tactgen.validation.studies.whatif.run import Study
+from tactgen.validation.studies.whatif.statement import FORMAT
 
 #: Files in a study's folder.
 TABLE, ARRAYS = "study.csv", "study.nc"
@@ -84,3 +85,46 @@ def _provenance(study: Study) -> dict[str, str]:
         "code_sha256": "\n".join(f"{name}: {code_of(name)}" for name in stated.models),
         "versions": ", ".join(f"{name} {version(name)}" for name in _LIBRARIES),
     }
+
+
+#: Lines that are shown; of longer studies evenly spaced ones.
+_SHOWN = 60
+
+
+def table_lines(study: Study) -> list[str]:
+    """Return the table's lines; of modes the first, of a response its largest magnitude."""
+    quantities = study.statement.quantities
+    axes = study.statement.axes
+    rows = list(study.rows)
+    picked = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _SHOWN)).astype(int))
+    lines = [[*(axis.key for axis in axes), "model", *(heading(study, q) for q in quantities)]]
+    for number in picked:
+        point, model, answer = rows[number]
+        at = [scene_field(key).show(value) for key, value in point.items()]
+        lines.append([*at, model, *_cells(model, answer, quantities)])
+    widths = [max(len(line[n]) for line in lines) for n in range(len(lines[0]))]
+    found = [
+        "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True))
+        for line in lines
+    ]
+    if len(picked) < len(rows):
+        found.append(f"{len(picked)} of {len(rows)} lines are shown; --out STUDY writes all")
+    return found
+
+
+def heading(study: Study, name: str) -> str:
+    """Return a quantity's name with what is shown of it."""
+    for _, _, answer in study.rows:
+        for q in answer.quantities:
+            if q.name == name:
+                return ", ".join(part for part in (name, representative(q).what) if part)
+    return name
+
+
+def _cells(model: str, answer: Answer, quantities: tuple[str, ...]) -> list[str]:
+    by_name = {q.name: q for q in answer.quantities}
+    return [
+        representative(by_name[name]).text if name in by_name
+        else answer.status if gives(model, name) else "-"
+        for name in quantities
+    ]  # fmt: skip

@@ -1,1 +1,0 @@
-"""What a study asks: axes, values drawn, the statement from which it is gone on with."""

@@ -1,0 +1,383 @@
+"""The values of some keys, each within a range, that meet all aims and serve the goal best.
+
+A few points spread over the ranges show where to begin; from the best of them scipy's COBYQA
+goes on, which takes bounds and conditions and needs no derivatives, since aims may have
+kinks.  Every point is an answer of the study: kept, and by a surrogate over the whole range
+of a model that takes long.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import quoted
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.engine.plan import check_models
+from tactgen.validation.studies.whatif.aims import Aim
+from tactgen.validation.studies.whatif.axes import scene_field
+from tactgen.validation.studies.whatif.run import StudySolver
+from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.verdict import Judged, felt_at, judged, shown
+
+#: Two ends, perhaps with their spacing, and no count.
+_RANGE = re.compile(r"[^:]+:[^:]+(:\s*(log|lin)\s*)?")
+
+
+@dataclass(frozen=True)
+class Range:
+    """A key that may lie anywhere between two values (SI), spaced by ratio if `logarithmic`."""
+
+    key: str
+    low: float
+    high: float
+    logarithmic: bool = False
+
+    def at(self, share: float) -> float:
+        """Return the value at a share from 0 to 1 of the range."""
+        share = min(max(share, 0.0), 1.0)
+        if share in (0.0, 1.0):  # to the last bit
+            return self.high if share else self.low
+        if self.logarithmic:
+            return float(self.low * (self.high / self.low) ** share)
+        return float(self.low + share * (self.high - self.low))
+
+    def share(self, value: float) -> float:
+        """Return the share of the range at which a value lies, or its nearer end."""
+        if self.logarithmic:
+            found = math.log(max(value, self.low) / self.low) / math.log(self.high / self.low)
+        else:
+            found = (value - self.low) / (self.high - self.low)
+        return min(max(found, 0.0), 1.0)
+
+
+def ranges_of(statement: Statement) -> tuple[Range, ...]:
+    """Return the ranges that a statement's axes state.
+
+    Raises
+    ------
+    InputError
+        For an axis that is no range of a number.
+    """
+
+    def no_range(text: str) -> InputError:
+        return InputError(
+            f"--vary {quoted(text)} is no range to search; write KEY=LOW:HIGH, for example --vary "
+            "bimorph.length=14mm:22mm"
+        )
+
+    for text in statement.vary:
+        _, equals, stated = text.partition("=")
+        if equals and not _RANGE.fullmatch(stated):
+            raise no_range(text)
+    found = []
+    for axis in statement.axes:
+        drawn = axis.drawn
+        if drawn is None:  # words may hold a colon
+            raise no_range(f"{axis.key}={axis.text}")
+        if scene_field(axis.key).whole:
+            raise InputError(
+                f"--vary {axis.key}: whole numbers are not searched; try each with tactgen whatif"
+            )
+        found.append(Range(axis.key, drawn.first, drawn.second, drawn.kind == "loguniform"))
+    return tuple(found)
+
+
+#: Share of a range that counts as its end.
+_END = 1e-4
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A point of the ranges: its values by key, and what the aims say, None if nothing."""
+
+    values: dict[str, float]
+    judged: Judged | None
+    reason: str
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search gave.
+
+    Attributes
+    ----------
+    statement : Statement
+        What was asked, scene and models among it.
+    ranges : tuple of Range
+    aims : tuple of Aim
+    best : Tried
+        The best point, or, if none meets all conditions, the one that comes nearest.
+    met : bool
+        Whether it meets them.
+    present : Tried
+        The scene's own values, or their nearest within the ranges.
+    tried, interpolated : int
+        Number of points, and of answers from a surrogate among them.
+    """
+
+    statement: Statement
+    ranges: tuple[Range, ...]
+    aims: tuple[Aim, ...]
+    best: Tried
+    met: bool
+    present: Tried
+    tried: int
+    interpolated: int
+
+    @property
+    def at_end(self) -> tuple[str, ...]:
+        """Keys whose best value is an end of the range."""
+        shares = {r.key: r.share(self.best.values[r.key]) for r in self.ranges}
+        return tuple(key for key, share in shares.items() if min(share, 1.0 - share) < _END)
+
+
+def as_values(found: Found) -> dict[str, Any]:
+    """Return the result as plain JSON values, SI units."""
+
+    def point(one: Tried) -> dict[str, Any]:
+        margins = one.judged.margins if one.judged else ()
+        return {
+            "at": one.values,
+            "margins": [margin for margin, _ in margins],
+            "bars": [bar for _, bar in margins],
+        }
+
+    return {
+        "scene": found.statement.scene, "models": list(found.statement.models),
+        "ranges": {r.key: [r.low, r.high] for r in found.ranges},
+        "aims": [aim.text for aim in found.aims], "met": found.met, "best": point(found.best),
+        "present": point(found.present), "ends": list(found.at_end), "points": found.tried,
+        "interpolated": found.interpolated,
+    }  # fmt: skip
+
+
+def sentences(found: Found) -> list[str]:
+    """Return the result in sentences."""
+    models = ", ".join(found.statement.models)
+    if not found.met:
+        head = f"No point of the ranges meets all aims by {models}; this one comes nearest:"
+    elif any(aim.kind == "goal" for aim in found.aims):
+        head = f"Best by {models}:"
+    else:
+        head = f"Nearest to the scene's own that meets all aims by {models}:"
+    lines = [
+        head,
+        *(f"  {key} = {scene_field(key).show(v)}" for key, v in found.best.values.items()),
+    ]
+    present = found.present.judged
+    assert found.best.judged is not None
+    for n, aim in enumerate(found.aims):
+        margin, bar = found.best.judged.margins[n]
+        near = aim.kind == "condition" and abs(margin) <= bar
+        edge = ", nearer to the edge than the error bar" if near else ""
+        before = shown(aim, *present.margins[n]) if present else "unknown"
+        lines.append(f"  {aim.text}: {shown(aim, margin, bar)}{edge}; before: {before}")
+    lines += [f"{key} is at an end of its range, beyond which there may be better"
+              for key in found.at_end if any(aim.kind == "goal" for aim in found.aims)]  # fmt: skip
+    among = f", {found.interpolated} of their answers interpolated" if found.interpolated else ""
+    lines.append(f"{found.tried} points tried{among}.")
+    return lines
+
+
+#: Most points, for each range, that a search takes from one start.
+_STEPS = 40
+#: Share of the ranges to which the place is found.
+_FINE = 1e-5
+
+
+@dataclass
+class Points:
+    """All points that were tried, by their shares of the ranges."""
+
+    statement: Statement
+    ranges: tuple[Range, ...]
+    aims: tuple[Aim, ...]
+    here: Floats
+    announce: Callable[[str], None]
+    tried: dict[tuple[float, ...], Tried] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        box = {r.key: (r.low, r.high) for r in self.ranges}
+        self.solver = StudySolver(self.statement, announce=self._announced, ranges=box)
+
+    def ask(self, shares: Floats) -> list[Tried]:
+        """Return points (n, ranges), asking for what is new."""
+        places = [tuple(float(v) for v in row) for row in np.clip(shares, 0.0, 1.0)]
+        new = [place for place in dict.fromkeys(places) if place not in self.tried]
+        if new:
+            values = [
+                {r.key: r.at(v) for r, v in zip(self.ranges, place, strict=True)} for place in new
+            ]
+            answers = self.solver.answers(values)
+            for place, at, given in zip(new, values, answers, strict=True):
+                found = judged(0, given, self.aims, felt_at(self.statement, at))
+                reason = "; ".join(a.reason for a in given.values() if a.reason)
+                self.tried[place] = Tried(
+                    at, found[0] if found else None, reason or "a quantity has no value there"
+                )
+        return [self.tried[place] for place in places]
+
+    def scales(self) -> Floats:
+        """Return by how much each aim's margin differs over the points, 1 if it does not."""
+        margins = np.array(
+            [[m for m, _ in one.judged.margins] for one in self.tried.values() if one.judged]
+        )
+        over = np.ptp(margins, axis=0)
+        return np.where(over > 0.0, over, 1.0)
+
+    def shortfall(self, found: Judged, scales: Floats) -> float:
+        """Return by how much the conditions are missed, in scales, 0 if all are met."""
+        return sum(max(-margin, 0.0) for margin in self._conditions(found, scales))
+
+    def best(self, scales: Floats) -> list[tuple[float, ...]]:
+        """Return the places of all points that have answers, the best first."""
+
+        def order(place: tuple[float, ...]) -> tuple[float, float]:
+            found = self.tried[place].judged
+            assert found is not None
+            return self.shortfall(found, scales), -self._worth(place, found, scales)
+
+        return sorted((p for p, one in self.tried.items() if one.judged), key=order)
+
+    def go_on(self, start: tuple[float, ...], scales: Floats) -> None:
+        """Search on from a point."""
+        from scipy.optimize import NonlinearConstraint, minimize
+
+        conditions = sum(aim.kind == "condition" for aim in self.aims)
+
+        def at(shares: Floats) -> tuple[tuple[float, ...], Judged | None]:
+            one = self.ask(shares[None])[0]
+            return tuple(float(v) for v in np.clip(shares, 0.0, 1.0)), one.judged
+
+        def cost(shares: Floats) -> float:
+            place, found = at(shares)
+            return -self._worth(place, found, scales) if found else 1.0
+
+        def margins(shares: Floats) -> Sequence[float]:
+            _, found = at(shares)
+            return self._conditions(found, scales) if found else [-1.0] * conditions
+
+        held = [NonlinearConstraint(margins, 0.0, np.inf)] if conditions else []
+        minimize(
+            cost,
+            np.array(start),
+            method="COBYQA",
+            bounds=[(0.0, 1.0)] * len(self.ranges),
+            constraints=held,
+            options={
+                "maxfev": _STEPS * len(self.ranges),
+                "initial_tr_radius": 0.05,
+                "final_tr_radius": _FINE,
+            },
+        )
+
+    def _conditions(self, found: Judged, scales: Floats) -> list[float]:
+        """Return the margins of the conditions in scales."""
+        each = zip(self.aims, found.margins, scales, strict=True)
+        return [m / float(scale) for aim, (m, _), scale in each if aim.kind == "condition"]
+
+    def _worth(self, place: tuple[float, ...], found: Judged, scales: Floats) -> float:
+        """Return how good a point is: by the goal, or by its nearness to the scene's own."""
+        each = zip(self.aims, found.margins, scales, strict=True)
+        goals = [m / float(scale) for aim, (m, _), scale in each if aim.kind == "goal"]
+        if goals:
+            return goals[0]
+        return -float(((np.array(place) - self.here) ** 2).sum())
+
+    def _announced(self, text: str) -> None:
+        self.announce(f"{len(self.tried)} points tried: {text}")
+
+
+#: Points that are spread over one range, and over more for each of them.
+_ALONE, _EACH = 17, 16
+#: From how many of them the search goes on at most.
+_STARTS = 2
+#: Starts closer than this in shares of the ranges would lead to the same place.
+_NEIGHBOUR = 0.25
+_SEED = 1
+
+
+def search(
+    statement: Statement,
+    aims: tuple[Aim, ...],
+    present: dict[str, float],
+    announce: Callable[[str], None] = lambda _: None,
+) -> Found:
+    """Return the values that meet the aims best.
+
+    Without a goal those are wanted that differ least, in shares of the ranges, from the
+    scene's own.
+
+    Parameters
+    ----------
+    present : dict of str to float
+        The scene's own values of the keys (SI).
+
+    Raises
+    ------
+    InputError
+        If the ranges cannot be searched, two goals are stated, or no point has an answer.
+    """
+    if sum(aim.kind == "goal" for aim in aims) > 1:
+        raise InputError(
+            "two goals cannot both be best; keep one and make a condition of the other, or take "
+            "tactgen whatif, which gives the points that cannot be bettered in both"
+        )
+    check_models(statement.models, statement.quantities)
+    actuators = [MODELS[model].actuator for model in statement.models]
+    if len(set(actuators)) < len(actuators):
+        raise InputError(
+            f"the models {', '.join(statement.models)} would each have a best of their own; name "
+            "one --model"
+        )
+    ranges = ranges_of(statement)
+    here = np.array([r.share(present[r.key]) for r in ranges])
+    points = Points(statement, ranges, aims, here, announce)
+    spread = points.ask(_spread(here))
+    if all(one.judged is None for one in spread):
+        raise InputError(f"no point of the ranges has an answer: {spread[0].reason}")
+    scales = points.scales()
+    for start in _apart(points.best(scales)):
+        points.go_on(start, scales)
+    best = points.best(scales)[0]
+    found = points.tried[best]
+    assert found.judged is not None
+    met = points.shortfall(found.judged, scales) == 0.0
+    return Found(statement, ranges, aims, found, met, spread[0], len(points.tried),
+                 points.solver.interpolated)  # fmt: skip
+
+
+def _apart(places: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
+    """Return the first places, the best, that are no neighbours."""
+    found = [places[0]]
+    for place in places:
+        near = min(np.abs(np.subtract(place, other)).max() for other in found)
+        if len(found) < _STARTS and near > _NEIGHBOUR:
+            found.append(place)
+    return found
+
+
+def _spread(here: Floats) -> Floats:
+    """Return where a search looks first (n, ranges): the scene itself, then all over."""
+    count = here.size
+    if count == 1:
+        return np.vstack([here, np.linspace(0.0, 1.0, _ALONE)[:, None]])
+    from scipy.stats import qmc
+
+    power = math.ceil(math.log2(_EACH * count))
+    every = qmc.Sobol(count, seed=_SEED).random_base2(power)
+    return np.vstack([here, every])
+
+
+def with_aims(statement: Statement, aims: Sequence[Aim]) -> Statement:
+    """Return the statement that asks what the aims name and nothing else."""
+    wanted = dict.fromkeys(name for aim in aims for name in aim.quantities)
+    return replace(statement, quantities=tuple(wanted))

@@ -1,1 +1,0 @@
-"""Which values of some keys meet the aims best: a bounded search over a study's answers."""
