@@ -16,7 +16,7 @@ from tactgen.validation.engine.results import Quantity
 from tactgen.validation.evidence.coverage import PROMISED, Judged, rows
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.whatif.compare_sides import Number, _beyond
+from tactgen.validation.studies.whatif.compare import Number, _beyond
 
 VALUES = st.floats(1e-12, 1e12) | st.floats(-1e12, -1e-12)
 SHARES = st.floats(0.0, 0.5)

@@ -48,13 +48,13 @@ def axis_options(parser: argparse.ArgumentParser) -> None:
 def stated(options: argparse.Namespace, before: Statement | None = None) -> Statement:
     """Return what the options ask; where they are silent, what a study asked before."""
     from tactgen.validation.scene.scene import scene_values
-    from tactgen.validation.studies.whatif.axes import with_tolerances
-    from tactgen.validation.studies.whatif.statement import (
-        Statement,
+    from tactgen.validation.studies.whatif.request import (
         asks_accuracy,
         chosen,
         names_models,
+        with_tolerances,
     )
+    from tactgen.validation.studies.whatif.statement import Statement
 
     overrides = list(options.overrides)
     if options.frequency is not None:
@@ -117,7 +117,7 @@ def under_accuracy(statement: Statement) -> tuple[Statement, Choice | None]:
     if not statement.by_accuracy:
         return statement, None
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.studies.whatif.statement import under_contract
+    from tactgen.validation.studies.whatif.request import under_contract
 
     with announcer() as announce:
         statement, choice = under_contract(statement, announce)

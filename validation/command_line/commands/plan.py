@@ -22,8 +22,8 @@ from tactgen.validation.command_line.study_options import (
 )
 
 if TYPE_CHECKING:
+    from tactgen.validation.engine.costs import Prospect
     from tactgen.validation.engine.plan import Plan
-    from tactgen.validation.engine.prospects import Prospect
 
 
 def add(commands: Commands) -> None:
@@ -48,8 +48,8 @@ def run(options: argparse.Namespace) -> int:
     _refuse_unused(options)
     from tactgen.validation.command_line.contract import under_contract
     from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.engine.costs import stage_prospects
     from tactgen.validation.engine.plan import make_plan
-    from tactgen.validation.engine.prospects import stage_prospects
     from tactgen.validation.engine.solve import plan_json
     from tactgen.validation.scene.scene import load_scene
 
@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
     """Print what runs, with what it cost when it last ran here, and what is skipped, and why."""
-    from tactgen.validation.engine.prospects import total
+    from tactgen.validation.engine.costs import total
 
     print(f"scene {scene}")
     print("runs:")

@@ -6,28 +6,19 @@
 
 from __future__ import annotations
 
-import copy
 import re
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
-from pydantic.fields import FieldInfo
 
-from tactgen.geometry import units as u
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.units import Unit, WholeNumber, quoted
-from tactgen.validation.scene.files import assign, sentence
-from tactgen.validation.scene.frequencies import parse_frequencies
-from tactgen.validation.scene.parameter_list import ranges
-from tactgen.validation.scene.scene import Scene, check_key, checked_scene
-from tactgen.validation.scene.tolerances import unit_of
+from tactgen.geometry.units import quoted
+from tactgen.validation.scene.scene import check_key
+from tactgen.validation.studies.whatif.scene_field import SceneField, scene_field
 
 #: Distributions by name, with what their two numbers are.
 DISTRIBUTIONS = {
@@ -63,139 +54,6 @@ class Distribution:
                 return np.asarray(np.exp(random.uniform(*ends, count)))
             case _:
                 return np.asarray(random.uniform(self.first, self.second, count))
-
-
-@dataclass(frozen=True)
-class SceneField:
-    """How the values of one scene key are read and checked.
-
-    Attributes
-    ----------
-    key : str
-        The scene key.
-    info : FieldInfo
-        Its declaration.
-    scale : Unit or None
-        Its unit, if it is a number on a scale.
-    """
-
-    key: str
-    info: FieldInfo
-    scale: Unit | None
-
-    @property
-    def unit(self) -> str:
-        """SI unit of its numbers, empty if there is none."""
-        return self.scale.si if self.scale else ""
-
-    @property
-    def whole(self) -> bool:
-        """Whether its values are whole numbers."""
-        return any(
-            isinstance(part, WholeNumber)
-            for validator in self.info.metadata
-            for part in (validator, getattr(validator, "func", None))
-        )
-
-    @property
-    def numeric(self) -> bool:
-        """Whether its values are numbers."""
-        return self.scale is not None or self.whole
-
-    @property
-    def has_commas(self) -> bool:
-        """Whether one value may hold commas, so that a semicolon parts two."""
-        return self.key.endswith("_profile")
-
-    def read(self, text: str) -> Any:
-        """Return a value as SI number, whole number or choice.
-
-        Raises
-        ------
-        ValueError
-            With what is wrong, to follow the value in a sentence.
-        """
-        if self.key == "frequency":
-            return parse_frequencies([text])[0]
-        if self.has_commas:  # what it must fit, the length, is known at the point only
-            return text
-        try:
-            found = self._adapter.validate_python(text, context={"units_required": True})
-        except ValidationError as error:
-            cause = error.errors()[0].get("ctx", {}).get("error")
-            words = sentence(error) if cause is None else str(cause)
-            raise ValueError(words.removeprefix(f" = {u.quoted(text)} ")) from None
-        return found if self.numeric else text
-
-    def parse(self, text: str) -> float:
-        """Return a number in SI units that need not be a possible value: a deviation.
-
-        Raises
-        ------
-        ValueError
-            As :meth:`read`.
-        """
-        assert self.scale is not None
-        return self.scale.parse(text)
-
-    def checked(self, value: float, where: str) -> float | int:
-        """Return a value between two that were read; of whole numbers it must be one.
-
-        Raises
-        ------
-        InputError
-            If it is not.
-        """
-        if not self.whole:
-            return value
-        if abs(value - round(value)) > 1e-9:
-            raise InputError(
-                f"{where} has the value {value:g}, but {self.key} is a whole number; choose as "
-                "many values as there are whole numbers in the range"
-            )
-        return round(value)
-
-    def show(self, value: Any) -> str:
-        """Return a value as people write it."""
-        return self.scale.show(value) if self.scale and value is not None else str(value)
-
-    @property
-    def _adapter(self) -> TypeAdapter[Any]:
-        return _adapter(self.key)
-
-
-@cache
-def scene_field(key: str) -> SceneField:
-    """Return the field of a scene key that exists."""
-    info = _info(key)
-    if key == "frequency":
-        return SceneField(key, info, u.FREQUENCY)
-    return SceneField(key, info, unit_of(info))
-
-
-@cache
-def _adapter(key: str) -> TypeAdapter[Any]:
-    info = _info(key)
-    kind: Any = info.annotation
-    for part in info.metadata:
-        kind = Annotated[kind, part]
-    return TypeAdapter(kind)
-
-
-def _info(key: str) -> FieldInfo:
-    owner: Any = Scene
-    *groups, name = key.split(".")
-    for group in groups:
-        owner = owner.model_fields[group].annotation
-    found: FieldInfo = owner.model_fields[name]
-    return found
-
-
-def as_stated(key: str, value: Any) -> Any:
-    """Return a value of an axis as a scene takes it: numbers as SI, whatever asks for units."""
-    if key == "frequency":
-        return [value]
-    return u.SI(value) if isinstance(value, float) else value
 
 
 #: Most values of one axis, and most points of one study.
@@ -372,88 +230,3 @@ def _deviation(field: SceneField, text: str, mean: float, *, relative: bool) -> 
     if not found > 0.0:
         raise InputError(f"{where} must be above 0; write for example 2%")
     return found
-
-
-def with_tolerances(
-    values: dict[str, Any], vary: Sequence[str], *, sampled: bool
-) -> tuple[tuple[str, ...], list[str]]:
-    """Return the axes with ranges written out where a key stands alone, and what was drawn from.
-
-    Parameters
-    ----------
-    values : dict
-        The scene's values as they are written.
-    vary : sequence of str
-        The axes as they are written; none, and every key with a stated tolerance is one.
-    sampled : bool
-        Whether values are drawn.
-
-    Raises
-    ------
-    InputError
-        If nothing is known of a key's range, or nothing is drawn.
-    """
-    alone = [text for text in vary if "=" not in text and text.strip()]
-    if (vary and not alone) or not (vary or sampled):
-        return tuple(vary), []
-    for text in alone:
-        check_key(text.strip())
-    scene = checked_scene(values)
-    known = {key: spread for key, spread in ranges(scene).items() if spread.low < spread.high}
-    left: list[str] = []
-    if not vary:
-        stated = [key for key in scene.tolerances if key in known]
-        refused = {key: _refusal(values, key, known[key]) for key in stated}
-        alone = [key for key in stated if not refused[key]]
-        left = [f"{key} is not drawn: {why}" for key, why in refused.items() if why]
-        vary = alone
-        if not alone:
-            raise InputError(
-                "--sample is given, but nothing is varied and the scene states no tolerance; write "
-                'one, such as --set "bimorph.width=2.10 ± 0.05 mm", or --vary KEY'
-            )
-    drawn = {text: _known(text.strip(), known, sampled=sampled) for text in alone}
-    return (
-        tuple(
-            _toleranced_axis(text.strip(), drawn[text]) if text in drawn else text for text in vary
-        ),
-        [_line(text.strip(), spread) for text, spread in drawn.items()] + left,
-    )
-
-
-def _refusal(values: dict[str, Any], key: str, spread: Spread) -> str:
-    """Return why no scene has a key at an end of its range, such as a length with a profile."""
-    for end in (spread.low, spread.high):
-        moved = copy.deepcopy(values)
-        assign(moved, key, as_stated(key, end))
-        try:
-            checked_scene(moved)
-        except InputError as error:
-            return str(error)
-    return ""
-
-
-def _known(key: str, known: dict[str, Spread], *, sampled: bool) -> Spread:
-    if key not in known:
-        raise InputError(
-            f"--vary {quoted(key)} names no values, and the scene states no tolerance of it; write "
-            f"--vary {key}=VALUES, or a tolerance in the scene"
-        )
-    if not sampled:
-        raise InputError(
-            f"--vary {quoted(key)} names no values; write --vary {key}=VALUES, or add --sample 16 "
-            "to draw from its tolerance"
-        )
-    return known[key]
-
-
-def _toleranced_axis(key: str, spread: Spread) -> str:
-    unit = scene_field(key).unit
-    low, high = (f"{end!r} {unit}".strip() for end in (spread.low, spread.high))
-    return f"{key}={low}:{high}"
-
-
-def _line(key: str, spread: Spread) -> str:
-    field = scene_field(key)
-    low, high = field.show(spread.low), field.show(spread.high)
-    return f"{key} is drawn from {low} to {high} ({spread.reason})"

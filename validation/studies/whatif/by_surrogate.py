@@ -31,8 +31,8 @@ from tactgen.validation.engine.surrogate import (
 from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings
 from tactgen.validation.scene.nearby import ScenesNearby
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.axes import as_stated, scene_field
 from tactgen.validation.studies.whatif.questions import reason
+from tactgen.validation.studies.whatif.scene_field import as_stated, scene_field
 
 #: Values by key.
 Point = Mapping[str, Any]

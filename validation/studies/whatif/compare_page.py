@@ -13,7 +13,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import percent, prefixed
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.compare_sides import (
+from tactgen.validation.studies.whatif.compare import (
     NOTHING_SHARED,
     AnswerDifference,
     InputDifference,

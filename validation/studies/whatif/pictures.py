@@ -15,9 +15,10 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import prefixed
 from tactgen.validation.engine.answers import representative
-from tactgen.validation.studies.whatif.axes import Axis, scene_field
-from tactgen.validation.studies.whatif.files import heading
+from tactgen.validation.studies.whatif.axes import Axis
 from tactgen.validation.studies.whatif.run import Study
+from tactgen.validation.studies.whatif.scene_field import scene_field
+from tactgen.validation.studies.whatif.tables import heading
 from tactgen.validation.view.figures import (
     AMBER,
     BLUE,

@@ -21,7 +21,7 @@ from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.scene.files import choices, one_line
 from tactgen.validation.scene.nearby import ScenesNearby
 from tactgen.validation.scene.scene import Scene, checked_scene
-from tactgen.validation.studies.whatif.axes import as_stated
+from tactgen.validation.studies.whatif.scene_field import as_stated
 from tactgen.validation.studies.whatif.statement import Statement
 
 

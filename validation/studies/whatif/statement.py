@@ -5,8 +5,8 @@ from __future__ import annotations
 import copy
 import itertools
 import json
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -15,12 +15,9 @@ from typing import Any
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.units import quoted
-from tactgen.validation.catalogue.models import MODELS, all_given, gives
-from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
-from tactgen.validation.models.comparison import Choice, choose_for
-from tactgen.validation.scene.files import assign, choices
-from tactgen.validation.scene.scene import Scene, checked_scene
-from tactgen.validation.studies.whatif.axes import MOST, Axis, as_stated, parse_axes
+from tactgen.validation.scene.files import assign
+from tactgen.validation.studies.whatif.axes import MOST, Axis, parse_axes
+from tactgen.validation.studies.whatif.scene_field import as_stated
 
 #: Version of the file; another one is refused.
 FORMAT = 1
@@ -181,113 +178,3 @@ def read_statement(folder: Path) -> Statement:
 
 def _frozen(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
-
-
-#: Quick, and exact within their theories: of what the first gives it, of the rest the second.
-_USUAL = ("tmm", "network")
-
-
-def names_models(values: dict[str, Any], models: Sequence[str] | None, before: Statement) -> bool:
-    """Return whether options, the study that is gone on with, or the scene name a model."""
-    return bool(models or values.get("models") or (before.models and not before.by_accuracy))
-
-
-def chosen(
-    values: dict[str, Any],
-    models: Sequence[str] | None,
-    quantities: Sequence[str] | None,
-    before: Statement,
-) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return models and quantities by name.
-
-    As the options say; else as the study says that is gone on with, or the scene; else the
-    headline quantities of the lateral actuator, by the quick model that is exact within its
-    theory.
-
-    Raises
-    ------
-    InputError
-        For an unknown name, or models that give none of the quantities.
-    """
-    earlier = () if before.by_accuracy else before.models
-    stated_models = models or earlier or values.get("models")
-    stated_quantities = quantities or before.quantities or values.get("quantities")
-    by_name = _names(stated_models, tuple(MODELS), "model", "models") if stated_models else ()
-    if stated_quantities:
-        wanted = _names(stated_quantities, tuple(QUANTITIES), "quantity", "quantities")
-        if wanted == tuple(QUANTITIES):
-            wanted = all_given(by_name or _USUAL)
-        elif by_name:
-            wanted = tuple(q for q in wanted if any(gives(m, q) for m in by_name)) or wanted
-    else:
-        actuators = {MODELS[m].actuator for m in by_name} or {"bimorph"}
-        wanted = tuple(
-            q for actuator in ("bimorph", "reluctance") if actuator in actuators
-            for q in quantities_of(actuator) if QUANTITIES[q].headline
-        )  # fmt: skip
-    if not by_name:
-        by_name = tuple(dict.fromkeys(m for q in wanted for m in _USUAL if gives(m, q)))
-    idle = [m for m in by_name if not any(gives(m, q) for q in wanted)]
-    if idle:
-        raise InputError(
-            f"model {idle[0]} gives none of {', '.join(wanted)}; leave it out, or ask for "
-            f"something that it gives, such as {all_given((idle[0],))[0]}"
-        )
-    return by_name, wanted
-
-
-def _names(stated: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[str, ...]:
-    return choices(",".join(stated) if not isinstance(stated, str) else stated, known, kind, key)
-
-
-def asks_accuracy(statement: Statement) -> bool:
-    """Return whether an accuracy is stated, in the scene or as an axis."""
-    return "accuracy" in statement.values or any(a.key == "accuracy" for a in statement.axes)
-
-
-def under_contract(
-    statement: Statement, announce: Callable[[str], None] = lambda _: None
-) -> tuple[Statement, Choice]:
-    """Return the statement with the models that the accuracy asks for, and why these.
-
-    The models are judged at :func:`judged_points`, once for the whole study.
-
-    Raises
-    ------
-    InputError
-        If no model is known to meet the accuracy there, or none of these points makes a scene.
-    """
-    scenes: list[Scene] = []
-    refused = ""
-    for point in judged_points(statement):
-        try:
-            scenes.append(checked_scene(statement.scene_at(point)))
-        except InputError as error:
-            refused = refused or str(error)
-    if not scenes:
-        raise InputError(f"no point at the study's edges makes a scene: {refused}")
-    choice = choose_for(scenes, statement.quantities, announce)
-    return replace(statement, models=choice.models), choice
-
-
-def judged_points(statement: Statement) -> list[dict[str, Any]]:
-    """Return the points at which models are judged: the middle, and from it the end of each axis.
-
-    Of an axis of choices every one, of what is drawn the least and the largest of the samples.
-    What a model leaves out grows or falls along an axis, so that it is largest at an end.
-    """
-    shape = statement.shape
-    middle = {dimension: size // 2 for dimension, size in shape.items()}
-    places = [middle]
-    for dimension, values in statement.columns.values():
-        if any(isinstance(value, str) for value in values):
-            ends = list(range(len(values)))
-        else:
-            ends = [min(range(len(values)), key=values.__getitem__),
-                    max(range(len(values)), key=values.__getitem__)]  # fmt: skip
-        places += [{**middle, dimension: end} for end in ends]
-    different = {tuple(place.values()): place for place in places}
-    return [
-        {key: values[place[dimension]] for key, (dimension, values) in statement.columns.items()}
-        for place in different.values()
-    ]

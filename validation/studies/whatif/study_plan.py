@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.answers import Answer
+from tactgen.validation.engine.costs import stage_prospects, total
 from tactgen.validation.engine.plan import check_models, make_plan
-from tactgen.validation.engine.prospects import stage_prospects, total
 from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.studies.whatif.by_surrogate import find_parts
 from tactgen.validation.studies.whatif.questions import (

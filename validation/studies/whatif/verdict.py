@@ -20,8 +20,8 @@ from tactgen.validation.studies.whatif.aims import (
     at_threshold,
     parse_aim,
 )
-from tactgen.validation.studies.whatif.axes import scene_field
 from tactgen.validation.studies.whatif.run import Study
+from tactgen.validation.studies.whatif.scene_field import scene_field
 from tactgen.validation.studies.whatif.statement import Statement
 
 #: 97.5 % quantile of the normal distribution.

@@ -11,9 +11,9 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import COLUMNS
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.whatif import compare as sides
 from tactgen.validation.studies.whatif import compare_page as page
-from tactgen.validation.studies.whatif import compare_sides as sides
-from tactgen.validation.studies.whatif.compare_sides import (
+from tactgen.validation.studies.whatif.compare import (
     Key,
     Number,
     Side,
@@ -21,8 +21,8 @@ from tactgen.validation.studies.whatif.compare_sides import (
     as_values,
     read_sides,
 )
-from tactgen.validation.studies.whatif.files import TABLE
 from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.tables import TABLE
 from tactgen.validation.view import pictures
 
 KEY = Key((), "capacitance_free", "solid", "", "")

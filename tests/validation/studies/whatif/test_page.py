@@ -9,8 +9,8 @@ import pytest
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif import files as text_table
 from tactgen.validation.studies.whatif import page as pages
+from tactgen.validation.studies.whatif import tables as text_table
 from tactgen.validation.studies.whatif.page import write_page
 from tactgen.validation.studies.whatif.run import run_study
 from tactgen.validation.studies.whatif.statement import Statement

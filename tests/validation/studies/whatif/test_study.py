@@ -13,10 +13,10 @@ from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif import executor, questions
-from tactgen.validation.studies.whatif.files import dataset
 from tactgen.validation.studies.whatif.questions import Question
 from tactgen.validation.studies.whatif.run import run_study
 from tactgen.validation.studies.whatif.statement import Statement, read_statement
+from tactgen.validation.studies.whatif.tables import dataset
 
 
 def statement(

@@ -35,14 +35,14 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.geometry.files import writable_folder
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.export.files import scene_solids
-    from tactgen.validation.studies.whatif.compare_page import write_page
-    from tactgen.validation.studies.whatif.compare_sides import (
+    from tactgen.validation.studies.whatif.compare import (
         answer_differences,
         as_values,
         input_differences,
         lines,
         read_sides,
     )
+    from tactgen.validation.studies.whatif.compare_page import write_page
 
     out = writable_folder(Path(options.out)) if options.out is not None else None
     overrides = list(options.overrides)

@@ -87,14 +87,15 @@ def _search(options: argparse.Namespace) -> int:
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.scene.nearby import value_of
     from tactgen.validation.scene.scene import checked_scene, scene_values
-    from tactgen.validation.studies.whatif.optimum import (
+    from tactgen.validation.studies.whatif.request import chosen
+    from tactgen.validation.studies.whatif.search import (
         as_values,
         ranges_of,
         search,
         sentences,
         with_aims,
     )
-    from tactgen.validation.studies.whatif.statement import Statement, chosen
+    from tactgen.validation.studies.whatif.statement import Statement
     from tactgen.validation.studies.whatif.verdict import parse_aims
 
     for option in ("margin", "band", "lengths", "plot"):

@@ -181,8 +181,8 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
 def _write(
     folder: Path, study: Study, found: Verdict | None, announce: Callable[[str], None]
 ) -> None:
-    from tactgen.validation.studies.whatif.files import write_netcdf, write_tidy
     from tactgen.validation.studies.whatif.page import write_page
+    from tactgen.validation.studies.whatif.tables import write_netcdf, write_tidy
 
     write_tidy(folder, study)
     write_netcdf(folder, study)
@@ -193,7 +193,7 @@ def _write(
 def _show(
     options: argparse.Namespace, study: Study, found: Verdict | None, choice: Choice | None
 ) -> None:
-    from tactgen.validation.studies.whatif.files import table_lines
+    from tactgen.validation.studies.whatif.tables import table_lines
     from tactgen.validation.studies.whatif.verdict import as_values, sentences
 
     warnings = study.warnings

@@ -1,4 +1,4 @@
-"""What is compared: a scene or a study as its input and its numbers, each number by what it is."""
+"""Two scenes or two studies side by side: what differs in input, and in every answer."""
 
 from __future__ import annotations
 
@@ -16,14 +16,10 @@ from tactgen.geometry.formats import percent, with_bar
 from tactgen.validation.engine.answers import COLUMNS, quantity_rows
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene, checked_scene, load_scene, scene_values
-from tactgen.validation.studies.whatif.axes import scene_field
-from tactgen.validation.studies.whatif.files import TABLE
-from tactgen.validation.studies.whatif.statement import (
-    FILE,
-    Statement,
-    chosen,
-    read_statement,
-)
+from tactgen.validation.studies.whatif.request import chosen
+from tactgen.validation.studies.whatif.scene_field import scene_field
+from tactgen.validation.studies.whatif.statement import FILE, Statement, read_statement
+from tactgen.validation.studies.whatif.tables import TABLE
 
 #: Longest list of frequencies that is shown whole.
 _LISTED = 6

@@ -1,9 +1,9 @@
 """The values of some keys, each within a range, that meet all aims and serve the goal best.
 
-A few points spread over the ranges show where to begin; from the best of them scipy's COBYQA
-goes on, which takes bounds and conditions and needs no derivatives, since aims may have
-kinks.  Every point is an answer of the study: kept, and by a surrogate over the whole range
-of a model that takes long.
+A few points spread over the ranges show where to begin; from the best of them scipy's COBYQA goes
+on, which takes bounds and conditions and needs no derivatives, since aims may have kinks.  Every
+point is an answer of the study: kept, or by a surrogate over the whole range of a model that takes
+long.
 """
 
 from __future__ import annotations
@@ -22,11 +22,24 @@ from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.plan import check_models
 from tactgen.validation.studies.whatif.aims import Aim
-from tactgen.validation.studies.whatif.axes import scene_field
 from tactgen.validation.studies.whatif.run import StudySolver
+from tactgen.validation.studies.whatif.scene_field import scene_field
 from tactgen.validation.studies.whatif.statement import Statement
 from tactgen.validation.studies.whatif.verdict import Judged, felt_at, judged, shown
 
+#: Share of a range that counts as its end.
+_END = 1e-4
+#: Most points, for each range, that a search takes from one start.
+_STEPS = 40
+#: Share of the ranges to which the place is found.
+_FINE = 1e-5
+#: Points that are spread over one range, and over more for each of them.
+_ALONE, _EACH = 17, 16
+#: From how many of them the search goes on at most.
+_STARTS = 2
+#: Starts closer than this in shares of the ranges would lead to the same place.
+_NEIGHBOUR = 0.25
+_SEED = 1
 #: Two ends, perhaps with their spacing, and no count.
 _RANGE = re.compile(r"[^:]+:[^:]+(:\s*(log|lin)\s*)?")
 
@@ -88,10 +101,6 @@ def ranges_of(statement: Statement) -> tuple[Range, ...]:
             )
         found.append(Range(axis.key, drawn.first, drawn.second, drawn.kind == "loguniform"))
     return tuple(found)
-
-
-#: Share of a range that counts as its end.
-_END = 1e-4
 
 
 @dataclass(frozen=True)
@@ -185,12 +194,6 @@ def sentences(found: Found) -> list[str]:
     among = f", {found.interpolated} of their answers interpolated" if found.interpolated else ""
     lines.append(f"{found.tried} points tried{among}.")
     return lines
-
-
-#: Most points, for each range, that a search takes from one start.
-_STEPS = 40
-#: Share of the ranges to which the place is found.
-_FINE = 1e-5
 
 
 @dataclass
@@ -294,15 +297,6 @@ class Points:
 
     def _announced(self, text: str) -> None:
         self.announce(f"{len(self.tried)} points tried: {text}")
-
-
-#: Points that are spread over one range, and over more for each of them.
-_ALONE, _EACH = 17, 16
-#: From how many of them the search goes on at most.
-_STARTS = 2
-#: Starts closer than this in shares of the ranges would lead to the same place.
-_NEIGHBOUR = 0.25
-_SEED = 1
 
 
 def search(

@@ -1,0 +1,216 @@
+"""What a study asks where its statement is silent.
+
+Models and quantities that are not named, ranges from the tolerances that a scene states, and the
+cheapest models known to meet an accuracy.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from tactgen.geometry.device.materials import Spread
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import quoted
+from tactgen.validation.catalogue.models import MODELS, all_given, gives
+from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
+from tactgen.validation.models.comparison import Choice, choose_for
+from tactgen.validation.scene.files import assign, choices
+from tactgen.validation.scene.parameter_list import ranges
+from tactgen.validation.scene.scene import Scene, check_key, checked_scene
+from tactgen.validation.studies.whatif.scene_field import as_stated, scene_field
+from tactgen.validation.studies.whatif.statement import Statement
+
+#: Quick, and exact within their theories: of what the first gives it, of the rest the second.
+_USUAL = ("tmm", "network")
+
+
+def names_models(values: dict[str, Any], models: Sequence[str] | None, before: Statement) -> bool:
+    """Return whether options, the study that is gone on with, or the scene name a model."""
+    return bool(models or values.get("models") or (before.models and not before.by_accuracy))
+
+
+def chosen(
+    values: dict[str, Any],
+    models: Sequence[str] | None,
+    quantities: Sequence[str] | None,
+    before: Statement,
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return models and quantities by name.
+
+    As the options say; else as the study says that is gone on with, or the scene; else the
+    headline quantities of the lateral actuator, by the quick model that is exact within its
+    theory.
+
+    Raises
+    ------
+    InputError
+        For an unknown name, or models that give none of the quantities.
+    """
+    earlier = () if before.by_accuracy else before.models
+    stated_models = models or earlier or values.get("models")
+    stated_quantities = quantities or before.quantities or values.get("quantities")
+    by_name = _names(stated_models, tuple(MODELS), "model", "models") if stated_models else ()
+    if stated_quantities:
+        wanted = _names(stated_quantities, tuple(QUANTITIES), "quantity", "quantities")
+        if wanted == tuple(QUANTITIES):
+            wanted = all_given(by_name or _USUAL)
+        elif by_name:
+            wanted = tuple(q for q in wanted if any(gives(m, q) for m in by_name)) or wanted
+    else:
+        actuators = {MODELS[m].actuator for m in by_name} or {"bimorph"}
+        wanted = tuple(
+            q for actuator in ("bimorph", "reluctance") if actuator in actuators
+            for q in quantities_of(actuator) if QUANTITIES[q].headline
+        )  # fmt: skip
+    if not by_name:
+        by_name = tuple(dict.fromkeys(m for q in wanted for m in _USUAL if gives(m, q)))
+    idle = [m for m in by_name if not any(gives(m, q) for q in wanted)]
+    if idle:
+        raise InputError(
+            f"model {idle[0]} gives none of {', '.join(wanted)}; leave it out, or ask for "
+            f"something that it gives, such as {all_given((idle[0],))[0]}"
+        )
+    return by_name, wanted
+
+
+def _names(stated: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[str, ...]:
+    return choices(",".join(stated) if not isinstance(stated, str) else stated, known, kind, key)
+
+
+def with_tolerances(
+    values: dict[str, Any], vary: Sequence[str], *, sampled: bool
+) -> tuple[tuple[str, ...], list[str]]:
+    """Return the axes with ranges written out where a key stands alone, and what was drawn from.
+
+    Parameters
+    ----------
+    values : dict
+        The scene's values as they are written.
+    vary : sequence of str
+        The axes as they are written; none, and every key with a stated tolerance is one.
+    sampled : bool
+        Whether values are drawn.
+
+    Raises
+    ------
+    InputError
+        If nothing is known of a key's range, or nothing is drawn.
+    """
+    alone = [text for text in vary if "=" not in text and text.strip()]
+    if (vary and not alone) or not (vary or sampled):
+        return tuple(vary), []
+    for text in alone:
+        check_key(text.strip())
+    scene = checked_scene(values)
+    known = {key: spread for key, spread in ranges(scene).items() if spread.low < spread.high}
+    left: list[str] = []
+    if not vary:
+        stated = [key for key in scene.tolerances if key in known]
+        refused = {key: _refusal(values, key, known[key]) for key in stated}
+        alone = [key for key in stated if not refused[key]]
+        left = [f"{key} is not drawn: {why}" for key, why in refused.items() if why]
+        vary = alone
+        if not alone:
+            raise InputError(
+                "--sample is given, but nothing is varied and the scene states no tolerance; write "
+                'one, such as --set "bimorph.width=2.10 ± 0.05 mm", or --vary KEY'
+            )
+    drawn = {text: _known(text.strip(), known, sampled=sampled) for text in alone}
+    return (
+        tuple(_axis(text.strip(), drawn[text]) if text in drawn else text for text in vary),
+        [_line(text.strip(), spread) for text, spread in drawn.items()] + left,
+    )
+
+
+def _refusal(values: dict[str, Any], key: str, spread: Spread) -> str:
+    """Return why no scene has a key at an end of its range, such as a length with a profile."""
+    for end in (spread.low, spread.high):
+        moved = copy.deepcopy(values)
+        assign(moved, key, as_stated(key, end))
+        try:
+            checked_scene(moved)
+        except InputError as error:
+            return str(error)
+    return ""
+
+
+def _known(key: str, known: dict[str, Spread], *, sampled: bool) -> Spread:
+    if key not in known:
+        raise InputError(
+            f"--vary {quoted(key)} names no values, and the scene states no tolerance of it; write "
+            f"--vary {key}=VALUES, or a tolerance in the scene"
+        )
+    if not sampled:
+        raise InputError(
+            f"--vary {quoted(key)} names no values; write --vary {key}=VALUES, or add --sample 16 "
+            "to draw from its tolerance"
+        )
+    return known[key]
+
+
+def _axis(key: str, spread: Spread) -> str:
+    unit = scene_field(key).unit
+    low, high = (f"{end!r} {unit}".strip() for end in (spread.low, spread.high))
+    return f"{key}={low}:{high}"
+
+
+def _line(key: str, spread: Spread) -> str:
+    field = scene_field(key)
+    low, high = field.show(spread.low), field.show(spread.high)
+    return f"{key} is drawn from {low} to {high} ({spread.reason})"
+
+
+def asks_accuracy(statement: Statement) -> bool:
+    """Return whether an accuracy is stated, in the scene or as an axis."""
+    return "accuracy" in statement.values or any(a.key == "accuracy" for a in statement.axes)
+
+
+def under_contract(
+    statement: Statement, announce: Callable[[str], None] = lambda _: None
+) -> tuple[Statement, Choice]:
+    """Return the statement with the models that the accuracy asks for, and why these.
+
+    The models are judged at :func:`judged_points`, once for the whole study.
+
+    Raises
+    ------
+    InputError
+        If no model is known to meet the accuracy there, or none of these points makes a scene.
+    """
+    scenes: list[Scene] = []
+    refused = ""
+    for point in judged_points(statement):
+        try:
+            scenes.append(checked_scene(statement.scene_at(point)))
+        except InputError as error:
+            refused = refused or str(error)
+    if not scenes:
+        raise InputError(f"no point at the study's edges makes a scene: {refused}")
+    choice = choose_for(scenes, statement.quantities, announce)
+    return replace(statement, models=choice.models), choice
+
+
+def judged_points(statement: Statement) -> list[dict[str, Any]]:
+    """Return the points at which models are judged: the middle, and from it the end of each axis.
+
+    Of an axis of choices every one, of what is drawn the least and the largest of the samples.
+    What a model leaves out grows or falls along an axis, so that it is largest at an end.
+    """
+    shape = statement.shape
+    middle = {dimension: size // 2 for dimension, size in shape.items()}
+    places = [middle]
+    for dimension, values in statement.columns.values():
+        if any(isinstance(value, str) for value in values):
+            ends = list(range(len(values)))
+        else:
+            ends = [min(range(len(values)), key=values.__getitem__),
+                    max(range(len(values)), key=values.__getitem__)]  # fmt: skip
+        places += [{**middle, dimension: end} for end in ends]
+    different = {tuple(place.values()): place for place in places}
+    return [
+        {key: values[place[dimension]] for key, (dimension, values) in statement.columns.items()}
+        for place in different.values()
+    ]
