@@ -276,7 +276,7 @@ def checked_scene(values: dict[str, Any]) -> Scene:
         raise InputError(sentence(error)) from None
     scene._tolerances = tolerances
     check_together(scene)
-    if "models" not in values:
+    if "models" not in values or scene.models == tuple(MODELS):  # none, or all of them
         scene = scene.model_copy(update={"models": _able_models(scene)})
     return scene
 
