@@ -21,7 +21,6 @@ PARTS = {
     "tmm": "bench_beam",
     "magnetics": "bench_reluctance",
     "piezo": "bench_solid",
-    "solver": "bench_solver",
     "skip": "bench_skip",
 }
 

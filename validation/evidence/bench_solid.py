@@ -8,26 +8,20 @@ one thread each.
 from __future__ import annotations
 
 import contextlib
-import importlib
 import math
 import os
 import platform
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from scipy import sparse
 
-from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.bricks import Bricks
-from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
-from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.validation.engine.error_bars import BRICK_FACTOR
+from tactgen.validation.evidence import bench_jobs
 from tactgen.validation.evidence.bench import (
     Bench,
     Point,
@@ -36,185 +30,10 @@ from tactgen.validation.evidence.bench import (
     front,
     time_at_error,
 )
+from tactgen.validation.evidence.bench_jobs import BRICKS, j1, job
 from tactgen.validation.evidence.one_core import on_one_core
 from tactgen.validation.evidence.peers import PEERS, missing, solve
-from tactgen.validation.evidence.peers.job import (
-    LAYERS,
-    Answer,
-    Clock,
-    Job,
-    Material,
-    answer,
-    bricks,
-)
-from tactgen.validation.scene.scene import Scene, load_scene
-
-#: Natural frequencies that are compared.
-MODES = 4
-#: Error asked of the reduction to ports, relative; far below the meshes' errors.
-_REDUCTION = 1e-6
-
-Kind = Literal["brick", "tetra"]
-
-#: The solid model's own family.
-BRICKS = "bricks of high order"
-
-
-def j1() -> Scene:
-    """Return the scene of the job."""
-    return load_scene("j1", [])[0]
-
-
-def job(
-    frequencies: Sequence[float] = (),
-    *,
-    kind: Kind = "brick",
-    order: int = 2,
-    through_piezo: int = 1,
-    through_shim: int = 1,
-    across: int = 2,
-    longest: float,
-    first: float,
-    growth: float = 4.0,
-    device: Device | None = None,
-) -> Job:
-    """Return job J1, or another device's, as plain numbers; with frequencies, its damped sweep."""
-    from tactgen.fem.piezo.system import materials
-
-    device = device or j1().device
-    regions = ("piezo_top", "shim")
-    exact, lossy = (
-        materials(device, regions, device.piezo.ceramic(), lossy=loss) for loss in (False, True)
-    )
-    bimorph = device.bimorph
-    return Job(
-        piezo_thickness=bimorph.piezo_thickness,
-        shim_thickness=bimorph.shim_thickness,
-        width=bimorph.width,
-        length=bimorph.length,
-        ceramic=_plain(exact["piezo_top"], lossy["piezo_top"]),
-        shim=_plain(exact["shim"], lossy["shim"]),
-        modes=MODES,
-        frequencies=list(frequencies),
-        kind=kind,
-        order=order,
-        through_piezo=through_piezo,
-        through_shim=through_shim,
-        across=across,
-        longest=longest,
-        first=first,
-        growth=growth,
-    )
-
-
-def _plain(exact: Any, lossy: Any) -> Material:
-    """Return a region's tensors as lists: the lossy ones hold the imaginary parts."""
-
-    def rows(values: Numbers) -> list[list[float]]:
-        return [[float(v) for v in row] for row in values]
-
-    empty: list[list[float]] = []
-    piezo, damped = exact.piezo, lossy.piezo
-    return Material(
-        stiffness=rows(lossy.c.real),
-        stiffness_loss=rows(lossy.c.imag),
-        coupling=rows(damped.e.real) if piezo else empty,
-        coupling_loss=rows(damped.e.imag) if piezo else empty,
-        permittivity=rows(damped.eps.real) if piezo else empty,
-        permittivity_loss=rows(damped.eps.imag) if piezo else empty,
-        density=exact.density,
-    )
-
-
-def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
-    """Solve the job (or, with frequencies, its sweep) on a mesh of one of our families."""
-    # imported before the clock starts: their time is the process's, not the mesh's
-    from tactgen.fem.piezo.solid import assemble
-    from tactgen.fem.solvers.linear_solver import available_solver, factorise
-
-    later_on = (
-        "scipy.sparse.linalg",
-        "tactgen.fem.piezo.krylov",
-        "tactgen.validation.models.bimorph.lowest_modes",
-    )
-    for later in later_on:
-        importlib.import_module(later)
-    # the solver's libraries come with its first call
-    factorise(sparse.csr_matrix(np.eye(2)))
-    solver = available_solver()
-    device, make = j1().device, FAMILIES[family]
-
-    clock = Clock()
-    mesh = make(device, fineness)
-    clock.stop("mesh")
-    system = assemble(device, mesh, lossy=bool(frequencies))
-    clock.stop("assembly")
-    if frequencies:
-        values = _sweep(system, frequencies)
-        clock.stop("sweep")
-        return answer(clock, system.size, solver, sweep=values)
-    _ = system.held_factor
-    clock.stop("factor")
-    static = _static(system)
-    clock.stop("solve")
-    natural = _natural(device, mesh, system)
-    clock.stop("eigen")
-    return answer(clock, system.size, solver, static=static, natural=natural)
-
-
-def _static(system: Any) -> tuple[float, float]:
-    """Return deflection and capacitance of the clamped, free bimorph."""
-    from tactgen.fem.piezo.ports import static_multiport
-    from tactgen.geometry.bimorph.ends import Ends
-    from tactgen.tmm.ports.elements import attach
-    from tactgen.tmm.ports.multiport import respond
-
-    response = respond(attach(static_multiport(system), Ends()), {"voltage": 1.0})
-    return float(response.motion["w_tip"][0].real), float(response.effort["voltage"][0].real)
-
-
-def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
-    """Return the natural frequencies; a coarse mesh says which classes of motion they are in."""
-    from tactgen.fem.piezo.modes import natural_modes
-    from tactgen.fem.piezo.solid import assemble
-    from tactgen.geometry.bimorph.ends import Ends
-    from tactgen.validation.models.bimorph.lowest_modes import (
-        coarse_modes,
-        fine_modes,
-        lowest_modes,
-    )
-
-    clamped = Ends()
-    if not isinstance(mesh, Bricks):
-        return [mode.frequency for mode in natural_modes(system, clamped, MODES)]
-    below = coarse_modes(assemble(device, scout(device), lossy=False), MODES)
-    above = fine_modes(system, below, MODES)
-    found, _ = lowest_modes(above, below, clamped, MODES, open_circuit=False)
-    return [mode.frequency for mode in found][:MODES]
-
-
-def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
-    """Return the complex deflection by reduction to ports."""
-    from tactgen.fem.piezo.krylov import reduce_to_ports
-    from tactgen.geometry.bimorph.ends import Ends
-    from tactgen.tmm.ports.elements import attach
-    from tactgen.tmm.ports.multiport import respond
-
-    f = np.array(frequencies)
-    port = reduce_to_ports(system, f, tolerance=_REDUCTION).multiport(f)
-    response = respond(attach(port, Ends()), {"voltage": 1.0})
-    return [complex(w) for w in response.motion["w_tip"]]
-
-
-#: Mesh of each of our families from a device and a fineness.  Another one is one line.
-FAMILIES: dict[str, Callable[[Device, Any], Mesh | Bricks]] = {
-    BRICKS: lambda device, level: high_order(device, level),  # noqa: PLW0108  (defined below)
-    "hexahedra of 27 nodes": lambda device, sizes: second_order(device, *sizes),
-    "hexahedra of 20 nodes": lambda _, fineness: hexahedra(fineness),
-    "structured P2 tetrahedra": lambda _, fineness: structured_tetrahedra(fineness),
-    "tetwild P2 tetrahedra": lambda device, edges: free_tetrahedra(device, *edges),
-}
-
+from tactgen.validation.evidence.peers.job import Answer, Job
 
 #: Solves J1, or J2 at the frequencies (Hz) given.
 Solve = Callable[[list[float]], Answer]
@@ -265,7 +84,7 @@ def own(family: str, fineness: Any) -> Solve:
     """Return how one of our families solves the jobs at a fineness."""
 
     def run(frequencies: list[float]) -> Answer:
-        found: Answer = on_one_core(__name__, "solve_own", family, fineness, frequencies)
+        found: Answer = on_one_core(bench_jobs.__name__, "solve_own", family, fineness, frequencies)
         return found
 
     return run
@@ -542,82 +361,3 @@ One process with one thread per row, processor time; compute excludes starting P
 numpy {np.__version__}, {platform.machine()}.
 """
     return " ".join([*sentences.split(), *(f"{sentence}." for sentence in absent)])
-
-
-#: Six tetrahedra of a brick, all around its diagonal from corner 0 to corner 6.
-_TETS = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
-
-
-def high_order(device: Device, level: int) -> Bricks:
-    """Return the bricks of high order of a level of the solid model's own family."""
-    return bimorph_bricks(device, LEVELS[level])
-
-
-def second_order(
-    device: Device, through: int, side: float, smallest: float, longest: float
-) -> Bricks:
-    """Return bricks of degree 2, which are hexahedra of 27 nodes, on the quarter.
-
-    `through` a ceramic layer; `side`, `smallest` and `longest` as of a BrickMeshing.
-    """
-    layers = (1.0 / through,) * through
-    meshing = BrickMeshing(
-        (2, 2, 2), layers, side=side, smallest=smallest, tip=smallest, longest=longest,
-        pieces=(10.0, 1e3), growth=3.0,
-    )  # fmt: skip
-    return bimorph_bricks(device, meshing)
-
-
-def scout(device: Device) -> Bricks:
-    """Return so few bricks that asking them which modes are the lowest costs next to nothing.
-
-    Two along the length, of degree 5: two percent off, where its modes lie tens apart.
-    """
-    whole = 1e3  # so long at both ends that nothing is left between them
-    return bimorph_bricks(device, BrickMeshing((2, 2, 5), smallest=whole, tip=whole))
-
-
-def hexahedra(job: Job) -> Mesh:
-    """Return the job's grid of bricks as hexahedra."""
-    grid = bricks(job)
-    faces: dict[str, list[Ints]] = {}
-    for face in grid.faces():
-        if face.name != "side" and face.quads.size:
-            name = face.name
-            if name in ("outer", "inner"):
-                name = f"electrode_{LAYERS[face.layer].removeprefix('piezo_')}_{name}"
-            faces.setdefault(name, []).append(face.quads)
-    return Mesh(
-        points=grid.points,
-        cells=grid.cells,
-        kind="hexahedron",
-        region_of_cell=grid.layer,
-        regions=LAYERS,
-        faces={name: np.concatenate(parts) for name, parts in faces.items()},
-    )
-
-
-def structured_tetrahedra(job: Job) -> Mesh:
-    """Return the job's grid with every brick cut into six tetrahedra."""
-    mesh = hexahedra(job)
-    return Mesh(
-        points=mesh.points,
-        cells=mesh.cells[:, _TETS].reshape(-1, 4),
-        kind="tetra",
-        region_of_cell=np.repeat(mesh.region_of_cell, len(_TETS)),
-        regions=mesh.regions,
-        faces={name: _triangles(quads) for name, quads in mesh.faces.items()},
-    )
-
-
-def _triangles(quads: Ints) -> Ints:
-    """Cut quadrilaterals as the tetrahedra do: along lowest to highest corner."""
-    start = np.argmin(quads, axis=1)
-    a, b, c, d = (quads[np.arange(len(quads)), (start + turn) % 4] for turn in range(4))
-    return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-
-
-def free_tetrahedra(device: Device, root: float, far: float) -> Mesh:
-    """Return the tetwild mesh with edges of `root` at the clamp and `far` elsewhere (m)."""
-    options = TetMeshing(edge_length=far, root_edge_length=root)
-    return tetrahedralise(device, "alone", LAYERS, options)

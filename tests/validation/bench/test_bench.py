@@ -10,15 +10,12 @@ from pathlib import Path
 from types import SimpleNamespace
 from unittest.mock import Mock
 
-import numpy as np
 import pytest
 
-from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.evidence import bench as command
 from tactgen.validation.evidence import bench_beam as beam
 from tactgen.validation.evidence import bench_reluctance as magnetics
-from tactgen.validation.evidence import bench_solver as solver
 from tactgen.validation.evidence import one_core
 from tactgen.validation.evidence.bench import Bench, Target, Timing, time_error_plot
 from tactgen.validation.evidence.one_core import on_one_core, peak_memory
@@ -61,14 +58,6 @@ def test_memory_without_proc_is_what_getrusage_counts(monkeypatch, system, unit)
     monkeypatch.setattr(resource, "getrusage", lambda who: said)
     monkeypatch.setattr(one_core.sys, "platform", system)
     assert peak_memory() == 7 * unit
-
-
-@pytest.mark.parametrize("unknowns", [15_000, 26_000])
-def test_bricks_of_the_solver_are_as_many_as_asked(unknowns):
-    """But for one brick along z (340 unknowns at two layers)."""
-    bricks = solver._bricks(Device(), unknowns)
-    inside = bricks.nodes_of("piezo") & ~np.logical_or(*bricks.electrodes())
-    assert 3 * bricks.used().sum() + inside.sum() == pytest.approx(unknowns, abs=340)
 
 
 def test_memory_of_a_million_points():
@@ -225,30 +214,3 @@ def test_unknown_part_is_refused():
     """With the nearest known name."""
     with pytest.raises(InputError, match='did you mean "tmm"'):
         command.run(options(only=["tm"]))
-
-
-def test_a_measurement_that_fails_takes_no_other_along(monkeypatch):
-    """What does not fit into memory is named under the table; the rest is there."""
-    row = {"unknowns": 9, "entries": 81, solver._FIRST: 3.0, solver._AGAIN: 1.0, solver._SOLVE: 0.1,
-           "memory": 1e9, "error": 1e-9, "negative": 2}  # fmt: skip
-
-    def alone(_, function, *arguments):
-        if function == "measured" and arguments[1] == "superlu":
-            raise InputError("out of memory")
-        return 2 if function == "write_matrix" else dict(row)
-
-    monkeypatch.setattr(solver, "on_one_core", alone)
-    part = solver.run(quick=True, announce=lambda _: None)
-    assert "superlu, real, 50,000: out of memory" in part.conditions
-    assert not any("superlu" in timing.path for timing in part.timings)
-
-
-def test_a_part_without_a_measurement_is_refused(monkeypatch):
-    """If nothing fits into memory, one sentence says so."""
-
-    def alone(*_):
-        raise InputError("out of memory")
-
-    monkeypatch.setattr(solver, "on_one_core", alone)
-    with pytest.raises(InputError, match=r"Not measured: .*out of memory"):
-        solver.run(quick=True, announce=lambda _: None)

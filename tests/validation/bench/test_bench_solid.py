@@ -10,8 +10,8 @@ import pytest
 from tactgen.fem.piezo.system import materials
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.evidence import bench as command
-from tactgen.validation.evidence import bench_solid as jobs
-from tactgen.validation.evidence import bench_solid as meshes
+from tactgen.validation.evidence import bench_jobs as jobs
+from tactgen.validation.evidence import bench_jobs as meshes
 from tactgen.validation.evidence import bench_solid as solid
 from tactgen.validation.evidence import peers
 from tactgen.validation.evidence.bench import (

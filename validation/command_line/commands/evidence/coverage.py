@@ -6,7 +6,11 @@ import argparse
 from pathlib import Path
 
 from tactgen.validation.command_line.commands.common import Commands
-from tactgen.validation.command_line.commands.evidence.seed import say_seed, seed_of, seed_option
+from tactgen.validation.command_line.commands.evidence.part_runs import (
+    say_seed,
+    seed_of,
+    seed_option,
+)
 from tactgen.validation.command_line.streams import print_json
 from tactgen.validation.command_line.study_options import whole_number
 

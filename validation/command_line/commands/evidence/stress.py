@@ -10,8 +10,10 @@ from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.commands.evidence.part_runs import (
     add_part_command,
     run_and_show,
+    say_seed,
+    seed_of,
+    seed_option,
 )
-from tactgen.validation.command_line.commands.evidence.seed import say_seed, seed_of, seed_option
 
 if TYPE_CHECKING:
     from tactgen.validation.evidence.stress import Stress
