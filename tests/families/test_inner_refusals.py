@@ -29,7 +29,9 @@ from tactgen.tmm.harmonic_balance import steady as free_oscillation
 from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
 from tactgen.tmm.reluctance import flux_ladder
 from tactgen.validation.evidence.peers import sfepy
-from tactgen.validation.models.amplitude import backbone, deflection, held_head
+from tactgen.validation.models import backbone
+from tactgen.validation.models import rocking as deflection
+from tactgen.validation.models import rocking as held_head
 from tactgen.validation.models.display.spread import spread
 from tactgen.validation.scene import frequencies
 from tactgen.validation.scene.scene import load_scene

@@ -6,7 +6,7 @@ from functools import partial
 
 from tactgen.validation.checks import amplitude_measurements as m
 from tactgen.validation.checks.row import Check
-from tactgen.validation.models.amplitude.held_head import State
+from tactgen.validation.models.rocking import State
 
 _NLVIB = "NLvib, example 01 (Krack and Gross): digits that 7 and 15 harmonics share"
 _ELLIPTIC = "closed form, elliptic integral of the first kind"

@@ -11,13 +11,15 @@ from tactgen.tmm.generator.rocking import RockingHead
 from tactgen.tmm.harmonic_balance.balance import Orbit
 from tactgen.tmm.harmonic_balance.continuation import Branch, folds, peaks
 from tactgen.validation.checks.cases import oscillators
-from tactgen.validation.models.amplitude.backbone import response_branch, speed
-from tactgen.validation.models.amplitude.deflection import (
+from tactgen.validation.models.backbone import response_branch, speed
+from tactgen.validation.models.rocking import (
+    STATES,
     LoadedDeflection,
+    State,
+    held_head,
     loaded_deflection,
     voltage_for,
 )
-from tactgen.validation.models.amplitude.held_head import STATES, State, held_head
 from tactgen.validation.scene.scene import load_scene
 
 #: Where the paper swept the small signal (Hz).

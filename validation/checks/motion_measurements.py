@@ -19,8 +19,7 @@ from tactgen.validation.checks.cases.magnetics.actuator_field import field_point
 from tactgen.validation.engine.results import Estimate
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.generator.phases import Phase
-    from tactgen.validation.models.generator.transient import Simulation
+    from tactgen.validation.models.generator.transient import Phase, Simulation
     from tactgen.validation.scene.scene import Scene
 
 _ONE, _UNIT = np.ones(1), np.eye(1)
@@ -95,7 +94,7 @@ def fall_time() -> float:
 
 def _phase(name: str, after: float) -> Phase:
     """Return the first phase of a name that starts after a time (s)."""
-    from tactgen.validation.models.generator.phases import phases
+    from tactgen.validation.models.generator.transient import phases
 
     return next(p for p in phases(paper_run()) if p.name == name and p.start > after)
 
@@ -123,7 +122,7 @@ def held_to_pressed() -> float:
     By what two runs have in common whose drives are a quarter of a period apart: the smallest of
     all times held over the largest of all times pressed.
     """
-    from tactgen.validation.models.generator.phases import common_oscillation, phases
+    from tactgen.validation.models.generator.transient import common_oscillation, phases
 
     angles = (0.0, 0.5 * math.pi)
     runs = [_finger_run(angle) for angle in angles]
@@ -168,7 +167,7 @@ def _finger_run(angle: float = 0.0) -> Simulation:
 @lru_cache(maxsize=1)
 def _amplitudes() -> dict[str, float]:
     """Return the largest lateral amplitude (m) of each kind of phase, under the finger."""
-    from tactgen.validation.models.generator.phases import phases
+    from tactgen.validation.models.generator.transient import phases
 
     found = phases(_finger_run())
     names = {phase.name for phase in found}

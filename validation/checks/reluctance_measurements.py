@@ -31,7 +31,7 @@ from tactgen.validation.checks.cases.magnetics.actuator_field import field_point
 from tactgen.validation.checks.cases.magnetics.long_conductors import conductors
 from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential, ball_error
 from tactgen.validation.engine.results import Estimate
-from tactgen.validation.models.generator.judged_rod import rod_of
+from tactgen.validation.models.generator.small_signal import rod_of
 from tactgen.validation.scene.scene import load_scene
 
 #: Currents (A) and gaps (m) of the device at which force and flux linkage are compared: the

@@ -32,8 +32,7 @@ from tactgen.validation.engine.stages import Stages
 from tactgen.validation.evidence import random_devices
 from tactgen.validation.evidence.coverage import Judged, relative
 from tactgen.validation.evidence.random_devices import accepted, between
-from tactgen.validation.models.generator.judged_rod import JudgedRod, rod_by_network
-from tactgen.validation.models.generator.small_signal import SmallSignal
+from tactgen.validation.models.generator.small_signal import JudgedRod, SmallSignal, rod_by_network
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.scene.scene import Scene, load_scene
 

@@ -30,7 +30,7 @@ from tactgen.validation.evidence.stress_driven import (
     driven,
     families,
 )
-from tactgen.validation.models.generator.judged_rod import CELLS_AT_REST
+from tactgen.validation.models.generator.small_signal import CELLS_AT_REST
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.scene.scene import Scene, load_scene
 

@@ -151,7 +151,7 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
         _export_solids(scene, files, announce)
     if "mesh" in files:
         from tactgen.geometry.meshing.mesh_files import write_mesh
-        from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
+        from tactgen.validation.models.bimorph.cad import cells_of, mesh_pair
 
         announce("mesh")
         write_mesh(cells_of(mesh_pair(scene).meshes[0]), files["mesh"])

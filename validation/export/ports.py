@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tactgen.fem.piezo.port_model import PortModel
 from tactgen.geometry.files import written_whole
 from tactgen.tmm.generator.transient.machine import MachineStateSpace, machine_state_space
-from tactgen.validation.models.generator.judged_rod import rod_of
+from tactgen.validation.models.generator.small_signal import rod_of
 from tactgen.validation.models.generator.transient import scene_modes
 
 
@@ -51,7 +51,7 @@ def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
     """
     from tactgen.fem.piezo.reduction_files import made_from, reduced_solid, write_ports
     from tactgen.fem.piezo.state_space import write_state_space
-    from tactgen.validation.models.bimorph.meshes import mesh_pair
+    from tactgen.validation.models.bimorph.cad import mesh_pair
 
     mesh = mesh_pair(scene).meshes[0]
     frequencies = np.asarray(scene.frequency, dtype=float)

@@ -12,8 +12,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.validation.export.fields import write_steps
 from tactgen.validation.fields.gather import body_of
 from tactgen.validation.fields.result import Array
-from tactgen.validation.models.generator.phases import phases
-from tactgen.validation.models.generator.transient import Simulation
+from tactgen.validation.models.generator.transient import Simulation, phases
 from tactgen.validation.view.run.frames import Instant, run_frames, run_still
 from tactgen.validation.view.stills import save_film
 

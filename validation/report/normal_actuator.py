@@ -18,11 +18,14 @@ from tactgen.validation.engine.plan import Plan
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.comparison import ComparedRow, compare
-from tactgen.validation.models.generator.rod_loop import RodLoop, rod_loop
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
-from tactgen.validation.models.reluctance.model import MagneticModel, NetworkModel
-from tactgen.validation.models.reluctance.point import MagneticPoint
-from tactgen.validation.models.reluctance.switching import SwitchingCurrents
+from tactgen.validation.models.reluctance.model import (
+    MagneticModel,
+    NetworkModel,
+    RodLoop,
+    rod_loop,
+)
+from tactgen.validation.models.reluctance.switching import MagneticPoint, SwitchingCurrents
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint

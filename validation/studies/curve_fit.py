@@ -116,8 +116,7 @@ def _port(scene: Scene, frequencies: Floats) -> Multiport:
 
 
 def _of_machine(scene: Scene, port: Multiport, read: AnswerReadout) -> Complex:
-    from tactgen.validation.models.generator.judged_rod import JudgedRod, rod_of
-    from tactgen.validation.models.generator.small_signal import SmallSignal
+    from tactgen.validation.models.generator.small_signal import JudgedRod, SmallSignal, rod_of
 
     rod = JudgedRod(rod_of(scene, scene.pull))
     value: Complex = read.of(SmallSignal(scene, Refined(port, (), ""), rod)).value

@@ -19,8 +19,7 @@ from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER
 from tactgen.validation.fields.gather import body_of
-from tactgen.validation.models.generator.phases import phases
-from tactgen.validation.models.generator.transient import Simulation
+from tactgen.validation.models.generator.transient import Simulation, phases
 from tactgen.validation.scene.files import leaves
 from tactgen.validation.view.figures import AMBER, BLUE, GREEN, GREY, ORANGE, SKY, panels, svg
 from tactgen.validation.view.run.page import PHASES, Film, run_page

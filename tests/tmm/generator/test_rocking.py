@@ -13,8 +13,8 @@ from tactgen.tmm.harmonic_balance.steady import Resolution
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.port import BIMORPH
-from tactgen.validation.models.amplitude.held_head import held_head
 from tactgen.validation.models.five_port import five_port
+from tactgen.validation.models.rocking import held_head
 from tactgen.validation.scene.scene import load_scene
 
 UP = ("support.kind=contact", "coil.current=0mA", "models=tmm")

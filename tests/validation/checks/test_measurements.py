@@ -12,8 +12,8 @@ from tactgen.validation.checks import team20
 from tactgen.validation.checks.known import special_beams
 from tactgen.validation.checks.known.magnetics import iron
 from tactgen.validation.engine.results import Quantity
-from tactgen.validation.models.generator import phases as run_phases
-from tactgen.validation.models.generator.phases import Phase
+from tactgen.validation.models.generator import transient as run_phases
+from tactgen.validation.models.generator.transient import Phase
 
 
 @pytest.fixture

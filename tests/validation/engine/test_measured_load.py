@@ -8,7 +8,7 @@ from tactgen.tmm.ports.measured_load import OF_THE_TABLE
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.inputs import scene_warnings, values_read
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.tip_load import MeasuredLoad
+from tactgen.validation.models.bimorph.model import MeasuredLoad
 from tactgen.validation.scene.scene import load_scene
 
 SPRING = ("load.kind=spring_damper", "load.stiffness=300N/m", "load.damping=0.5N*s/m")

@@ -48,7 +48,7 @@ def test_the_state_space_is_of_the_scenes_band_and_wiring(
     given = []
     reduced = SimpleNamespace(fine=Made(np.ones((3, 3))))
     monkeypatch.setattr(
-        "tactgen.validation.models.bimorph.meshes.mesh_pair",
+        "tactgen.validation.models.bimorph.cad.mesh_pair",
         lambda scene: SimpleNamespace(meshes=("fine", "coarse")),
     )
     monkeypatch.setattr(

@@ -12,8 +12,7 @@ from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import as_json, solve
-from tactgen.validation.models.reluctance.point import MagneticPoint
-from tactgen.validation.models.reluctance.switching import switching_currents
+from tactgen.validation.models.reluctance.switching import MagneticPoint, switching_currents
 from tactgen.validation.scene.scene import load_scene
 
 #: A linear actuator: λ = C i/(g + G0), F = C i²/(2 (g + G0)²); its map is off by this factor.

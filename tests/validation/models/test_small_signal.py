@@ -13,7 +13,7 @@ from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.catalogue.quantities import quantities_of
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.generator.judged_rod import machine_of
+from tactgen.validation.models.generator.small_signal import machine_of
 from tactgen.validation.scene.scene import load_scene
 
 UP = ("support.kind=contact", "coil.current=0mA", "frequency=10,100,446,800,1000")

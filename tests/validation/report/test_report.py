@@ -24,7 +24,7 @@ from tactgen.geometry.formats import (
 )
 from tactgen.validation import report
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.models.bimorph.meshes import cells_of, mesh_pair
+from tactgen.validation.models.bimorph.cad import cells_of, mesh_pair
 from tactgen.validation.report.page import _with_pages, print_report, write_report
 from tactgen.validation.report.sections import length as length_section
 from tactgen.validation.report.sections.bimorph_figures import response_values

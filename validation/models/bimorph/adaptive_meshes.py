@@ -21,6 +21,7 @@ from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.tetwild.mesher import Mesher
 from tactgen.geometry.meshing.tetwild.sizing import Sizing, sizing_for
 from tactgen.validation.engine.error_bars import SAFETY, two_mesh_factor
+from tactgen.validation.models.bimorph.two_meshes import MeshPair
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ class Solved:
 
 
 @dataclass(frozen=True)
-class AdaptedPair:
+class AdaptedPair(MeshPair):
     """The last mesh of a refinement, and an earlier one to judge it by."""
 
     fine: Solved
@@ -116,24 +117,9 @@ class AdaptedPair:
         return self.fine.system, self.coarse.system
 
     @property
-    def lacking(self) -> None:
-        """Nothing: the coarser mesh judges the finer one."""
-        return
-
-    @property
-    def lacking_lossy(self) -> None:
-        """Nothing, either."""
-        return
-
-    @property
     def static_factor(self) -> float:
         """Error bar of static quantities per difference between the two meshes."""
         return self._factor(self._static, _MOST_GAIN)
-
-    @property
-    def response_factor(self) -> float:
-        """The same of the response."""
-        return self.static_factor
 
     @property
     def mode_factors(self) -> tuple[float, float]:

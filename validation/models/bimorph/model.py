@@ -1,17 +1,21 @@
-"""What the models of the lateral actuator have in common: the same ports, statics and modes."""
+"""Common base of the bimorph's models: the same ports, statics and modes; and the tip's load."""
 
 from __future__ import annotations
 
 import importlib
 from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.row_shape import CentreLine
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.ports.elements import tip_stiffness
+from tactgen.tmm.ports.measured_load import OF_THE_TABLE, MeasuredLaw
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.catalogue.models import MAPS
 from tactgen.validation.catalogue.row import Need
@@ -19,8 +23,35 @@ from tactgen.validation.engine.model import Model, Modes, Refined
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.difference import end_share
-from tactgen.validation.models.tip_load import MeasuredLoad
 from tactgen.validation.scene.scene import Scene
+
+#: Rounding of a formula.
+_ROUNDING = 1e-14
+
+
+@dataclass(frozen=True)
+class MeasuredLoad:
+    """The load of a scene over frequencies (Hz)."""
+
+    ends: Ends
+    frequencies: Floats
+
+    @property
+    def method(self) -> str:
+        """How the error bars come about."""
+        return OF_THE_TABLE if isinstance(self.ends.tip, MeasuredLaw) else "rounding of a formula"
+
+    @property
+    def impedance(self) -> Estimate:
+        """Force per velocity (n,) in N s/m; nan at 0 Hz, where nothing moves steadily."""
+        omega = 2.0 * np.pi * np.where(self.frequencies > 0.0, self.frequencies, np.nan)
+        # a real division: of complex numbers by nan numpy warns
+        value = tip_stiffness(self.ends.tip, self.frequencies) * (-1j * (1.0 / omega))
+        bar = _ROUNDING * np.abs(value)
+        if isinstance(self.ends.tip, MeasuredLaw):
+            bar = bar + self.ends.tip.error(self.frequencies) / omega
+        return Estimate(value, bar)
+
 
 #: Share of a value from which on an answer by beam theory is given with a warning.
 _STUBBY = 0.1
@@ -49,8 +80,11 @@ class BimorphModel(Model):
 
     def _machine(self, need: Need) -> Any:
         """Return the machine's answer, with this bimorph on its rod."""
-        from tactgen.validation.models.generator.judged_rod import machine_of
-        from tactgen.validation.models.generator.small_signal import SmallSignal, measured_poles
+        from tactgen.validation.models.generator.small_signal import (
+            SmallSignal,
+            machine_of,
+            measured_poles,
+        )
 
         pull = importlib.import_module(MAPS).map_of(self.scene, self.stages)
         linear = self.run("machine", lambda: machine_of(self.scene, pull))

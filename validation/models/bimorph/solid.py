@@ -14,7 +14,7 @@ from tactgen.geometry.device.checks import check_bonded, check_constant_section
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.error_bars import SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES
-from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+from tactgen.validation.models.bimorph.two_meshes import MeshPair, TwoMeshModel
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -57,21 +57,26 @@ class SolidModel(TwoMeshModel):
 
 
 @dataclass(frozen=True)
-class BrickPair:
+class BrickPair(MeshPair):
     """Bricks of two neighbouring levels; the coarser says how many modes of each class are low.
 
     The error is estimated by the polynomials of one degree more that the finer ones lack.
     """
 
     device: Device
-    meshes: tuple[Bricks, Bricks]
+    bricks: tuple[Bricks, Bricks]
+
+    @property
+    def meshes(self) -> tuple[Bricks, Bricks]:
+        """The finer and the coarser bricks."""
+        return self.bricks
 
     @cached_property
     def systems(self) -> tuple[SolidSystem, SolidSystem]:
         """The lossless systems on the finer and the coarser mesh."""
         from tactgen.fem.piezo.solid import assemble
 
-        fine, coarse = (assemble(self.device, mesh, lossy=False) for mesh in self.meshes)
+        fine, coarse = (assemble(self.device, mesh, lossy=False) for mesh in self.bricks)
         return fine, coarse
 
     @cached_property
@@ -79,37 +84,22 @@ class BrickPair:
         """Estimator space of each class of motion."""
         from tactgen.fem.piezo.brick_error import BrickSurplus
 
-        return cache(BrickSurplus(self.device, self.meshes[0]).of)
+        return cache(BrickSurplus(self.device, self.bricks[0]).of)
 
     @property
     def lacking_lossy(self) -> Callable[[], Surplus]:
         """The same with losses, of bending in x: for the response."""
         from tactgen.fem.piezo.brick_error import BrickSurplus
 
-        return lambda: BrickSurplus(self.device, self.meshes[0], lossy=True).of("bending_x")
+        return lambda: BrickSurplus(self.device, self.bricks[0], lossy=True).of("bending_x")
 
     @property
     def static_factor(self) -> float:
         """Error of all answers per difference from the estimate."""
         b = self.device.bimorph
         inside = max(b.tab_length, b.glue_thickness, b.bare_below, b.bare_above) > 0.0
-        inside |= self.meshes[0].held == "shim"
+        inside |= self.bricks[0].held == "shim"
         return SURPLUS_FACTOR_AT_EDGES if inside else SURPLUS_FACTOR
-
-    @property
-    def response_factor(self) -> float:
-        """The same of the response."""
-        return self.static_factor
-
-    @property
-    def static_share(self) -> float:
-        """Relative error that static quantities and the response count with besides: none."""
-        return 0.0
-
-    @property
-    def mode_factors(self) -> tuple[float, float]:
-        """The same of frequencies: of bending in x, and of the other classes of motion."""
-        return self.static_factor, self.static_factor
 
     @property
     def method(self) -> str:

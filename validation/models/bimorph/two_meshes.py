@@ -5,22 +5,23 @@ What the models solid (bricks) and cad (tetrahedra of the CAD solids) have in co
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tactgen.fem.piezo.symmetry import Motion
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.engine.error_bars import SAFETY
+from tactgen.validation.engine.error_bars import SAFETY, least_difference
 from tactgen.validation.engine.model import Modes, Refined
-from tactgen.validation.models.bimorph.at_rest import least_at_rest
 from tactgen.validation.models.bimorph.lowest_modes import (
     MeshModes,
     all_modes,
@@ -38,48 +39,50 @@ if TYPE_CHECKING:
     from tactgen.fem.piezo.krylov import ReducedSolid
     from tactgen.fem.piezo.modal_reduction import BareMode, ModalModel
     from tactgen.fem.piezo.system import SolidSystem, Surplus
-    from tactgen.geometry.bimorph.bricks import Bricks
-    from tactgen.geometry.meshing.mesh import Mesh
 
 
-class MeshPair(Protocol):
-    """A finer mesh, a coarser one to judge it by, and what their difference says."""
+class MeshPair(ABC):
+    """A finer mesh, a coarser one, and how their difference becomes an error."""
 
     @property
+    @abstractmethod
     def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
         """The finer and the coarser mesh."""
 
     @property
+    @abstractmethod
     def systems(self) -> tuple[SolidSystem, SolidSystem]:
         """The lossless systems on them."""
 
     @property
     def lacking(self) -> Callable[[Motion], Surplus] | None:
-        """What gives functions that the finer mesh lacks, which then judge it."""
+        """Estimator space of the finer mesh by class of motion, where it is known."""
+        return None
 
     @property
     def lacking_lossy(self) -> Callable[[], Surplus] | None:
-        """What gives the same with losses, of bending in x, which then judge the response."""
+        """The same with losses, of bending in x."""
+        return None
 
     @property
+    @abstractmethod
     def static_factor(self) -> float:
-        """Error bar of static quantities per difference from what judges them."""
-
-    @property
-    def response_factor(self) -> float:
-        """Error bar of the response per difference from what judges it."""
+        """Error of statics and response per difference from the estimate or the coarser mesh."""
 
     @property
     def static_share(self) -> float:
-        """Relative error that static quantities count with at least, and the response besides."""
+        """Least relative error of static quantities, which the response adds."""
+        return 0.0
 
     @property
     def mode_factors(self) -> tuple[float, float]:
-        """The same of frequencies: of bending in x, and of the other classes of motion."""
+        """Error per difference of frequencies: bending in x, other classes of motion."""
+        return self.static_factor, self.static_factor
 
     @property
+    @abstractmethod
     def method(self) -> str:
-        """How the error bars come about, for the reader."""
+        """Origin of the error, for the reader."""
 
 
 @storable
@@ -181,7 +184,7 @@ class TwoMeshModel(BimorphModel):
             judges: tuple[Multiport, ...] = fine.richer_multiports(frequencies)
         else:
             judges = (self._reduction(1).multiport(frequencies),)
-        coarser = tuple((judge, pair.response_factor) for judge in judges)
+        coarser = tuple((judge, pair.static_factor) for judge in judges)
         coarser += ((fine.coarser_multiport(frequencies), SAFETY),)
         # a peak magnifies what the stiffness is off by Q
         rounding = self._rounding(fine.multiport(np.zeros(1)))
@@ -311,3 +314,28 @@ class TwoMeshModel(BimorphModel):
         """Return what rounding of the stiffness matrix does to the tip's static compliance."""
         compliance = np.linalg.inv(port.block("w_tip", "psi_tip").stiffness[0])[0, 0]
         return float(abs(compliance) * self.systems()[0].spurious_stiffness)
+
+
+def least_at_rest(fine: Multiport, coarse: Multiport) -> Floats:
+    """Return the relative difference (n,) that all at 0 Hz counts with at least.
+
+    Parameters
+    ----------
+    fine, coarse : Multiport
+        D(0) of n bimorphs without losses on the finer and on the coarser level.
+    """
+    return least_difference(_sizes(fine), _sizes(coarse))
+
+
+def _sizes(port: Multiport) -> Floats:
+    """Return sizes (n, 4) of what is read at 0 Hz on a held base.
+
+    The tip's compliance, its displacement per volt, the capacitance with the tip held and free.
+    """
+    held = port.block("w_tip", "psi_tip", "voltage").stiffness.real
+    compliance, moved = np.linalg.inv(held[:, :2, :2]), held[:, :2, 2]
+    per_volt = np.einsum("nij,nj->ni", compliance, moved)
+    clamped = held[:, 2, 2]
+    free = clamped - np.einsum("ni,ni->n", moved, per_volt)
+    sizes = np.stack([compliance[:, 0, 0], per_volt[:, 0], clamped, free], axis=1)
+    return np.asarray(np.abs(sizes))

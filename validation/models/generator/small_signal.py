@@ -1,8 +1,7 @@
-"""The machine's answers in small motions: a bimorph by any model on the rod where it rests.
+"""The machine in small motions: a bimorph by any model on its rod, linearised where it rests.
 
-What presses, pulls and induces is the co-energy map of the magnetic model that the scene asks for.
-The network itself is asked where the rod rests.  The bars hold the numerical error, not what the
-model leaves out of its theory.
+What pulls and induces is the magnetic model that the scene asks for: the network itself, solved
+there, or another model's co-energy map.  The errors are numerical, not those of the theory.
 """
 
 from __future__ import annotations
@@ -10,25 +9,268 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
-from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.bimorph.ends import Ends
+from tactgen.tmm.generator.positions import (
+    Pull,
+    RestingPlace,
+    axial_forces,
+    resting_place,
+    settled_place,
+)
 from tactgen.tmm.generator.small_signal import (
     Linearised,
+    Map,
     axial_poles,
     joined,
+    linearised,
     machine,
 )
+from tactgen.tmm.generator.transient.march import error_bar
 from tactgen.tmm.ports.elements import tip_stiffness
 from tactgen.tmm.ports.measured_load import disturbed
 from tactgen.tmm.ports.multiport import Multiport, in_series, respond, terminate
+from tactgen.tmm.reluctance.circuit import CELLS
+from tactgen.tmm.reluctance.coenergy_fit import thinned
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
+from tactgen.tmm.reluctance.network import DirectPull
 from tactgen.validation.engine.model import Refined
 from tactgen.validation.engine.reading import rounding_of_ports
 from tactgen.validation.engine.results import Estimate
-from tactgen.validation.models.generator.judged_rod import JudgedRod
 from tactgen.validation.scene.scene import Scene
+
+#: The model that is solved where the rod rests, and its ladder's cells there: twice the map's, as
+#: slopes in saturated steel converge unevenly where dB/dH changes from cell to cell.
+_NETWORK, CELLS_AT_REST = "network", 2 * CELLS
+#: Safety factor on what the observed order of the ladders tells: more than where one slope is
+#: judged, since errors of several may cancel in one of the ladders.  With 1.5, 9 of 240 impedances
+#: of random machines' coils lay outside.
+_SAFETY = 2.5
+#: Currents, and gaps, between which the slopes of two maps are compared around a place.
+_PLACES = 5
+
+
+class MachinePull(Pull, Map, Protocol):
+    """What the machine reads of a co-energy map: pull and slopes at a current (A) and gap (m)."""
+
+
+@dataclass(frozen=True)
+class _Scaled:
+    """A map with all that it says a little larger, by its errors in force and flux linkage."""
+
+    map: CoenergyMap
+    by: float
+    linkage_by: float
+
+    @property
+    def gap_limits(self) -> tuple[float, float]:
+        return self.map.gap_limits
+
+    def force(self, current: Floats | float, gap: Floats | float) -> Floats:
+        return self.by * self.map.force(current, gap)
+
+    def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        return self.by * self.map.force_gradient(current, gap)
+
+    def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        return self.by * self.map.motional_coefficient(current, gap)
+
+    def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
+        return self.linkage_by * self.map.incremental_inductance(current, gap)
+
+
+@dataclass(frozen=True)
+class JudgedRod:
+    """The rod in small motions, and by what its error is judged.
+
+    Attributes
+    ----------
+    fine : Linearised
+        The result.
+    method : str
+        How the error bar comes about, for the reader.
+    changed : tuple of (Linearised, float)
+        By poorer maps, each with what its distance counts; the bars add.
+    ladders : pair of Linearised, optional
+        By a ladder of half the cells, and of a quarter: the order is observed.
+    """
+
+    fine: Linearised
+    method: str = ""
+    changed: tuple[tuple[Linearised, float], ...] = ()
+    ladders: tuple[Linearised, Linearised] | None = None
+
+    def bar(self, of: Callable[[Linearised], Numbers | float]) -> Floats:
+        """Return the error bar of what `of` reads off the rod."""
+        value = np.asarray(of(self.fine))
+        found = np.zeros(value.shape)
+        for rod, counts in self.changed:
+            found = found + counts * np.abs(value - of(rod))
+        if self.ladders is not None:
+            half, quarter = (np.asarray(of(rod)) for rod in self.ladders)
+            found = found + error_bar(np.abs(half - quarter), np.abs(value - half), _SAFETY)
+        return found
+
+
+@dataclass(frozen=True)
+class HalvedMap:
+    """A map of half the samples, its slopes no closer to the whole map's than they are around.
+
+    At one point the slopes of both may agree by chance; on average over the cells next to it they
+    do not.  Of one current and gap at a time.
+    """
+
+    whole: CoenergyMap
+    half: CoenergyMap
+
+    @property
+    def gap_limits(self) -> tuple[float, float]:
+        """Those of the whole map (m)."""
+        return self.whole.gap_limits
+
+    def force(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return the pull of the half (N)."""
+        return self.half.force(current, gap)
+
+    def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return ∂F/∂g (N/m)."""
+        return self._slope("force_gradient", current, gap)
+
+    def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return ∂λ/∂g (V s/m)."""
+        return self._slope("motional_coefficient", current, gap)
+
+    def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Return ∂λ/∂i (H)."""
+        return self._slope("incremental_inductance", current, gap)
+
+    def _slope(self, name: str, current: Floats | float, gap: Floats | float) -> Floats:
+        def apart(i: Floats | float, g: Floats | float) -> Floats:
+            return np.asarray(getattr(self.half, name)(i, g) - getattr(self.whole, name)(i, g))
+
+        samples = self.whole.samples
+        around = apart(_around(samples.current, current)[:, None], _around(samples.gap, gap))
+        here = apart(current, gap)
+        size = np.maximum(np.abs(here), np.sqrt(np.mean(around**2)))
+        return np.asarray(getattr(self.whole, name)(current, gap) + np.copysign(size, here))
+
+
+def _around(points: Floats, at: Floats | float) -> Floats:
+    """Return places around one as far as the next samples are apart there, inside the range."""
+    k = int(np.clip(np.searchsorted(points, float(at)), 1, points.size - 1))
+    near = float(at) + (points[k] - points[k - 1]) * np.linspace(-1.0, 1.0, _PLACES)
+    return np.asarray(np.clip(near, points[0], points[-1]))
+
+
+def machine_of(scene: Scene, pull: CoenergyMap) -> JudgedRod:
+    """Return the rod about the place where it rests in a scene, and by what it is judged.
+
+    The network is solved there; of another model of the pull there is the map.
+
+    Raises
+    ------
+    InputError
+        If it rests nowhere, or the spring tips its head.
+    """
+    judged = judged_by_network if scene.map_model == _NETWORK else judged_by_map
+    return judged(scene, pull)
+
+
+def judged_by_network(scene: Scene, pull: CoenergyMap) -> JudgedRod:
+    """Return the rod by the network itself, judged by ladders of half and a quarter of the cells.
+
+    The map only says near which place the rod rests; refusals as :func:`machine_of`.
+    """
+    place = _rest(scene, pull)
+    fine, half, quarter = (
+        rod_by_network(scene, DirectPull(scene.device, CELLS_AT_REST // n, pull.gap_limits), place)
+        for n in (1, 2, 4)
+    )
+    method = f"observed order of the network solved there in {CELLS_AT_REST} cells, half, a quarter"
+    return JudgedRod(fine, method, ladders=(half, quarter))
+
+
+def judged_by_map(scene: Scene, pull: CoenergyMap) -> JudgedRod:
+    """Return the rod by a map, judged by that of half the samples and by one that is larger.
+
+    Larger by its stated errors: of the samples and of the fit; refusals as :func:`machine_of`.
+    """
+    fine = rod_about(scene, pull)
+    sparse, remains = thinned(pull)
+    own = _sample_error(pull, abs(scene.coil.current), _rest(scene, pull).lift + scene.gap)
+    between = pull.interpolation_error
+    larger = _Scaled(
+        pull,
+        1.0 + own + between.force,
+        1.0 + own + between.flux_linkage,
+    )
+    return JudgedRod(
+        fine,
+        f"half the change with half the samples of the map by the model {pull.samples.model}, of "
+        "slopes no less than around, and the map's stated errors",
+        ((rod_about(scene, HalvedMap(pull, sparse)), remains), (rod_about(scene, larger), 1.0)),
+    )
+
+
+def rod_of(scene: Scene, pull: CoenergyMap) -> Linearised:
+    """Return the rod of :func:`machine_of` alone, which costs a third; refusals as there."""
+    if scene.map_model == _NETWORK:
+        exact = DirectPull(scene.device, CELLS_AT_REST, pull.gap_limits)
+        return rod_by_network(scene, exact, _rest(scene, pull))
+    return rod_about(scene, pull)
+
+
+def rod_by_network(scene: Scene, exact: DirectPull, near: RestingPlace) -> Linearised:
+    """Return the rod by the network itself, solved where it rests close to a place.
+
+    If the network holds the rod nowhere close, as it may just before it pulls in, the place is
+    looked for anew.
+    """
+    current = abs(scene.coil.current)
+    forces = axial_forces(scene.device, exact, scene.load.normal_force)
+    place = settled_place(forces, current, near)
+    if place is None:
+        place = resting_place(forces, current, scene.coil.history)
+    return linearised(scene.device, scene.beam, place, current, exact)
+
+
+def of_rod(rod: JudgedRod, of: Callable[[Linearised], float]) -> Estimate:
+    """Return a number of the rod in small motions, with its bar."""
+    return Estimate(of(rod.fine), float(rod.bar(of)))
+
+
+def rod_about(scene: Scene, pull: MachinePull) -> Linearised:
+    """Return the rod about the place where it rests, by a map and with nothing to judge it by.
+
+    Raises
+    ------
+    InputError
+        As :func:`machine_of`.
+    """
+    current = abs(scene.coil.current)
+    return linearised(scene.device, scene.beam, _rest(scene, pull), current, pull)
+
+
+def _rest(scene: Scene, pull: MachinePull) -> RestingPlace:
+    forces = axial_forces(scene.device, pull, scene.load.normal_force)
+    return resting_place(forces, abs(scene.coil.current), scene.coil.history)
+
+
+def _sample_error(pull: CoenergyMap, current: float, gap: float) -> float:
+    """Return the largest relative error in force of the samples round a current (A) and gap (m)."""
+    samples = pull.samples
+    if samples.force_error is None:
+        return 0.0
+    # at no current there is no force to be wrong
+    first = max(int(np.searchsorted(samples.current, current, side="right")) - 1, 1)
+    near = max(int(np.searchsorted(samples.gap, gap)) - 1, 0)
+    some = slice(first, first + 2), slice(near, near + 2)
+    return float((samples.force_error[some] / np.abs(samples.force[some])).max())
+
 
 #: Rounding of the roots of a cubic whose roots lie apart.
 _ROUNDING = 1e-12

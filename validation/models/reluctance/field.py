@@ -22,8 +22,7 @@ from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.display.field import by_field  # its result may be in the store
 from tactgen.validation.models.reluctance.model import MagneticModel
-from tactgen.validation.models.reluctance.point import MagneticPoint
-from tactgen.validation.models.reluctance.switching import Solver
+from tactgen.validation.models.reluctance.switching import MagneticPoint, Solver
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:

@@ -1,33 +1,92 @@
-"""A model of the normal actuator: a point, a co-energy map, switching; and the network as one.
+"""Models of the normal actuator: a point, a co-energy map, switching; and the network as one.
 
-A point is one current at one gap.  The map covers the stroke.  The currents at which the
-rod moves are looked up in the map and then solved for at single points, whichever model it is.
+A point is one current at one gap.  The map covers the stroke.  Currents at which the rod moves are
+looked up in the map and then solved for at single points, whichever model it is.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.positions import PositionLoop, axial_forces, position_loop
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS
-from tactgen.validation.catalogue.row import Need
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.row import AnswerReadout, Need
 from tactgen.validation.engine.model import Model
 from tactgen.validation.engine.results import Estimate
-from tactgen.validation.models.reluctance.point import MagneticPoint
-from tactgen.validation.models.reluctance.rest import RestingState, resting_state
+from tactgen.validation.models.reluctance.rest import RestingState, position_bar, resting_state
 from tactgen.validation.models.reluctance.switching import (
+    MagneticPoint,
     Solver,
     SwitchingCurrents,
     switching_currents,
 )
-from tactgen.validation.models.reluctance.warnings import magnetic_warnings
 from tactgen.validation.scene.files import leaves
 from tactgen.validation.scene.scene import Scene
+
+#: Share of the iron beyond the end of its curve that is worth a word: less is a corner or two.
+WORTH_A_WORD = 0.01
+
+
+def magnetic_warnings(
+    model: str,
+    scene: Scene,
+    quantities: Sequence[str],
+    answer: Callable[[Need], Any],
+) -> tuple[str, ...]:
+    """Return what a model's answers to these quantities leave to say."""
+    found: list[str] = []
+    beyond = 0.0
+    of_stroke = _read_off("magnetic_map", quantities)
+    if of_stroke:
+        currents: SwitchingCurrents = answer("magnetic_map")
+        beyond = currents.beyond_table
+        missing = [name for name, read in of_stroke.items() if np.isnan(read.of(currents).value)]
+        if missing:
+            found.append(_unreached(model, scene, missing, currents.limit))
+    others: tuple[Need, ...] = ("magnetic_point", "rest")
+    for need in others:
+        if _read_off(need, quantities):
+            beyond = max(beyond, answer(need).beyond_table)
+    if beyond > WORTH_A_WORD:
+        found.append(_too_short(scene, model, beyond))
+    return tuple(found)
+
+
+def _read_off(need: Need, quantities: Sequence[str]) -> dict[str, AnswerReadout]:
+    reads = {name: QUANTITIES[name].read for name in quantities}
+    return {
+        name: read
+        for name, read in reads.items()
+        if isinstance(read, AnswerReadout) and read.need == need
+    }
+
+
+def _unreached(model: str, scene: Scene, missing: Sequence[str], limit: float) -> str:
+    spring = scene.spring
+    have = "have" if len(missing) > 1 else "has"
+    return (
+        f"{' and '.join(missing)} {have} no value in the model {model}: with up to "
+        f"{limit * 1e3:.3g} mA the pull does not reach the spring's force everywhere "
+        f"(spring.preload = {spring.preload * 1e3:g} mN, spring.stiffness = "
+        f"{spring.stiffness:g} N/m); use a softer spring, a smaller gap or more coil.turns"
+    )
+
+
+def _too_short(scene: Scene, model: str, share: float) -> str:
+    return (
+        f"{100.0 * share:.2g} % of the iron is magnetised beyond the end of steel.curve = "
+        f"{scene.steel.curve} (model {model}), which stops before the steel is saturated: beyond "
+        "it the iron is taken for saturated; measure or continue the curve to higher B"
+    )
 
 
 class MagneticModel(Model):
@@ -159,3 +218,63 @@ class NetworkModel(MagneticModel):
         # the one that where the rod rests is found by, with its device for the reader
         found = network_pull(self.scene.device)
         return replace(found, samples=replace(found.samples, device=self._described()))
+
+
+#: Currents of a loop that nobody chose, and how far it goes beyond what moves the rod.
+_POINTS, _BEYOND = 121, 1.25
+
+
+@dataclass(frozen=True)
+class RodLoop:
+    """The loop by one model of the normal actuator.
+
+    Attributes
+    ----------
+    model : str
+    loop : PositionLoop
+    rising_bar, falling_bar : (c,) array
+        Error of the map's pull over the axial stiffness (m).
+    switching : SwitchingCurrents or None
+        Where the rod leaves and comes back; None where a finger presses the tip, of which
+        these say nothing.
+    """
+
+    model: str
+    loop: PositionLoop
+    rising_bar: Floats
+    falling_bar: Floats
+    switching: SwitchingCurrents | None
+
+
+def rod_loop(model: MagneticModel, currents: Floats | None = None) -> RodLoop:
+    """Return the loop of a model over currents (c,) in A, by default as far as what moves the rod.
+
+    Raises
+    ------
+    InputError
+        If the rod rests nowhere, or the model's map does not reach so high a current.
+    """
+    scene, pull = model.scene, model.map()
+    pressed = scene.load.normal_force
+    switching = None if pressed else model.switching()
+    if currents is None:
+        currents = _currents(switching, pull.current_limit)
+    elif currents.max() > pull.current_limit:
+        raise InputError(
+            f"the map of the model {model.name} ends at {1e3 * pull.current_limit:.4g} mA, below "
+            f"{1e3 * currents.max():.4g} mA; ask for less, or set coil.current so high"
+        )
+    forces = axial_forces(scene.device, pull, pressed)
+    loop = position_loop(forces, currents)
+    rising, falling = (
+        np.array([position_bar(forces, pull, i, p) for i, p in zip(currents, way, strict=True)])
+        for way in (loop.rising, loop.falling)
+    )
+    return RodLoop(model.name, loop, rising, falling, switching)
+
+
+def _currents(switching: SwitchingCurrents | None, limit: float) -> Floats:
+    largest = limit
+    if switching is not None and np.isfinite(switching.pull_in.value):
+        largest = min(limit, _BEYOND * switching.pull_in.value)
+    return np.linspace(0.0, largest, _POINTS)

@@ -1,7 +1,7 @@
-"""Where the rod rests at the coil's current: looked up in the map, then solved for at its gap.
+"""Equilibrium of the rod at the coil's current: looked up in the map, then solved for.
 
-A map is a percent or two off between its samples, more than often decides whether the rod is still
-up.  So where its error leaves this open the model is asked at the place that the rod would leave.
+A map is a percent or two off between its samples, which often decides whether the rod is still up.
+Where its error leaves this open the model is solved at the position that the rod would leave.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tactgen.tmm.generator.positions import (
 )
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.engine.results import Estimate
-from tactgen.validation.models.reluctance.point import MagneticPoint
+from tactgen.validation.models.reluctance.switching import MagneticPoint
 
 #: Share of the stroke within which a point's correction of the map holds; far more than a stop
 #: gives way (0.01), far less than from one place to another.

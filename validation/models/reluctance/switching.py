@@ -1,8 +1,8 @@
-"""The currents at which the rod moves: looked up in the co-energy map, then solved for.
+"""The actuator at a point, and the currents at which the rod moves: looked up, then solved for.
 
-The map says where the rod gets stuck and at about which current.  There the model itself is
-asked: the secant method finds the current at which its pull balances the spring, and its
-error bar in force over the slope of the force with the current is that of the current.
+The map says where the rod gets stuck and at about which current.  There the secant method finds
+the current at which the model's own force balances the spring; its error in force over the slope
+of the force with the current is that of the current.
 """
 
 from __future__ import annotations
@@ -18,7 +18,45 @@ from tactgen.geometry.store.values import storable
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.switching import spring_force, switching
 from tactgen.validation.engine.results import Estimate
-from tactgen.validation.models.reluctance.point import MagneticPoint
+
+
+@storable
+@dataclass(frozen=True)
+class MagneticPoint:
+    """The actuator at one current (A) and gap (m).
+
+    Attributes
+    ----------
+    force, flux_linkage, coenergy, incremental_inductance : Estimate
+        SI units; the pull is positive when it closes the gap.
+    method : str
+        How the error bars come about.
+    beyond_table : float
+        Share of the iron's volume that lies beyond the end of a magnetisation curve that
+        ends before the steel is saturated.
+    force_by_stress : float
+        The pull by the stress in the air (N), where the model's own is by virtual work; nan
+        elsewhere.
+    """
+
+    current: float
+    gap: float
+    force: Estimate
+    flux_linkage: Estimate
+    coenergy: Estimate
+    incremental_inductance: Estimate
+    method: str
+    beyond_table: float
+    force_by_stress: float = math.nan
+
+    @property
+    def inductance(self) -> Estimate:
+        """Apparent inductance λ/i (H), its limit ∂λ/∂i at zero current."""
+        if self.current == 0.0:
+            return self.incremental_inductance
+        linkage = self.flux_linkage
+        return Estimate(linkage.value / self.current, linkage.error / abs(self.current))
+
 
 #: Solves one current (A) at one gap (m).
 Solver = Callable[[float, float], MagneticPoint]

@@ -38,7 +38,7 @@ def bimorph(study: Study) -> list[dict[str, str]]:
     if beyond_plain_layers(study.scene.bimorph):
         return []
     from tactgen.validation.export.files import scene_solids
-    from tactgen.validation.models.bimorph.meshes import cells_of
+    from tactgen.validation.models.bimorph.cad import cells_of
     from tactgen.validation.view.pictures import mesh_picture, solids_picture
 
     study.announce("picture of the geometry")
@@ -65,7 +65,7 @@ def beside(study: Study) -> dict[str, Any] | None:
 
 def tetrahedra(solution: Solution) -> dict[str, Any]:
     """Return a picture of the tetrahedra that a solution has solved on."""
-    from tactgen.validation.models.bimorph.meshes import cells_of
+    from tactgen.validation.models.bimorph.cad import cells_of
     from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 
     cad = solution.models["cad"]

@@ -16,9 +16,13 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.amplitude.backbone import Backbone, Curve
-from tactgen.validation.models.amplitude.held_head import COILS, in_state
-from tactgen.validation.models.amplitude.states import RockingState, rocking_states
+from tactgen.validation.models.backbone import Backbone, Curve
+from tactgen.validation.models.rocking import (
+    COILS,
+    RockingState,
+    in_state,
+    rocking_states,
+)
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.nearby import is_papers_bimorph
@@ -230,7 +234,7 @@ def _time(study: Study) -> Context:
     """Return the run of the paper's Fig 16, as a film and as pictures for paper."""
     from tactgen.validation.checks.motion_measurements import SOURCES
     from tactgen.validation.export.run_motion import still_of_run
-    from tactgen.validation.models.generator.phases import phases
+    from tactgen.validation.models.generator.transient import phases
     from tactgen.validation.studies.simulate import film_of, time_plot
 
     scene = study.scene

@@ -28,10 +28,8 @@ from tactgen.validation.catalogue.quantities import (
 )
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.models.generator.judged_rod import machine_of, of_rod
-from tactgen.validation.models.generator.rod_loop import RodLoop, rod_loop
-from tactgen.validation.models.generator.small_signal import measured_poles
-from tactgen.validation.models.reluctance.model import NetworkModel
+from tactgen.validation.models.generator.small_signal import machine_of, measured_poles, of_rod
+from tactgen.validation.models.reluctance.model import NetworkModel, RodLoop, rod_loop
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene

@@ -9,7 +9,7 @@ from tactgen.tmm.generator.small_signal import axial_poles
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.export import ports as machine_state_space
 from tactgen.validation.export.ports import scene_state_space
-from tactgen.validation.models.generator.judged_rod import rod_of
+from tactgen.validation.models.generator.small_signal import rod_of
 from tactgen.validation.scene.scene import load_scene
 
 FREQUENCIES = (1.0, 30.0, 500.0, 8000.0)

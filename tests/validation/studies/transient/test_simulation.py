@@ -28,9 +28,12 @@ from tactgen.tmm.reluctance.map_range import network_pull
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import simulate
 from tactgen.validation.models.generator import transient
-from tactgen.validation.models.generator.phases import _NEAR, Phase, common_oscillation, phases
 from tactgen.validation.models.generator.transient import (
+    _NEAR,
+    Phase,
     above_the_head,
+    common_oscillation,
+    phases,
     run_scene,
     scene_machine,
     scene_modes,

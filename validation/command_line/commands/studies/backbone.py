@@ -18,7 +18,7 @@ from tactgen.validation.command_line.commands.common import (
 from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.amplitude.backbone import Backbone
+    from tactgen.validation.models.backbone import Backbone
     from tactgen.validation.scene.scene import Scene
 
 _EXAMPLE = "0.1:2:6"
@@ -53,8 +53,8 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.geometry.units import VOLTAGE
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.inputs import scene_warnings
-    from tactgen.validation.models.amplitude.backbone import backbone
-    from tactgen.validation.models.amplitude.held_head import held_head
+    from tactgen.validation.models.backbone import backbone
+    from tactgen.validation.models.rocking import held_head
 
     scene, origins = lateral_scene(options.scene, options.overrides, "backbone")
     voltages = [abs(scene.drive.voltage)]

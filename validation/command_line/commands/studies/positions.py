@@ -13,7 +13,7 @@ from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
     from tactgen.geometry.arrays import Floats
-    from tactgen.validation.models.generator.rod_loop import RodLoop
+    from tactgen.validation.models.reluctance.model import RodLoop
 
 _EXAMPLE = "0:200mA:101"
 #: Most currents of one request, and how many a table shows.
@@ -49,8 +49,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.solve import solve
     from tactgen.validation.export.files import check_place
-    from tactgen.validation.models.generator.rod_loop import rod_loop
-    from tactgen.validation.models.reluctance.model import MagneticModel
+    from tactgen.validation.models.reluctance.model import MagneticModel, rod_loop
     from tactgen.validation.scene.scene import load_scene
 
     for option, path, suffix in (("plot", options.plot, ".svg"), ("csv", options.csv, ".csv")):

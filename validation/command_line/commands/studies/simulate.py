@@ -123,7 +123,7 @@ def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[st
 
 def as_json(result: Simulation) -> dict[str, Any]:
     """Return the run's summary: ends and extremes of what moved, phases, balance, errors."""
-    from tactgen.validation.models.generator.phases import phases
+    from tactgen.validation.models.generator.transient import phases
     from tactgen.validation.studies.simulate import series
 
     answer = result.answer
@@ -164,7 +164,7 @@ def as_json(result: Simulation) -> dict[str, Any]:
 def _print(result: Simulation) -> None:
     import numpy as np
 
-    from tactgen.validation.models.generator.phases import phases
+    from tactgen.validation.models.generator.transient import phases
 
     print(f"{'phase':10} {'from (ms)':>10} {'to (ms)':>10}  lateral amplitude (um)")
     for phase in phases(result):

@@ -1,1 +1,0 @@
-"""The bimorph on a head that may rock: responses, backbones, deflections by harmonic balance."""
