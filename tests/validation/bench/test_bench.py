@@ -17,7 +17,7 @@ from tactgen.validation.command_line.commands.evidence import bench as command
 from tactgen.validation.evidence import bench_beam as beam
 from tactgen.validation.evidence import bench_reluctance as magnetics
 from tactgen.validation.evidence import one_core
-from tactgen.validation.evidence.bench import Bench, Target, Timing, time_error_plot
+from tactgen.validation.evidence.bench import Bench, Target
 from tactgen.validation.evidence.one_core import on_one_core, peak_memory
 
 
@@ -82,13 +82,6 @@ def test_errors_of_the_ways():
     assert beam.error_of(naive, wide) > 1e-3
 
 
-def test_all_ways_can_be_timed():
-    """Every way takes some time for a few points."""
-    for path in (*beam._PATHS, beam._CASCADE, beam._NAIVE):
-        assert beam.seconds_of(path, next(iter(beam.CASES)), 3000) > 0.0
-    assert beam.map_seconds(2, 100, 2) > 0.0
-
-
 def test_point_of_the_normal_actuator():
     """What the reference and each way bring back; finer is nearer and has a smaller bar."""
     coarse, fine = (magnetics.point_of(order, 0.5, 1) for order in (2, 3))
@@ -139,13 +132,6 @@ def test_no_way_within_the_errors():
     """Then the target is not met."""
     reference = {"flux_linkage_bar": 1e-2, "force_bar": 1e-2}
     assert not magnetics._targets(field_timings(1e-4), reference, 1.0)[0].met
-
-
-def test_plot_has_a_panel_per_result():
-    """More than three go to another row."""
-    timings = [Timing("A", f"result {n}", 1.0, 1e-3, {}) for n in range(5)]
-    text = time_error_plot(timings)
-    assert text.startswith("<svg")
 
 
 def test_command_shows_fields(monkeypatch, tmp_path, capsys):

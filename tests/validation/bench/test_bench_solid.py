@@ -1,6 +1,5 @@
 """The solid's benchmark: the same job for everyone, whole rows, honest readings of the curves."""
 
-import argparse
 import math
 import os
 
@@ -8,25 +7,19 @@ import numpy as np
 import pytest
 
 from tactgen.fem.piezo.system import materials
-from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.evidence import bench as command
 from tactgen.validation.evidence import bench_jobs as jobs
 from tactgen.validation.evidence import bench_jobs as meshes
 from tactgen.validation.evidence import bench_solid as solid
 from tactgen.validation.evidence import peers
 from tactgen.validation.evidence.bench import (
-    PARTS,
     front,
     run_parts,
     time_at_error,
-    time_error_plot,
 )
 from tactgen.validation.evidence.bench_solid import ways
 from tactgen.validation.evidence.peers.job import (
     LAYERS,
     SHIM,
-    Clock,
-    answer,
     bricks,
     lowest_frequencies,
     tensor,
@@ -162,14 +155,6 @@ def test_python_that_is_not_there(monkeypatch):
     assert "TACTGEN_PEERS = /nowhere/python cannot be run" in peers.missing("SfePy")
 
 
-def test_part_is_known():
-    """The command knows the part and refuses a misspelt one with its name."""
-    assert "piezo" in PARTS
-    options = argparse.Namespace(only=["pieso"], quick=True, out=None, json=False)
-    with pytest.raises(InputError, match='did you mean "piezo"'):
-        command.run(options)
-
-
 @pytest.mark.parametrize(("quick", "fine"), [(True, 3), (False, 4)])
 def test_the_reference_is_the_finer_of_two_with_the_models_bar(monkeypatch, quick, fine):
     """What the coarser differs by, times the solid model's factor; of the sweep the largest."""
@@ -254,28 +239,12 @@ def test_sample_has_the_steepest_places():
     assert np.abs(f[chosen] / 300.0 - 1.0).min() < 0.02
 
 
-def test_plot_shares_one_legend():
-    """Many ways have one legend for all three panels."""
-    rows = [timing(case, path=f"way {n}") for n in range(9) for case in ("J1", "J2")]
-    text = time_error_plot(rows)
-    assert text.startswith("<svg")
-
-
 def test_kept_meshes_stay_out(monkeypatch, tmp_path):
     """The time of meshing is that of meshing, and the user's folder comes back."""
     monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
     with solid._no_kept_meshes():
         assert os.environ["TACTGEN_CACHE"] != str(tmp_path)
     assert os.environ["TACTGEN_CACHE"] == str(tmp_path)
-
-
-def test_answer_keeps_its_phases():
-    """What the clock measured is what comes back."""
-    clock = Clock()
-    clock.stop("mesh")
-    found = answer(clock, 3, "solver", sweep=[1.0 + 2.0j])
-    assert list(found["seconds"]) == ["mesh"]
-    assert found["sweep"] == [[1.0, 2.0]]
 
 
 @pytest.mark.heavy
@@ -296,5 +265,5 @@ def test_benchmark_runs():
     """The quick run has rows of both jobs, and its reference agrees with the published values."""
     (made,) = run_parts(["piezo"], True, lambda _: None)
     assert {row.case for row in made.timings if row.own} == {"J1", "J2"}
-    best = min((row for row in made.timings if row.case == "J1"), key=lambda row: row.worst)
-    assert best.worst < 1e-3
+    best = min((row for row in made.timings if row.case == "J1"), key=lambda row: row.error)
+    assert best.error < 1e-3
