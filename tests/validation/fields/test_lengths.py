@@ -84,7 +84,7 @@ def test_stations_of_two_divisions_correspond_by_their_height():
 
 @pytest.mark.heavy
 def test_the_solid_over_the_length():
-    """The certified basis; shapes of bricks whose division changes with the length."""
+    """The surrogate; shapes of bricks whose division changes with the length."""
     scene, _ = load_scene("j1", ["models=solid", "modes=3", "accuracy=0.01"])
     found = length_range(scene, "solid", ENDS, known=11)
     check(scene, "solid", found)

@@ -98,7 +98,7 @@ def _refuse_unused(options: argparse.Namespace) -> None:
 
 
 def _of_study(options: argparse.Namespace) -> int:
-    """Show what each model would do in a study: kept, by a reduced basis, or one by one."""
+    """Show what each model would do in a study: kept, interpolated, or solved."""
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.studies.whatif.study_plan import plan_study
 

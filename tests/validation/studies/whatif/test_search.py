@@ -1,4 +1,4 @@
-"""A bounded search over any keys: optima known otherwise, least changes, ends, a reduced basis."""
+"""A bounded search over any keys: optima known otherwise, least changes, ends, a surrogate."""
 
 import json
 import re
