@@ -129,8 +129,8 @@ def print_bench(parts: Iterable[Bench]) -> None:
     """Print two tables per part: the ways of computing, and the requirements."""
     from rich.table import Table
 
-    screen = console(170)
     for part in parts:
+        screen = console(max(170, 12 * len(part.timings[0].values)))
         ways = Table(title=f"{part.part}: time against error ({part.seconds:.0f} s)")
         for name, value in part.timings[0].values.items():
             heading = name.removesuffix("_seconds").replace("_", " ")
@@ -149,7 +149,7 @@ def print_bench(parts: Iterable[Bench]) -> None:
             verdict = "met" if target.met else "not met"
             wanted.add_row(target.what, limit, measured, verdict, target.how)
         screen.print(wanted)
-        screen.print(part.conditions)
+        screen.print(part.conditions, markup=False)
 
 
 def _cell(name: str, value: str | float) -> str:
