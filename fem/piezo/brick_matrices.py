@@ -13,135 +13,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
-from typing import TypeAlias
 
 import numpy as np
-from numpy.polynomial import legendre
 from scipy import sparse
 
 from tactgen.fem.elements.line_basis import LineMatrices, line_matrices
-from tactgen.fem.piezo.system import VOIGT, Material
+from tactgen.fem.piezo.system import Material
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
-from tactgen.geometry.bimorph.bricks import Axis, Bricks, Slab, lobatto_points
-
-#: Points along x (n,), along y (n,), and their weights (n,).
-Points: TypeAlias = tuple[Floats, Floats, Floats]
-
-#: Gauss points per direction of a piece of a cut brick: integrals of degree 8 over an arc of at
-#: most a right angle are then right to rounding.
-_POINTS = 20
-#: Stiffness of what is cut away, relative to the material: unknowns that hardly any material has
-#: stay apart in a factorisation, and the body is stiffer by less than this.
-_OUTSIDE = 1e-7
-
-
-def round_matrices(bricks: Bricks, slab: Slab) -> tuple[Floats, Floats]:
-    """Return the integrals over a round slab's cross-section.
-
-    Returns
-    -------
-    area : (pairs along x, pairs along y) array
-        ∫ N_i N_j, pairs as :func:`fem.elements.line_basis.line_matrices` has them.
-    plane : (2, 2, 2, 2, pairs along x, pairs along y) array
-        Entry [a, b, c, d]: ∫ ∂x^a ∂y^c N_i ∂x^b ∂y^d N_j, bricks that the circle cuts filled up
-        by a little stiffness.
-    """
-    axes = bricks.x, bricks.y
-    lines = [line_matrices(axis) for axis in axes]
-    places = [_places(axis, line) for axis, line in zip(axes, lines, strict=True)]
-    shape = tuple(line.rows.size for line in lines)
-    plane = np.zeros((2, 2, 2, 2, *shape))
-    outside = np.zeros((2, 2, 2, 2, *shape))
-    for (i, _), (j, _) in bricks.columns(slab):
-        x, y = bricks.x.breaks[i : i + 2], bricks.y.breaks[j : j + 2]
-        cut = bool(np.hypot(x[1], y[1]) > slab.radius)
-        at = np.ix_(places[0][i].ravel(), places[1][j].ravel())
-        whole = _cell(bricks, x, y, _box_points(x, y))
-        plane[(..., *at)] += _cell(bricks, x, y, _arc_points(x, y, slab.radius)) if cut else whole
-        if cut:
-            outside[(..., *at)] += whole
-    return plane[0, 0, 0, 0], plane + _OUTSIDE * outside
-
-
-def _places(axis: Axis, line: LineMatrices) -> Ints:
-    """Return where the pairs (intervals, p + 1, p + 1) of each interval are in the pattern."""
-    n = axis.nodes.size
-    position = np.full((n, n), -1)
-    position[line.rows, line.columns] = np.arange(line.rows.size)
-    starts = axis.degree * np.arange(axis.intervals)
-    nodes = starts[:, None] + np.arange(axis.degree + 1)
-    return np.asarray(position[nodes[:, :, None], nodes[:, None, :]])
-
-
-def _box_points(x: Floats, y: Floats) -> Points:
-    """Return Gauss points and weights of a box."""
-    points, weights = legendre.leggauss(_POINTS)
-    along, across = (0.5 * (v[0] + v[1] + (v[1] - v[0]) * points) for v in (x, y))
-    size = 0.25 * (x[1] - x[0]) * (y[1] - y[0])
-    return (
-        np.repeat(along, _POINTS),
-        np.tile(across, _POINTS),
-        size * np.outer(weights, weights).ravel(),
-    )
-
-
-def _arc_points(x: Floats, y: Floats, radius: float) -> Points:
-    """Return points and weights over what of a box lies inside the circle.
-
-    In strips across x, each from the box's lower face to its upper one or to the arc; along
-    the arc the angle is the variable, in which it is smooth where it is steep, too.
-    """
-    low = np.arccos(min(x[1] / radius, 1.0))
-    high = np.arccos(x[0] / radius)
-    # above this angle the arc is above the box, below that one below it
-    leaves = np.arcsin(min(y[1] / radius, 1.0))
-    enters = np.arcsin(y[0] / radius)
-    cuts = np.unique(np.clip([low, high, leaves, enters], low, high))
-    nodes, weights = legendre.leggauss(_POINTS)
-    found = []
-    for start, end in pairwise(cuts):
-        angle = 0.5 * (start + end + (end - start) * nodes)
-        along = radius * np.cos(angle)
-        top = np.minimum(radius * np.sin(angle), y[1])
-        height = top - y[0]
-        if height.max() <= 0.0:
-            continue
-        width = 0.5 * (end - start) * weights * radius * np.sin(angle)
-        across = y[0] + 0.5 * height[:, None] * (1.0 + nodes)
-        area = 0.5 * (width * height)[:, None] * weights
-        found.append((np.repeat(along, _POINTS), across.ravel(), area.ravel()))
-    along, across, weights = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    return along, across, weights
-
-
-def _cell(bricks: Bricks, x: Floats, y: Floats, points: Points) -> Floats:
-    """Return the integrals (2, 2, 2, 2, m, n) of one brick's pairs by these points."""
-    along, across, weights = points
-    of_x, of_y = (
-        _products(_values(axis.degree, ends, at))
-        for axis, ends, at in ((bricks.x, x, along), (bricks.y, y, across))
-    )
-    out = np.tensordot(of_x * weights, of_y, axes=(3, 3))
-    return np.asarray(out.transpose(0, 1, 3, 4, 2, 5))
-
-
-def _products(values: Floats) -> Floats:
-    """Return the products (2, 2, m, points) of all pairs of values or slopes."""
-    _, points, n = values.shape
-    both = np.einsum("aqi,bqj->abijq", values, values)
-    return np.asarray(both.reshape(2, 2, n * n, points))
-
-
-def _values(degree: int, ends: Floats, points: Floats) -> Floats:
-    """Return the polynomials of an interval and their slopes at points (2, points, degree + 1)."""
-    half = 0.5 * (ends[1] - ends[0])
-    local = (points - ends[0]) / half - 1.0
-    to_coefficients = np.linalg.inv(legendre.legvander(lobatto_points(degree), degree))
-    values = legendre.legvander(local, degree) @ to_coefficients
-    slopes = legendre.legvander(local, degree - 1) @ legendre.legder(to_coefficients)
-    return np.stack([values, slopes / half])
-
+from tactgen.geometry.bimorph.bricks import Bricks, Slab
 
 #: The quarter is one of four.
 _COPIES = 4.0
@@ -174,10 +53,7 @@ def brick_matrices(
     products = bricks.products()
     lines = (line_matrices(axis) for axis in bricks.axes)
     pairs = _Pairs(products, products if tested is None else tested, *lines)
-    layers: list[_Layer | _RoundLayer] = []
-    for slab in bricks.slabs:
-        kind = _Layer if np.isinf(slab.radius) else _RoundLayer
-        layers.append(kind.of(bricks, slab, known[slab.region], unit))
+    layers = [_Layer.of(bricks, slab, known[slab.region], unit) for slab in bricks.slabs]
     dtype = np.result_type(*(layer.weights.dtype for layer in layers))
     values = np.empty((4 * pairs.count, 4), dtype=dtype)
     columns = np.empty((4 * pairs.count, 4), dtype=np.int32)
@@ -320,7 +196,7 @@ class _Layer:
     @classmethod
     def of(cls, bricks: Bricks, slab: Slab, material: Material, unit: float) -> _Layer:
         x, z = line_matrices(bricks.x, *slab.x), line_matrices(bricks.z, *slab.z)
-        y = line_matrices(bricks.y, *(slab.y or ()))
+        y = line_matrices(bricks.y)
 
         def product(a: int, b: int) -> Floats:
             along_y, along_z = ((int(a == k), int(b == k)) for k in (1, 2))
@@ -354,66 +230,6 @@ class _Layer:
         return np.asarray(self.along_x[_PLAIN, pair] * self.areas)
 
 
-@dataclass(frozen=True)
-class _RoundLayer:
-    """One slab that ends within its bricks: integrals over x and y together, and along z.
-
-    `plane` (9, pairs along x, pairs along y) goes with `along_z` (9, pairs along z); `area` is
-    that of N_i N_j without what keeps unknowns apart that hardly any material has.
-    """
-
-    plane: Floats
-    along_z: Floats
-    weights: Numbers
-    area: Floats
-    density: float
-    at: Ints
-
-    @classmethod
-    def of(cls, bricks: Bricks, slab: Slab, material: Material, unit: float) -> _RoundLayer:
-        z = line_matrices(bricks.z, *slab.z)
-        axes = [(a, b) for a in range(3) for b in range(3)]
-        area, plane = round_matrices(bricks, slab)
-        return cls(
-            plane=np.array(
-                [plane[int(a == 0), int(b == 0), int(a == 1), int(b == 1)] for a, b in axes]
-            ),
-            along_z=np.array([z.integrals[int(a == 2), int(b == 2)] for a, b in axes]),
-            weights=_COPIES * _weights(material, unit),
-            area=area,
-            density=_COPIES * material.density,
-            at=np.arange(plane.shape[-1] * z.rows.size),
-        )
-
-    def of_pairs(self, at: Ints) -> _RoundLayer:
-        """Return what there is of some pairs over y and z."""
-        return replace(self, at=at)
-
-    def reaches(self, pair: int) -> bool:
-        """Return whether the slab has this pair of functions along x."""
-        return bool(self.plane[:, pair].any())
-
-    def blocks(self, pair: int) -> Numbers:
-        """Return the 4 x 4 blocks (m, 4, 4) of one pair along x with those over y and z."""
-        gram = self.plane[:, pair, :, None] * self.along_z[:, None, :]
-        product = gram.reshape(9, -1).T[self.at] @ self.weights.view(float)
-        return np.asarray(product.view(self.weights.dtype)).reshape(-1, 4, 4)
-
-    def inertia(self, pair: int) -> Floats:
-        """Return the mass (m,) of one pair along x with those over y and z."""
-        areas = np.outer(self.area[pair], self.along_z[_PLAIN]).ravel()
-        return np.asarray(self.density * areas[self.at])
-
-
 def _weights(material: Material, unit: float) -> Numbers:
     """Return (9, 16): what each Gram matrix gives to each block over (u_x, u_y, u_z, φ)."""
-    w = np.zeros((3, 3, 4, 4), dtype=material.c.dtype)
-    for p in range(3):
-        for q in range(3):
-            w[:, :, p, q] = material.c[np.ix_(VOIGT[p], VOIGT[q])]
-    if material.piezo is not None:
-        for p in range(3):
-            coupling = unit * material.piezo.e[:, VOIGT[p]]
-            w[:, :, 3, p], w[:, :, p, 3] = coupling, coupling.T
-        w[:, :, 3, 3] = -(unit**2) * material.piezo.eps
-    return w.reshape(9, 16)
+    return material.flux_tensor(unit).transpose(1, 3, 0, 2).reshape(9, 16).copy()

@@ -9,17 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
-from scipy import sparse
 
 from tactgen.fem.elements.line_basis import line_matrices, line_weights, nodal_values
 from tactgen.fem.piezo.brick_matrices import brick_matrices
-from tactgen.fem.piezo.symmetry import SIGNS, Expansion, Motion, Unknowns, lumped, mirror_signs
+from tactgen.fem.piezo.symmetry import SIGNS, Expansion, Motion, Unknowns, mirror_signs
 from tactgen.fem.piezo.system import Material, SolidSystem, materials, volts_per_unit
 from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
-from tactgen.geometry.bimorph.bimorph_bricks import between
 from tactgen.geometry.bimorph.bricks import Bricks, mirrored_axis
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
@@ -61,36 +58,6 @@ def _lines(number: Ints, degree: int) -> Ints:
     return 2 * (number // degree) + (number % degree > 0)
 
 
-def stacked_matrices(
-    bricks: Bricks, known: dict[str, Material], unit: float
-) -> tuple[Sparse, Sparse]:
-    """Return stiffness and mass as :func:`fem.piezo.brick_matrices.brick_matrices` does."""
-    n = 4 * int(np.prod(bricks.shape))
-    totals = None
-    for low, high in _stretches(bricks):
-        part, nodes = between(bricks, low, high)
-        found = [_spread(m, nodes, n) for m in brick_matrices(part, known, unit)]
-        totals = found if totals is None else [a + b for a, b in zip(totals, found, strict=True)]
-    assert totals is not None
-    return totals[0], totals[1]
-
-
-def _stretches(bricks: Bricks) -> list[tuple[int, int]]:
-    """Return the break points along z between which the cross-section is the same."""
-    ends = sorted({k for slab in bricks.slabs for k in slab.z})
-    return list(pairwise(ends))
-
-
-def _spread(matrix: Sparse, nodes: Ints, n: int) -> Sparse:
-    """Return a matrix over some nodes as one over all n values."""
-    values = (4 * nodes[:, None] + np.arange(4)).ravel().astype(np.int32)
-    counts = np.zeros(n, dtype=np.int64)
-    counts[values] = np.diff(matrix.indptr)
-    starts = np.concatenate([[0], np.cumsum(counts)])
-    # the nodes ascend, so rows and what is in them stay in their order
-    return sparse.csr_matrix((matrix.data, values[matrix.indices], starts), shape=(n, n))
-
-
 def assemble_bricks(
     device: Device,
     bricks: Bricks,
@@ -117,36 +84,8 @@ def assemble_bricks(
     """
     known = materials(device, bricks.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)
-    quarter = _Quarter(bricks, known, unit, *quarter_matrices(bricks, known, unit), uniform_field)
+    quarter = _Quarter(bricks, known, unit, *brick_matrices(bricks, known, unit), uniform_field)
     return quarter.system(motion)
-
-
-def quarter_matrices(
-    bricks: Bricks, known: dict[str, Material], unit: float
-) -> tuple[Sparse, Sparse]:
-    """Return stiffness and mass (4 n, 4 n) of the whole body by the values on its quarter."""
-    make = stacked_matrices if is_stepped(bricks) else brick_matrices
-    return make(bricks, known, unit)
-
-
-def is_stepped(bricks: Bricks) -> bool:
-    """Return whether the cross-section changes along z, or is round."""
-    return any(slab.y or np.isfinite(slab.radius) for slab in bricks.slabs)
-
-
-def loss_matrix(bricks: Bricks, lost: dict[str, Material], unit: float) -> Sparse:
-    """Return the imaginary part (4 n, 4 n) of the stiffness, by the regions that lose something.
-
-    Parameters
-    ----------
-    lost : dict of str to Material
-        Imaginary parts, as :func:`fem.piezo.system.loss_tensors` has them.
-    """
-    slabs = tuple(slab for slab in bricks.slabs if slab.region in lost)
-    n = 4 * int(np.prod(bricks.shape))
-    if not slabs:
-        return sparse.csr_matrix((n, n))
-    return quarter_matrices(replace(bricks, slabs=slabs), lost, unit)[0]
 
 
 @dataclass(frozen=True)
@@ -163,8 +102,6 @@ class _Quarter:
     @cached_property
     def nodal_mass(self) -> Floats:
         """The mass at the nodes (n,)."""
-        if is_stepped(self.bricks):
-            return lumped(self.mass)
         return nodal_mass(self.bricks, self.known)
 
     @cached_property
@@ -204,15 +141,13 @@ def quarter_unknowns(
     unit: float,
     *,
     uniform_field: bool = False,
-    has_base: bool = True,
 ) -> Unknowns:
     """Return what is free in one class of motion, and what base and electrodes prescribe.
 
-    Over (u_x, u_y, u_z, φ) node by node, z fastest; `unit` is that of the potential (V).  Without
-    a base the lowest section is free as well.
+    Over (u_x, u_y, u_z, φ) node by node, z fastest; `unit` is that of the potential (V).
     """
     x, y = bricks.x.nodes, bricks.y.nodes
-    base, piezo = bricks.base() & has_base, bricks.nodes_of("piezo")
+    base, piezo = bricks.base(), bricks.nodes_of("piezo")
     outer, inner = bricks.electrodes()
     field = piezo & ~outer & ~inner & (not uniform_field)
     used = bricks.used() & ~base
@@ -246,7 +181,7 @@ def tip_functionals(bricks: Bricks) -> Floats:
     for slab in bricks.tip_slabs():
         more = line_weights(bricks.x, *slab.x)
         plain, levered = plain + more[0], levered + more[1]
-    across, _ = line_weights(bricks.y, *(bricks.tip_slabs()[0].y or ()))
+    across, _ = line_weights(bricks.y)
     out = np.zeros((*bricks.shape, 4, 2))
     width = across @ bricks.y.one
     out[:, :, -1, 0, 0] = np.outer(plain, across) / (plain @ bricks.x.one * width)
@@ -287,7 +222,7 @@ def nodal_mass(bricks: Bricks, known: dict[str, Material]) -> Floats:
     plain = [replace(axis, hierarchic=False) for axis in bricks.axes]
     found, total = np.zeros(bricks.shape), 0.0
     for slab in bricks.slabs:
-        spans = (slab.x, slab.y or (0, bricks.y.intervals), slab.z)
+        spans = (slab.x, (0, bricks.y.intervals), slab.z)
         lines = [line_matrices(axis, *span) for axis, span in zip(plain, spans, strict=True)]
         along = [line.integrals[0, 0][line.rows == line.columns] for line in lines]
         sizes = [axis.breaks[b] - axis.breaks[a] for axis, (a, b) in zip(plain, spans, strict=True)]

@@ -12,9 +12,8 @@ import numpy as np
 from tactgen.fem.piezo.krylov import ReducedSolid, reduce_to_ports
 from tactgen.fem.piezo.port_model import PortModel
 from tactgen.fem.piezo.solid import assemble
-from tactgen.fem.piezo.system import SolidSystem, Surplus, materials
+from tactgen.fem.piezo.system import Surplus, materials
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
@@ -121,19 +120,17 @@ _MADE_OF = (
 
 def reduced_solid(
     device: Device,
-    mesh: Mesh | Bricks | BrickParts,
+    mesh: Mesh | Bricks,
     frequencies: Floats,
     *,
     tolerance: float,
-    lossless: SolidSystem | None = None,
     lacking: Callable[[], Surplus] | None = None,
 ) -> ReducedSolid:
     """Return the lossy solid reduced to its ports, from the store if it was reduced before.
 
     One that was reduced for these frequency limits serves all frequencies between them, as
-    far as its error estimate holds there too.  Who has the `lossless` system already may save
-    assembling anew what losses do not change.  With what is `lacking` the reduction
-    is judged by it, too.
+    far as its error estimate holds there too.  With what is `lacking` the reduction is judged by
+    it, too.
     """
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     bounds = float(frequencies.min()), float(frequencies.max())
@@ -145,10 +142,7 @@ def reduced_solid(
         return bool(found.error_estimate(frequencies).max() <= max(tolerance, found.error))
 
     def work() -> ReducedSolid:
-        if lossless is not None and lossless.with_losses is not None:
-            system = lossless.with_losses()
-        else:
-            system = assemble(device, mesh, lossy=True)
+        system = assemble(device, mesh, lossy=True)
         surplus = None if lacking is None else lacking()
         return reduce_to_ports(system, frequencies, tolerance=tolerance, surplus=surplus)
 
@@ -156,6 +150,6 @@ def reduced_solid(
     return kept("reduction", inputs, _MADE_OF, work, serves=serves)
 
 
-def made_from(device: Device, mesh: Mesh | Bricks | BrickParts) -> str:
+def made_from(device: Device, mesh: Mesh | Bricks) -> str:
     """Return what stands for the solid: tensors, poling, all that is in the mesh."""
     return fingerprint(materials(device, mesh.regions, device.piezo.ceramic(), lossy=True), mesh)

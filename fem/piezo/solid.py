@@ -16,10 +16,8 @@ displacement, so that all entries of the system are alike.
 from __future__ import annotations
 
 from tactgen.fem.piezo.bricks import assemble_bricks
-from tactgen.fem.piezo.parts.joined import joined_system
 from tactgen.fem.piezo.system import SolidSystem, materials, volts_per_unit
 from tactgen.fem.piezo.tetrahedra import SkfemBody
-from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
@@ -29,7 +27,7 @@ from tactgen.geometry.meshing.mirror import is_quarter
 
 def assemble(
     device: Device,
-    mesh: Mesh | Bricks | BrickParts,
+    mesh: Mesh | Bricks,
     *,
     lossy: bool,
     ceramic: Piezoceramic | None = None,
@@ -44,7 +42,7 @@ def assemble(
     ----------
     device : Device
         Materials and poling.
-    mesh : Mesh, Bricks or BrickParts
+    mesh : Mesh or Bricks
         Regions among piezo_top, piezo_bottom, shim, glue, rod; faces as named there.  A mesh
         with the faces `MIRRORS` is a quarter: the system is then that of the bending in x that
         the ports move, the other classes of motion are ``related`` to it.
@@ -55,10 +53,6 @@ def assemble(
     uniform_field : bool
         Let the potential be linear through each layer, as beam theories have it.
     """
-    if isinstance(mesh, BrickParts):
-        if uniform_field:
-            raise ValueError("a bimorph in parts has no uniform field; take its bricks whole")
-        return joined_system(device, mesh, lossy=lossy, ceramic=ceramic)
     if isinstance(mesh, Bricks):
         return assemble_bricks(
             device, mesh, lossy=lossy, ceramic=ceramic, uniform_field=uniform_field

@@ -87,17 +87,10 @@ class SolidSystem:
         three rows empty.
     related : callable, optional
         Gives the same body in another class of motion; None for a body taken whole.
-    with_losses : callable, optional
-        Gives the same body with losses where that is less work than to assemble it anew.
     elimination : (n - 3,) int array, optional
         A good order in which to eliminate all but the last three unknowns.
     translation : (n,) array, optional
         The body moved along x by 1, as far as its motions let it.
-    rounding : float, optional
-        The spurious stiffness where no translation is given.
-    behind : int
-        Values at the nodes of the parts that it was reduced from, which another class of motion
-        may first have to factorise; 0 of a body that was not reduced.
     """
 
     stiffness: Bordered
@@ -110,11 +103,8 @@ class SolidSystem:
     volts_per_unit: float
     motion: Motion = "all"
     related: Callable[[Motion], SolidSystem] | None = None
-    with_losses: Callable[[], SolidSystem] | None = None
     elimination: Ints | None = None
     translation: Floats | None = None
-    rounding: float | None = None
-    behind: int = 0
 
     @property
     def has_ports(self) -> bool:
@@ -143,8 +133,6 @@ class SolidSystem:
         A translation in x needs no force; this is the sum of those it seems to need at all
         unknowns.  In a slender body, (L/h)⁴ times stiffer across than in bending, it counts.
         """
-        if self.rounding is not None:
-            return self.rounding
         assert self.translation is not None
         moved = self.translation.astype(np.longdouble)
         forces = self.stiffness.wide_product(moved)
@@ -237,19 +225,6 @@ def materials(
         },
     }
     return {region: known[region] for region in regions}
-
-
-def loss_tensors(lossy: dict[str, Material]) -> dict[str, Material]:
-    """Return the imaginary parts of the tensors, of the regions that have any, as materials.
-
-    They are all that losses add: of E (1 + iη), ε (1 − i tan δ) the real parts are the lossless.
-    """
-    lost = {}
-    for region, of in lossy.items():
-        piezo = of.piezo and PiezoTensors(of.piezo.c.imag, of.piezo.e.imag, of.piezo.eps.imag)
-        if of.c.imag.any() or (piezo and piezo.eps.any()):
-            lost[region] = Material(of.c.imag, of.density, piezo)
-    return lost
 
 
 def volts_per_unit(known: dict[str, Material]) -> float:

@@ -89,17 +89,11 @@ class Axis:
 
 @dataclass(frozen=True)
 class Slab:
-    """Bricks of one material: intervals along x, along z and, by default all, along y.
-
-    What is round ends within bricks: only what lies inside `radius` (m) about the z axis is
-    there.
-    """
+    """Bricks of one material: intervals along x and along z, all along y."""
 
     region: str
     x: tuple[int, int]
     z: tuple[int, int]
-    y: tuple[int, int] | None = None
-    radius: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -160,23 +154,8 @@ class Bricks:
         mask = np.zeros(self.shape, dtype=bool)
         for slab in self.slabs:
             if slab.region in regions:
-                along_z = self.z.nodes_of(*slab.z)
-                for x, y in self.columns(slab):
-                    mask[self.x.nodes_of(*x), self.y.nodes_of(*y), along_z] = True
+                mask[self.x.nodes_of(*slab.x), :, self.z.nodes_of(*slab.z)] = True
         return mask
-
-    def columns(self, slab: Slab) -> list[tuple[tuple[int, int], tuple[int, int]]]:
-        """Return intervals along x and y that the slab fills, or reaches into if it is round."""
-        across = slab.y or (0, self.y.intervals)
-        if np.isinf(slab.radius):
-            return [(slab.x, across)]
-        x, y = self.x.breaks, self.y.breaks
-        return [
-            ((i, i + 1), (j, j + 1))
-            for i in range(*slab.x)
-            for j in range(*across)
-            if np.hypot(x[i], y[j]) < slab.radius
-        ]
 
     def products(self) -> Bools:
         """Return a mask (nx, ny, nz) of the products of functions that are there."""
@@ -204,13 +183,12 @@ class Bricks:
     def electrodes(self) -> tuple[Bools, Bools]:
         """Return masks (nx, ny, nz) of the nodes of the outer and of the inner electrode."""
         piezo = self.slabs_of("piezo")
-        across = self.y.nodes_of(*(piezo[0].y or (0, self.y.intervals)))
         outer, inner = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=bool)
         top = max(s.x[1] for s in piezo) * self.x.degree
         bottom = min(s.x[0] for s in piezo) * self.x.degree
-        outer[top, across, self.z.nodes_of(*self.electrode)] = True
+        outer[top, :, self.z.nodes_of(*self.electrode)] = True
         low, high = min(s.z[0] for s in piezo), max(s.z[1] for s in piezo)
-        inner[bottom, across, self.z.nodes_of(low, high)] = True
+        inner[bottom, :, self.z.nodes_of(low, high)] = True
         return outer, inner
 
     def used(self) -> Bools:
@@ -250,8 +228,6 @@ def _mirrored(bricks: Bricks, half: tuple[Floats, ...], cuts: tuple[int, ...]) -
 
     `cuts` is the number of cells per interval along each axis.
     """
-    if any(slab.y or np.isfinite(slab.radius) for slab in bricks.slabs):
-        raise ValueError("bricks that a circle cuts, or of several widths, are no cells to show")
     x, y, z = mirrored_axis(half[0])[0], mirrored_axis(half[1])[0], half[2]
     nx, ny, nz = x.size, y.size, z.size
     middle = nx // 2

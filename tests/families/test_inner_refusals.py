@@ -9,8 +9,6 @@ import pytest
 
 from tactgen.fem.elements.nedelec import ElementTetEdge2
 from tactgen.fem.magnetics.two_orders import two_orders
-from tactgen.fem.piezo.solid import assemble
-from tactgen.geometry.bimorph.bimorph_bricks import BrickParts
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.cad import solids
@@ -52,10 +50,6 @@ FAILED = Stub(rows=[(None, "tmm", Stub(status="failed"))])
 @pytest.mark.parametrize(
     ("what", "error", "words"),
     [
-        (
-            lambda: assemble(Device(), object.__new__(BrickParts), lossy=False, uniform_field=True),
-            ValueError, "take its bricks whole",
-        ),
         (
             lambda: conform._pieces("floor", Stub(plane=None, regions=()), Stub(faces=())),
             MeshError, "the face floor is not in the CAD model",

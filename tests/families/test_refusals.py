@@ -1,7 +1,7 @@
 """What a program made wrong is refused where it is seen: meshes, stored values, steps, pages."""
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,9 +12,7 @@ from scipy import sparse
 from tactgen.fem.elements.skfem_mesh import _facets
 from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.fem.solvers.newton import Factors, minimise
-from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks
 from tactgen.geometry.bimorph.tets import _refuse_too_thin
-from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.mesh_check import check_areas, check_volumes
 from tactgen.geometry.store.values import from_bytes, storable, to_bytes
@@ -77,14 +75,6 @@ def test_a_named_face_that_no_cell_has():
     assert _facets(mesh, np.zeros((0, 3), dtype=int)).tolist() == []
     with pytest.raises(ValueError, match="not a face of the mesh"):
         _facets(mesh, np.array([[0, 1, 1]]))
-
-
-def test_bricks_that_are_no_cells_to_show(few_bricks):
-    """What is round ends within bricks."""
-    bricks = bimorph_bricks(Device(), few_bricks[0])
-    first, *others = bricks.slabs
-    with pytest.raises(ValueError, match="no cells to show"):
-        replace(bricks, slabs=(replace(first, radius=1e-3), *others)).corner_mesh()
 
 
 def test_values_that_cannot_be_stored_or_hold_more_than_was():

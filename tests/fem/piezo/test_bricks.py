@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.piezo.brick_matrices import brick_matrices
-from tactgen.fem.piezo.bricks import assemble_bricks, loss_matrix, nodal_mass
+from tactgen.fem.piezo.bricks import assemble_bricks, nodal_mass
 from tactgen.fem.piezo.modes import natural_modes
 from tactgen.fem.piezo.ports import static_multiport
 from tactgen.fem.piezo.solid import assemble
@@ -304,11 +304,3 @@ def test_no_interval_is_rounding():
         bimorph = Bimorph(width=width, piezo_thickness=0.1074e-3, shim_thickness=0.4536e-3)
         y = bimorph_bricks(Device(bimorph=bimorph), LEVELS[1]).y.breaks
         assert np.diff(y).min() > 1e-3 * width
-
-
-def test_a_solid_that_loses_nothing_has_an_empty_loss_matrix(few_bricks):
-    """As large as its stiffness: four unknowns a node of the quarter."""
-    bricks = bimorph_bricks(Device(), few_bricks[0])
-    n = 4 * int(np.prod(bricks.shape))
-    found = loss_matrix(bricks, {}, 1.0)
-    assert (found.shape, found.nnz) == ((n, n), 0)

@@ -131,18 +131,3 @@ def test_who_is_judged_by_what_is_lacking_is_served_by_what_knows_it(mesh, monke
                 missing=missing, error=1e-8, error_estimate=lambda f, e=estimate: np.full(f.size, e)
             )
             assert serves(found) is (served and small)
-
-
-@pytest.mark.parametrize("can", [True, False])
-def test_a_lossless_system_that_can_take_losses_is_not_assembled_anew(can, mesh, monkeypatch):
-    """What is lacking is found for the reduction, and judged by with it."""
-    monkeypatch.setattr(port_cache, "kept", lambda kind, inputs, code, work, serves: work())
-    monkeypatch.setattr(port_cache, "assemble", lambda *_, lossy: f"anew, lossy {lossy}")
-    monkeypatch.setattr(
-        port_cache, "reduce_to_ports", lambda system, *_, tolerance, surplus: (system, surplus)
-    )
-    lossless = SimpleNamespace(with_losses=(lambda: "with losses") if can else None)
-    for lacking, surplus in ((None, None), (lambda: "surplus", "surplus")):
-        asked = {"tolerance": 1e-6, "lossless": lossless, "lacking": lacking}
-        system = "with losses" if can else "anew, lossy True"
-        assert reduced_solid(Device(), mesh, SWEEP, **asked) == (system, surplus)

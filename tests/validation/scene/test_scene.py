@@ -421,11 +421,10 @@ def test_scene_is_frozen():
         ("bimorph_on_rod", [], ("lumped", "tmm", "beam", "cad")),
         ("paper", ["bimorph.bare_below=1mm"], ("lumped", "tmm", "beam", "solid")),
         ("paper", ["bimorph.width_profile=0mm:2mm,20mm:1mm"], ("lumped", "tmm", "beam")),
-        ("bimorph_on_rod", ["models=tmm,solid"], ("tmm", "solid")),
     ],
 )
 def test_models_are_those_that_can_unless_they_are_named(name, overrides, models):
-    """On the rod bricks are named or not there, CAD has plain layers; a choice is never changed."""
+    """Bricks have no rod, CAD has plain layers only."""
     assert load_scene(name, overrides)[0].models == models
 
 

@@ -113,7 +113,7 @@ def mesh_modes(
     surplus = None if lacking is None else lacking(system.motion)
     jobs: list[Callable[[], Any]] = [partial(modal_model, system, count, surplus)]
     jobs += [partial(_other, system, motion, wanted, lacking) for motion, wanted in others.items()]
-    if max(system.size, system.behind) <= _MOST_TOGETHER:
+    if system.size <= _MOST_TOGETHER:
         ports, *found = side_by_side(lambda job: job(), jobs)
     else:
         ports, *found = (job() for job in jobs)

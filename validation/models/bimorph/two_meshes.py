@@ -201,7 +201,6 @@ class TwoMeshModel(BimorphModel):
             self.meshes()[which],
             self.frequencies,
             tolerance=1e-3 * self.scene.accuracy,
-            lossless=self.systems()[which],
             lacking=None if which else self.mesh_pair.lacking_lossy,
         )
 
