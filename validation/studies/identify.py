@@ -6,29 +6,20 @@ the transfer-matrix model with a statement of what the curve determines.
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.names import nearest
-from tactgen.geometry.units import Unit, quoted
-from tactgen.tmm.beam.parametric import check_length_free
 from tactgen.validation.engine.inputs import idle
 from tactgen.validation.engine.plan import check_on_contact
 from tactgen.validation.engine.warnings import load_warnings
-from tactgen.validation.scene.files import one_line
-from tactgen.validation.scene.nearby import SYMBOLS, value_of, with_values
+from tactgen.validation.scene.nearby import value_of, with_values
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
-from tactgen.validation.scene.scene import Scene, scene_keys
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.curve_fit import (
-    CONFIDENCE,
     RANK,
     CurveModel,
     Fit,
@@ -39,72 +30,22 @@ from tactgen.validation.studies.curve_fit import (
     scan,
     statistics,
 )
+from tactgen.validation.studies.fit_parameters import FitParameter, FittedParameter, fit_parameter
+from tactgen.validation.studies.identifiability import VAGUE, findings
 from tactgen.validation.studies.measured_data import MeasuredCurve
 
 #: What a velocity curve over the first resonance determines.
 DEFAULT_FIT = ("c_s", "d_s")
 #: Kinds of noise where no uncertainty is stated.
 NOISE = ("relative", "constant")
-#: Bounds where none are given: this factor below and above the start.
-_REACH = 100.0
 #: Constant noise must make the data this much likelier (in ln) to be preferred to relative.
 _CLEARLY = 2.0
 #: Fewest points of a curve, and fewest per parameter.
 _LEAST_POINTS, _PER_PARAMETER = 5, 2
-#: Beyond this correlation the data do not separate two parameters.
-_INSEPARABLE = 0.99
-#: A parameter whose interval spans more than this factor is not determined by the data.
-_VAGUE = 2.0
-#: Intervals narrower than this (of ln p) are those of an exact curve.
-_EXACT = 1e-9
 #: Share of the curve left unexplained above which the model is called wrong, and below which
 #: residuals are rounding.
 _UNEXPLAINED, _ROUNDING = 0.2, 1e-8
 _OPPOSITE = {"low": "high", "high": "low"}
-_REMEDY = (
-    "write for example --fit c_s=0.2N*m/rad:0.05..2N*m/rad, --fit c_s:0.05..2N*m/rad or --fit c_s"
-)
-_LEADING_NUMBER = re.compile(r"[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE | re.ASCII)
-
-
-@dataclass(frozen=True)
-class FitParameter:
-    """One number of a scene that is fitted, SI units.
-
-    `start`, `low` and `high` have one sign and none is 0, for the fit runs over the
-    logarithm of the magnitude; ``|low| < |high|``.
-    """
-
-    key: str
-    unit: Unit
-    start: float
-    low: float
-    high: float
-
-    @property
-    def symbol(self) -> str:
-        """The paper's symbol, or the key."""
-        return next((s for s, key in SYMBOLS.items() if key == self.key), self.key)
-
-
-@dataclass(frozen=True)
-class FittedParameter:
-    """One fitted parameter, SI units.
-
-    `interval` is the 95 % confidence interval; `opened` names the ends of it (``low``, ``high``)
-    that are only bounds of the search, `edge` the bound that the value itself is at.
-    """
-
-    parameter: FitParameter
-    value: float
-    interval: tuple[float, float]
-    opened: tuple[str, ...]
-    edge: str
-
-    @property
-    def half_width(self) -> float:
-        """Half width of the interval of ln(value)."""
-        return abs(float(np.log(self.interval[1] / self.interval[0]))) / 2.0
 
 
 @dataclass(frozen=True)
@@ -249,83 +190,9 @@ def identify(
         if origins is not None
         else (),
         # two that only their product fixes may both have drifted to their bounds
-        findings=_findings(estimates, statistics(jacobian, residuals, stated=stated)),
+        findings=findings(estimates, statistics(jacobian, residuals, stated=stated)),
         warnings=tuple(warnings),
     )
-
-
-def fit_parameter(scene: Scene, text: str) -> FitParameter:
-    """Read ``NAME[=START][:LOW..HIGH]``; NAME is a scene key or a symbol of the paper.
-
-    The start is the scene's value unless given, the bounds a factor 100 either side of it.  A LOW
-    without a unit has that of HIGH.
-
-    Raises
-    ------
-    InputError
-        If the name, a value or its unit cannot be used.
-    """
-    head, colon, bounds = text.partition(":")
-    name, equals, start_text = (part.strip() for part in head.partition("="))
-    low_text, dots, high_text = (part.strip() for part in bounds.partition(".."))
-    if not name or (equals and not start_text) or (colon and not (low_text and high_text and dots)):
-        raise InputError(
-            f"--fit {quoted(text)} is not of the form NAME[=START][:LOW..HIGH]; {_REMEDY}"
-        )
-    key = SYMBOLS.get(name, name)
-    unit = _unit(scene, key, name)
-    if key == "bimorph.length":
-        check_length_free(scene.bimorph)
-    start = _read(key, start_text, unit) if equals else float(value_of(scene, key))
-    if start == 0.0:
-        raise InputError(
-            f"{key} = {unit.show(0.0)} cannot be where a fit starts; give a value that is not 0, "
-            f'for example --fit "{name}={unit.example}"'
-        )
-    if colon:
-        if _LEADING_NUMBER.fullmatch(low_text):
-            low_text += _LEADING_NUMBER.sub("", high_text, count=1)
-        low, high = sorted((_read(key, end, unit) for end in (low_text, high_text)), key=abs)
-    else:
-        least, most = unit.limits or (0.0, math.inf)
-        low, high = (
-            math.copysign(min(max(abs(end), least), most), start)
-            for end in (start / _REACH, start * _REACH)
-        )
-    if low * start <= 0.0 or not abs(low) <= abs(start) <= abs(high) or abs(low) == abs(high):
-        raise InputError(
-            f"--fit {quoted(text)} starts {key} at {unit.show(start)}, outside its bounds "
-            f"{unit.show(low)} to {unit.show(high)}; give LOW and HIGH of one sign, not 0, with "
-            "the start between them"
-        )
-    return FitParameter(key, unit, start, low, high)
-
-
-def _read(key: str, text: str, unit: Unit) -> float:
-    """SI value as the scene would read it."""
-    reader: TypeAdapter[float] = TypeAdapter(Annotated[float, BeforeValidator(unit)])
-    try:
-        return reader.validate_python(text, context={"units_required": True})
-    except ValidationError as error:
-        reason = error.errors()[0]["ctx"]["error"]
-        raise InputError(one_line(f"--fit: {key} = {quoted(text)} {reason}")) from None
-
-
-def _unit(scene: Scene, key: str, name: str) -> Unit:
-    if key not in scene_keys():
-        raise InputError(
-            f"--fit {quoted(name)} is not a scene key{nearest(name, (*SYMBOLS, *scene_keys()))}; "
-            f"use {', '.join(SYMBOLS)} or a key that tactgen init FILE.toml writes"
-        )
-    group, _, last = key.rpartition(".")
-    holder: Any = value_of(scene, group) if group else scene
-    metadata = type(holder).model_fields[last].metadata
-    unit = next((m for m in metadata if isinstance(m, Unit)), None)
-    if unit is None or getattr(holder, last) is None:
-        raise InputError(
-            f"--fit {key} is not a number that can be fitted; use for example {', '.join(SYMBOLS)}"
-        )
-    return unit
 
 
 def _parameters(scene: Scene, fit: Sequence[str]) -> list[FitParameter]:
@@ -389,7 +256,7 @@ def _estimates(
     deviation = np.full(values.size, np.nan)
     deviation[[not edge for edge in edges]] = stats.deviation
     linear = stats.quantile * deviation
-    narrow = not any(edges) and bool((linear < 0.5 * np.log(_VAGUE)).all())
+    narrow = not any(edges) and bool((linear < 0.5 * np.log(VAGUE)).all())
     rise = stats.quantile**2 * (1.0 if fit.misfit.noise == "stated" else stats.level**2)
     estimates = []
     for i, (parameter, edge) in enumerate(zip(parameters, edges, strict=True)):
@@ -517,91 +384,3 @@ def _inadmissible(scene: Scene) -> list[str]:
     except InputError as error:
         return [f"the fitted values are not possible: {error}"]
     return []
-
-
-def _findings(estimates: Sequence[FittedParameter], stats: Statistics) -> tuple[str, ...]:
-    """Sentences on what the curve does not determine, from the statistics of all parameters."""
-    pairs = [
-        (j, i)
-        for i in range(len(estimates))
-        for j in range(i)
-        if abs(stats.correlation[i, j]) > _INSEPARABLE
-    ]
-    sentences = [_inseparable(estimates, stats, i, j) for i, j in pairs]
-    tied = {i for pair in pairs for i in pair}
-    for i, e in enumerate(estimates):
-        if not e.edge or np.exp(min(2.0 * e.half_width, 300.0)) > _VAGUE:
-            sentences.append(_undetermined(e))
-        if e.edge and i not in tied:
-            sentences.append(
-                f"{e.parameter.symbol} ended at its {'lower' if e.edge == 'low' else 'upper'} "
-                f"bound {e.parameter.unit.show(e.value)}, where the data push it; widen the "
-                "bounds, or do not fit it"
-            )
-    return tuple(sentence for sentence in sentences if sentence)
-
-
-def _undetermined(e: FittedParameter) -> str:
-    """How little the curve says of a parameter; nothing if it determines it."""
-    name = e.parameter.symbol
-    low, high = (e.parameter.unit.show(float(f"{end:.3g}")) for end in e.interval)
-    span = float(np.exp(min(2.0 * e.half_width, 300.0)))
-    if len(e.opened) == 2:
-        text = f"the curve tells nothing about {name} between its bounds {low} and {high}"
-    elif e.opened:
-        limit = f"below {high}" if e.opened[0] == "low" else f"above {low}"
-        text = f"{name} is not determined by this curve, which says only that it is {limit}"
-    elif span > _VAGUE:
-        text = (
-            f"{name} is practically not determined by this curve: its {100 * CONFIDENCE:g} % "
-            f"interval spans a factor of {_factor(span)}"
-        )
-    else:
-        return ""
-    return f"{text}; hold it at a known value, or measure at frequencies where it acts"
-
-
-def _inseparable(estimates: Sequence[FittedParameter], stats: Statistics, i: int, j: int) -> str:
-    """Product of powers of two parameters that the data fix, and how well.
-
-    Nothing if they fix none: then neither parameter is determined.
-    """
-    correlation = f"(correlation {stats.correlation[i, j]:+.4f})"
-    powers = np.linalg.svd(stats.root[:, [i, j]])[2][1]  # the direction of least variance
-    if abs(powers[1]) > 5.0 * abs(powers[0]):
-        i, j, powers = j, i, powers[::-1]
-    powers = powers / powers[0]
-    fixed = float(stats.quantile * np.linalg.norm(stats.root[:, [i, j]] @ powers))
-    if fixed > np.log(_VAGUE):
-        return ""
-    a, b = (estimates[k].parameter.symbol for k in (i, j))
-    widths = [estimates[k].half_width for k in (i, j)]
-    if abs(powers[1]) < 0.1:
-        return (
-            f"{a} rests on {b} {correlation}: for a known {b} the curve fixes "
-            f"{a} {_spread(fixed)}, else only {_spread(widths[0])}"
-        )
-    exponent = f"{abs(powers[1]):.3g}"
-    product = f"{a} {'/' if powers[1] < 0.0 else '*'} {b if exponent == '1' else f'{b}^{exponent}'}"
-    if max(widths) < _EXACT:
-        return (
-            f"{a} and {b} are told apart only because this curve has no noise {correlation}: with "
-            f"noise it fixes {product}"
-        )
-    return (
-        f"{a} and {b} cannot be told apart {correlation}: the curve fixes {product} "
-        f"{_spread(fixed)}, but {a} alone only {_spread(widths[0])} and {b} {_spread(widths[1])}"
-    )
-
-
-def _spread(half_width: float) -> str:
-    """How well something is known, from the half width of the interval of its ln."""
-    if half_width < _EXACT:
-        return "to rounding"
-    if half_width < 0.2:
-        return f"to ±{100.0 * half_width:.2g} %"
-    return f"within a factor of {_factor(np.exp(min(half_width, 300.0)))}"
-
-
-def _factor(value: float) -> str:
-    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}" if value < 1000.0 else "over 1000"

@@ -23,7 +23,8 @@ from tactgen.validation.scene.nearby import SYMBOLS, value_of
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import FILE_KEYS
 from tactgen.validation.studies.curve_fit import curve_model
-from tactgen.validation.studies.identify import Assumption, FittedParameter, Identification
+from tactgen.validation.studies.fit_parameters import FittedParameter
+from tactgen.validation.studies.identify import Assumption, Identification
 from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, svg
 
 if TYPE_CHECKING:

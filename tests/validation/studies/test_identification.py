@@ -12,7 +12,8 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.nearby import with_values
 from tactgen.validation.scene.scene import FILE_KEYS, load_scene
 from tactgen.validation.studies.curve_fit import Misfit, curve_model
-from tactgen.validation.studies.identify import fit_parameter, identify
+from tactgen.validation.studies.fit_parameters import fit_parameter
+from tactgen.validation.studies.identify import identify
 from tactgen.validation.studies.identify_output import file_from
 from tactgen.validation.studies.measured_data import MeasuredCurve
 

@@ -25,7 +25,7 @@ from tactgen.validation.studies.design import (
     lowest_margin,
 )
 from tactgen.validation.studies.design_statements import changed_setting, dependences, sentences
-from tactgen.validation.studies.identify import fit_parameter
+from tactgen.validation.studies.fit_parameters import fit_parameter
 from tactgen.validation.studies.length_map import (
     actuator,
     length_map,
