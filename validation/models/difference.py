@@ -250,7 +250,7 @@ class Assumption:
     theory: str
 
 
-THREE_DIMENSIONS, FIELD, POLING, D32, POISSON = BEAM_ASSUMPTIONS = (
+_, FIELD, POLING, D32, POISSON = BEAM_ASSUMPTIONS = (
     Assumption(
         "three dimensions",
         "a solid whose constants couple only along the beam (no Poisson effect, no d32, d33, d15), "

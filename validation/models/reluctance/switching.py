@@ -103,10 +103,6 @@ class SwitchingCurrents:
     )
 
 
-#: By share of the stroke, a balance's current and force slope over those of the map.
-Learned = dict[float, tuple[float, float]]
-
-
 def switching_currents(device: Device, pull: CoenergyMap, at: Solver) -> SwitchingCurrents:
     """Return the switching currents of a model by its map and by points of it.
 
@@ -131,20 +127,12 @@ class Balances:
     """What :class:`SwitchingCurrents` has, each current solved for when it is read.
 
     By currents at which pull and spring balance, from points; each gap is solved once.
-
-    Parameters
-    ----------
-    learned : dict, optional
-        What the balances of a device nearby came to; brought up to date.
     """
 
     method = SwitchingCurrents.method
 
-    def __init__(
-        self, device: Device, pull: CoenergyMap, at: Solver, learned: Learned | None = None
-    ) -> None:
+    def __init__(self, device: Device, pull: CoenergyMap, at: Solver) -> None:
         self._device, self._pull, self._at = device, pull, at
-        self._learned: Learned = {} if learned is None else learned
         self._by_map = switching(device, pull)
         self._found: dict[float, Estimate] = {}
         self.beyond_table, self.limit = 0.0, pull.current_limit
@@ -206,11 +194,7 @@ class Balances:
         against = float(spring_force(self._device, gap))
         if against == 0.0:  # no pull without current
             return Estimate(0.0, 0.0)
-        low, high = self._device.spring.stop_gap, self._device.gap
-        share = round((gap - low) / (high - low), 9)
-        by_map = -float(self._pull.motional_coefficient(start, gap))
-        ahead, steeper = self._learned.get(share, (1.0, 1.0))
-        current, slope = ahead * start, steeper * by_map
+        current, slope = start, -float(self._pull.motional_coefficient(start, gap))
         before: tuple[float, float] | None = None
         for _ in range(_MOST_POINTS):
             point = self._at(current, gap)
@@ -223,8 +207,7 @@ class Balances:
             step = -miss / slope
             settled = abs(miss) <= max(_OF_BAR * point.force.error, _OF_FORCE * against)
             # a first point that settles needs a slope that is known
-            if settled and (before or share in self._learned):
-                self._learned[share] = (current + step) / start, slope / by_map
+            if settled and before:
                 return Estimate(current + step, point.force.error / slope + abs(step))
             before = current, miss
             # a slope that is far off must not turn the current round
