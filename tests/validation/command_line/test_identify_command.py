@@ -118,18 +118,3 @@ def test_plots(capsys, sweep, tmp_path):
     assert ET.parse(first).getroot().tag.endswith("svg")
     assert first.read_bytes() == second.read_bytes()
     assert image.read_bytes().startswith(b"\x89PNG")
-
-
-def test_help_says_what_the_data_must_be(capsys):
-    """--help names the columns, the drive voltage, the default and the syntax of --fit."""
-    code, out, _ = run(capsys, "--help")
-    assert code == 0
-    for word in (
-        "frequency (Hz)",
-        "only ratios matter",
-        "comments from #",
-        "drive.voltage",
-        "c_s and d_s",
-        "NAME[=START][:LOW..HIGH]",
-    ):
-        assert word in out

@@ -24,7 +24,7 @@ from tactgen.validation.studies.design import (
     largest_margin,
     lowest_margin,
 )
-from tactgen.validation.studies.design_statements import changed_setting, dependences, sentences
+from tactgen.validation.studies.design_statements import dependences, sentences
 from tactgen.validation.studies.fit_parameters import fit_parameter
 from tactgen.validation.studies.length_map import (
     actuator,
@@ -296,23 +296,6 @@ def test_another_device_is_asked_its_own_question():
     assert is_papers_bimorph(load_scene("prototype", ["bimorph.wiring=series"])[0])
     short, _ = load_scene("paper", [*OWN, "bimorph.bare_above=10mm"])
     assert length_section._own_question(short)[1][0].lengths[0] == pytest.approx(15e-3)
-
-
-@pytest.mark.parametrize(
-    ("overrides", "said"),
-    [
-        ([], ""),
-        (["drive.voltage=40V"], "at 40 V instead of this scene's 50 V"),
-        (["load.kind=none"], "with a free tip instead of this scene's under the finger"),
-        (
-            ["drive.voltage=40V", "load.kind=none"],
-            "at 40 V with a free tip instead of this scene's 50 V, under the finger",
-        ),
-    ],
-)
-def test_what_is_asked_otherwise_is_said(paper, overrides, said):
-    """Voltage and load, each only where it differs, the scene's own beside it."""
-    assert changed_setting(paper[0], load_scene("paper", overrides)[0]) == said
 
 
 @pytest.mark.heavy
