@@ -15,7 +15,8 @@ import numpy as np
 
 from tactgen.fem.piezo.brick_matrices import brick_matrices
 from tactgen.fem.piezo.bricks import quarter_unknowns, tip_functionals
-from tactgen.fem.piezo.symmetry import PORTS, Motion, Unknowns
+from tactgen.fem.piezo.motions import Motion
+from tactgen.fem.piezo.symmetry import PORTS, Unknowns
 from tactgen.fem.piezo.system import materials, volts_per_unit
 from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse

@@ -14,7 +14,8 @@ import numpy as np
 
 from tactgen.fem.elements.line_basis import line_matrices, line_weights, nodal_values
 from tactgen.fem.piezo.brick_matrices import brick_matrices
-from tactgen.fem.piezo.symmetry import SIGNS, Expansion, Motion, Unknowns, mirror_signs
+from tactgen.fem.piezo.motions import Motion
+from tactgen.fem.piezo.symmetry import SIGNS, Expansion, Unknowns, mirror_signs
 from tactgen.fem.piezo.system import Material, SolidSystem, materials, volts_per_unit
 from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
 from tactgen.geometry.bimorph.bricks import Bricks, mirrored_axis

@@ -13,147 +13,14 @@ capacitance; its whole answer in the basis let frequencies appear that no body h
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.fem.piezo.modes import SHIFT, ModeClass, section_motions, strongest
-from tactgen.fem.piezo.symmetry import Motion
+from tactgen.fem.piezo.modal_model import ModalModel
+from tactgen.fem.piezo.motions import section_motions
 from tactgen.fem.piezo.system import SolidSystem, Surplus
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Numbers, Sparse
-from tactgen.geometry.bimorph.ends import Ends, TipLoad
-from tactgen.geometry.store.values import storable
-
-#: A tip this many times stiffer than the solid is held.
-_HELD = 1e6
-
-
-@storable
-@dataclass(frozen=True)
-class BareMode:
-    """A natural mode without its shape: frequency (Hz), its class, and the class of the system."""
-
-    frequency: float
-    kind: ModeClass
-    motion: Motion
-
-
-@storable
-@dataclass(frozen=True)
-class ModalModel:
-    """Symmetric matrices over [q, w_base, ψ_base] at U = 0, nothing attached.
-
-    Attributes
-    ----------
-    stiffness, mass : (k + 2, k + 2) array
-        K, where base motion needs no force, and M.
-    tip, charge : (k + 2,) array
-        Mean tip displacement (m) and charge (C) from the unknowns.
-    capacitance : float
-        Charge per voltage where nothing moves (F).
-    motions : (6, slices, k + 2) array
-        Motions of sections, see :func:`fem.piezo.symmetry.section_motions`.
-    energy : (k + 2, k + 2) array
-        Nodal mass, for the share of a class in the energy.
-    motion : str
-        The motions that the solid can make.
-    surplus : (2, 2 k + 6, 2 k + 6) array, optional
-        Products r_iᵀ K⁻¹ r_j of the residuals that functions the mesh lacks
-        (:class:`fem.piezo.system.Surplus`) have with K x and with M x of the unknowns, with
-        the charge and with the tip: of displacements, and of potentials.
-    missing : (2 k + 6, 2 k + 6) array, optional
-        Those of them that the modes are moved by.
-    """
-
-    stiffness: Floats
-    mass: Floats
-    tip: Floats
-    charge: Floats
-    capacitance: float
-    motions: Floats
-    energy: Floats
-    motion: Motion
-    surplus: Floats | None = None
-    missing: Floats | None = None
-
-    def modes(self, ends: Ends, count: int, *, open_circuit: bool = False) -> list[BareMode]:
-        """Return the lowest `count` modes, ascending, without damping and rigid motions."""
-        squares, shapes = self._solved(ends, open_circuit=open_circuit)
-        found = []
-        for omega2, y in zip(squares[:count], shapes.T[:count], strict=True):
-            if self.missing is not None:
-                r = self._residual(y, omega2, ends, open_circuit=open_circuit)
-                # of a mode that the mesh does not resolve half is left
-                omega2 -= min(float(r @ self.missing @ r), 0.5 * omega2)
-            found.append(
-                BareMode(float(np.sqrt(omega2) / (2.0 * np.pi)), self._kind(y), self.motion)
-            )
-        return found
-
-    def opened(self, ends: Ends) -> tuple[float, float]:
-        """Return what functions that the mesh lacks make of Ω² of open to short circuit, relative.
-
-        Of the first mode that bends in x: the change, and the most that it can be with as much
-        missing of either factor of its products (Cauchy, Schwarz).  Needs :attr:`surplus`.
-        """
-        assert self.surplus is not None
-        (before, short), (after, opened) = (
-            self._first_bending(ends, open_circuit=circuit) for circuit in (False, True)
-        )
-        if before @ self.mass @ after < 0.0:
-            opened = -opened
-        both = np.array([opened - short, opened + short])
-        moved, charged = (both @ products @ both.T for products in self.surplus)
-        bounds = (np.sqrt(max(of[0, 0] * of[1, 1], 0.0)) for of in (moved, charged))
-        return float(charged[0, 1] - moved[0, 1]), float(sum(bounds))
-
-    def _first_bending(self, ends: Ends, *, open_circuit: bool) -> tuple[Floats, Floats]:
-        """Return the first mode that bends in x (k + 2,), and its residual per root of energy."""
-        squares, shapes = self._solved(ends, open_circuit=open_circuit)
-        i = int(np.argmax([self._kind(y) == "bending_x" for y in shapes.T]))
-        residual = self._residual(shapes[:, i], squares[i], ends, open_circuit=open_circuit)
-        return shapes[:, i], residual / np.sqrt(squares[i])
-
-    def _solved(self, ends: Ends, *, open_circuit: bool) -> tuple[Floats, Floats]:
-        """Return Ω² (n,) of all modes but rigid motions, ascending, and the modes (k + 2, n)."""
-        k, m = self.stiffness.copy(), self.mass.copy()
-        base, load = ends.base, ends.conservative_tip
-        if base is not None:
-            k[-2:, -2:] += np.diag([base.lateral_stiffness, base.rotational_stiffness])
-            m[-1, -1] += base.rotational_inertia
-        moved = np.outer(self.tip, self.tip)
-        k, m = k + load.stiffness * moved, m + load.mass * moved
-        if open_circuit:
-            k += np.outer(self.charge, self.charge) / self.capacitance
-        free = slice(None) if base is not None else slice(-2)
-        k, m = k[free, free], m[free, free]
-        shift = SHIFT if ends.rigid_motions else 0.0
-        # the lowest modes are the largest values of the inverse, and right to rounding there
-        lower = np.linalg.cholesky(m)
-        inverse = lower.T @ np.linalg.solve(k + shift * m, lower)
-        values, vectors = np.linalg.eigh(0.5 * (inverse + inverse.T))
-        chosen = [i for i in reversed(range(values.size)) if values[i] > 0.0][ends.rigid_motions :]
-        shapes = np.zeros((self.tip.size, len(chosen)))
-        shapes[free] = np.linalg.solve(lower.T, vectors[:, chosen])
-        return 1.0 / values[chosen] - shift, shapes
-
-    def _kind(self, y: Floats) -> ModeClass:
-        return strongest(self.motions @ y, float(y @ self.energy @ y))[0]
-
-    def _residual(self, y: Floats, omega2: float, ends: Ends, *, open_circuit: bool) -> Floats:
-        """Return the residual (2 k + 6,) of a mode in terms of :attr:`surplus`."""
-        load = ends.conservative_tip
-        charge = float(self.charge @ y) / self.capacitance if open_circuit else 0.0
-        moved = (load.stiffness - omega2 * load.mass) * float(self.tip @ y)
-        return np.concatenate([y, -omega2 * y, [charge, moved]])
-
-    def highest(self, count: int) -> list[BareMode]:
-        """Return modes that are, one by one, as high as any support, load and circuit has them."""
-        k = self.stiffness[:-2, :-2]
-        stiffness = 1.0 / float(self.tip[:-2] @ np.linalg.solve(k, self.tip[:-2]))
-        return self.modes(Ends(None, TipLoad(_HELD * stiffness)), count, open_circuit=True)
-
 
 #: Held modes that come to rest beside those wanted: a load and an open circuit each lift a mode
 #: past one other at most, springs of the base none.

@@ -7,11 +7,12 @@ Motions are even or odd at each plane; what is odd vanishes there.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
 
+from tactgen.fem.piezo.motions import Motion
 from tactgen.fem.solvers.sparse_rows import wide_product
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
 
@@ -70,11 +71,6 @@ class Bordered:
         """Return the last three rows of the product with y, in the precision of y."""
         border, corner = (part.astype(y.dtype) for part in (self.border, self.corner))
         return np.asarray(border.T @ y[:-PORTS] + corner @ y[-PORTS:])
-
-
-#: The motions of a body with two planes of symmetry: bending in x is odd in x and even in
-#: y, and the only one that the ports take part in.  ``all`` is a body taken whole.
-Motion = Literal["all", "bending_x", "bending_y", "torsion", "axial"]
 
 
 #: Matrices along x, y and z.

@@ -15,7 +15,8 @@ from scipy import sparse
 
 from tactgen.fem.elements.pattern import BlockPattern
 from tactgen.fem.elements.skfem_mesh import to_skfem
-from tactgen.fem.piezo.symmetry import SIGNS, Motion, Unknowns, lumped, mirror_signs
+from tactgen.fem.piezo.motions import Motion
+from tactgen.fem.piezo.symmetry import SIGNS, Unknowns, lumped, mirror_signs
 from tactgen.fem.piezo.system import Material, SolidSystem
 from tactgen.fem.solvers.pardiso import nested_dissection
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse

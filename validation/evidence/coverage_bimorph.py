@@ -13,8 +13,8 @@ import numpy as np
 from tactgen.fem.piezo.bricks import assemble_bricks
 from tactgen.fem.piezo.krylov import reduce_to_ports
 from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.motions import Motion
 from tactgen.fem.piezo.ports import ports_from_blocks
-from tactgen.fem.piezo.symmetry import Motion
 from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks

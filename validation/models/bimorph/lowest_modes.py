@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tactgen.fem.piezo.modal_reduction import BareMode, ModalModel
-from tactgen.fem.piezo.symmetry import Motion
+from tactgen.fem.piezo.modal_model import BareMode, ModalModel
+from tactgen.fem.piezo.motions import Motion
 from tactgen.fem.solvers.pardiso import side_by_side
 from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.bimorph.ends import Ends

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactgen.fem.piezo.symmetry import Motion
+from tactgen.fem.piezo.motions import Motion
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.ends import Ends
@@ -37,7 +37,7 @@ from tactgen.validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
     from tactgen.fem.piezo.krylov import ReducedSolid
-    from tactgen.fem.piezo.modal_reduction import BareMode, ModalModel
+    from tactgen.fem.piezo.modal_model import BareMode, ModalModel
     from tactgen.fem.piezo.system import SolidSystem, Surplus
 
 
