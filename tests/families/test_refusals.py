@@ -17,6 +17,7 @@ from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.mesh_check import check_areas, check_volumes
 from tactgen.geometry.store.values import from_bytes, storable, to_bytes
 from tactgen.tmm.generator.transient import step as newton
+from tactgen.validation.command_line.streams import _plainly
 from tactgen.validation.models import comparison as ladder
 from tactgen.validation.studies import measured_data
 from tactgen.validation.studies.simulate import _film
@@ -132,6 +133,12 @@ def test_a_run_whose_phases_have_other_names():
     """They are read by their place."""
     with pytest.raises(ValueError, match="other names"):
         _film(SimpleNamespace(phases=b"up down", variables={}))
+
+
+def test_only_what_cannot_be_written_is_written_otherwise():
+    """An error of reading is none of the stream's."""
+    with pytest.raises(UnicodeDecodeError):
+        _plainly(UnicodeDecodeError("utf-8", b"\xff", 0, 1, "no start"))
 
 
 @pytest.mark.parametrize(("code", "written"), [(1, b"pdf"), (0, None), (0, b"")])

@@ -16,14 +16,9 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.ending import said_of_the_end, unwound_when_told_to_end
 from tactgen.validation.command_line.explanations import explained
-from tactgen.validation.command_line.streams import (
-    drop_output,
-    said_of_the_end,
-    say,
-    unwound_when_told_to_end,
-    usable_streams,
-)
+from tactgen.validation.command_line.streams import drop_output, say, usable_streams
 
 if TYPE_CHECKING:
     from _typeshed import SupportsWrite
@@ -39,13 +34,14 @@ _LEAST = 500_000_000
 
 #: Where the commands are declared.
 _HOME = "tactgen.validation.command_line.commands"
-#: The commands in the order of the help, and the module of those that share one.
-_COMMANDS = (
-    "report", "solve", "view", "whatif", "compare", "design", "sensitivity", "identify", "backbone",
-    "positions", "simulate", "plan", "bill", "export", "verify", "coverage", "stress", "bench",
-    "scenes", "cache", "init", "completion",
-)  # fmt: skip
-_TOGETHER = dict.fromkeys(("bill", "cache", "init", "completion"), "scenes")
+#: The commands in the order of the help, by the folders that declare them.
+_COMMANDS = {
+    "report": "", "solve": "", "view": "", "whatif": "studies", "compare": "studies",
+    "design": "studies", "sensitivity": "studies", "identify": "studies", "backbone": "studies",
+    "positions": "studies", "simulate": "studies", "plan": "", "bill": "", "export": "",
+    "verify": "evidence", "coverage": "evidence", "stress": "evidence", "bench": "evidence",
+    "scenes": "", "cache": "", "init": "", "completion": "",
+}  # fmt: skip
 
 #: Arguments whose emptiness their readers speak of.
 _SPOKEN_OF = ("scene", "measured", "frequency", "only")
@@ -218,8 +214,8 @@ def _parser(only: str | None = None) -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     added = parser.add_subparsers(title="commands", metavar="COMMAND")
     for name in _COMMANDS if only is None else (only,):
-        module = importlib.import_module(f"{_HOME}.{_TOGETHER.get(name, name)}")
-        (getattr(module, f"add_{name}", None) or module.add)(added)
+        path = ".".join(part for part in (_HOME, _COMMANDS[name], name) if part)
+        importlib.import_module(path).add(added)
     return parser
 
 

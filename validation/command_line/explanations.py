@@ -14,7 +14,7 @@ def explained(error: Exception, scene: str) -> str | None:
     """Return the sentence for an error that a user can act on, None for a mistake of ours."""
     if isinstance(error, InputError):
         return str(error)
-    short = _of_memory(error)
+    short = _of_memory(error) or _of_a_full_disk(error)
     if short:
         return short
     if isinstance(error, OSError):
@@ -47,3 +47,18 @@ def _of_memory(error: Exception) -> str:
     if isinstance(error, SystemError):  # a library's: it failed without making an error of it
         return f"a library failed ({error}), as it does where memory is short; {_MORE}"
     return ""
+
+
+def _of_a_full_disk(error: Exception) -> str:
+    """Return the sentence for a compiled module that Python left cut short, "" for all else.
+
+    Where the disk is full it writes what goes in, takes that for the whole, and reads it ever
+    after.
+    """
+    at = error.__traceback__
+    while at is not None and at.tb_next is not None:
+        at = at.tb_next
+    if at is None or at.tb_frame.f_code.co_name != "_compile_bytecode":
+        return ""
+    path = at.tb_frame.f_locals["bytecode_path"]
+    return f"{path} is cut short, as a full disk leaves it; remove it and run this again"

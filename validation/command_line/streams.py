@@ -1,19 +1,25 @@
-"""Standard streams, closed or narrow ones too, and the end of a command by a signal."""
+"""Standard streams that take what is written: closed ones, and those of few characters."""
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import io
 import os
-import signal
 import sys
-import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from tactgen.geometry.errors import InputError
+
+#: What stands for characters of ours where a stream has only those of ASCII or Latin-1.
+_PLAIN = {
+    "µ": "u", "μ": "u", "∠": "phase ", "°": " deg", "±": "+/-", "×": "x", "·": "*", "…": "...",
+    "–": "-", "—": "-", "−": "-", "²": "^2", "³": "^3", "Ω": "ohm", "ψ": "psi", "τ": "tau",
+    "√": "sqrt", "→": "->", "≥": ">=", "≤": "<=", "“": '"', "”": '"', "’": "'",
+}  # fmt: skip
+_NAME = "tactgen.plain"
 
 
 def say(text: str) -> None:
@@ -46,7 +52,7 @@ def drop_output() -> None:
 
 
 def usable_streams() -> None:
-    """Let both streams be there and take every character, if need be as its number.
+    """Let both streams be there and take every character.
 
     Raises
     ------
@@ -57,53 +63,17 @@ def usable_streams() -> None:
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
     if sys.stdout is None:
         raise InputError("standard output is closed; leave it open or send it to a file")
+    codecs.register_error(_NAME, _plainly)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             with contextlib.suppress(OSError, ValueError):
-                stream.reconfigure(errors="backslashreplace")
+                stream.reconfigure(errors=_NAME)
 
 
-class ToldToEnd(KeyboardInterrupt):
-    """A signal's number.
-
-    KeyboardInterrupt itself, passing code made of text, as dataclasses are, leaves a mark by which
-    ``python -m`` ends as if by Ctrl-C, whatever answered it.
-    """
-
-
-@contextlib.contextmanager
-def unwound_when_told_to_end() -> Iterator[None]:
-    """Raise :class:`ToldToEnd` where the work is when a signal arrives, so that no half file stays.
-
-    What is ignored already stays so.  After the signal any error counts as the end: libraries
-    that call back make errors of their own of it.
-    """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    told = 0
-
-    def end(number: int, _: FrameType | None) -> None:
-        nonlocal told
-        told = told or number
-        raise ToldToEnd(told)
-
-    signals = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    heard = [number for number in signals if signal.getsignal(number) != signal.SIG_IGN]
-    before = {number: signal.signal(number, end) for number in heard}
-    try:
-        yield
-    except Exception as error:
-        if told:
-            raise ToldToEnd(told) from error
-        raise
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def said_of_the_end(interrupt: KeyboardInterrupt) -> tuple[int, str]:
-    """Return exit code, 128 and the signal's number as shells have it, and words."""
-    number = interrupt.args[0] if interrupt.args else signal.SIGINT
-    how = "interrupted" if number == signal.SIGINT else "told to end"
-    return 128 + number, f"{how}; nothing half-written was kept"
+def _plainly(error: UnicodeError) -> tuple[str, int]:
+    """Return plain text for what a stream cannot encode, and where to go on."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    refused = error.object[error.start : error.end]
+    plain = "".join(_PLAIN.get(c, c.encode("ascii", "backslashreplace").decode()) for c in refused)
+    return plain, error.end

@@ -13,7 +13,7 @@ from unittest.mock import Mock
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands import bench as command
+from tactgen.validation.command_line.commands.evidence import bench as command
 from tactgen.validation.evidence import bench_beam as beam
 from tactgen.validation.evidence import bench_reluctance as magnetics
 from tactgen.validation.evidence import one_core

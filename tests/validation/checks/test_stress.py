@@ -10,7 +10,7 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.span import error_bound
-from tactgen.validation.command_line.commands import stress as command
+from tactgen.validation.command_line.commands.evidence import stress as command
 from tactgen.validation.evidence import stress_beam as beam
 from tactgen.validation.evidence import stress_magnetics as magnetics
 from tactgen.validation.evidence.stress import (

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.command_line.commands import backbone
+from tactgen.validation.command_line.commands.studies import backbone
 
 ON_A_STOP = ("prototype", "--set", "support.kind=contact", "--set", "coil.current=0mA")
 #: From below the bent resonance to above it; peak and folds in between.

@@ -54,7 +54,7 @@ def test_a_command_loads_no_other_and_no_compiler():
     script = (
         "import sys; from tactgen.validation.command_line.cli import main; main(['scenes']); "
         "import scipy.sparse; others = ('numpy.f2py', "
-        "'tactgen.validation.command_line.commands.whatif'); "
+        "'tactgen.validation.command_line.commands.studies.whatif'); "
         "print([m for m in others if m in sys.modules], file=sys.stderr)"
     )
     result = subprocess.run(

@@ -1,4 +1,4 @@
-"""Told to end: the work is unwound and leaves no half file."""
+"""Told to end: the work is unwound, though not amid the loading of a compiled module."""
 
 import os
 import signal
@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from tactgen.validation.command_line import streams
+from tactgen.validation.command_line import ending
 
 #: Who runs the tests may ignore signals (nohup, a job in the background); children inherit that.
 ENDED = """
@@ -57,11 +57,53 @@ def test_told_to_end_leaves_nothing_behind(tmp_path, tmp_path_factory, name, how
     assert not list(tmp_path.iterdir())
 
 
+def test_a_module_is_loaded_to_its_end(monkeypatch):
+    """An end amid the loading of a compiled module comes when that is done, and not before."""
+    loaded = []
+
+    def initialised():
+        os.kill(os.getpid(), signal.SIGTERM)
+        loaded.append(sum(range(3_000_000)))  # longer than the first look takes to come
+
+    def unwound():
+        with ending.unwound_when_told_to_end():
+            initialised()
+            while True:
+                pass
+
+    monkeypatch.setattr(ending, "_LOADERS", {initialised.__code__})
+    before = [signal.getsignal(number) for number in (signal.SIGTERM, ending._LOOK)]
+    with pytest.raises(KeyboardInterrupt) as told:
+        unwound()
+    assert loaded
+    assert ending.said_of_the_end(told.value)[0] == 143
+    assert [signal.getsignal(number) for number in (signal.SIGTERM, ending._LOOK)] == before
+
+
+def test_no_second_look_is_taken_once_all_is_done(monkeypatch):
+    """Work that ends while a module is loaded leaves no timer, which would end the process."""
+
+    def initialised():
+        signal.raise_signal(signal.SIGTERM)
+
+    monkeypatch.setattr(ending, "_LOADERS", {initialised.__code__})
+    monkeypatch.setattr(ending, "_AGAIN", 100.0)
+    before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    try:
+        with ending.unwound_when_told_to_end():
+            initialised()
+            assert signal.getitimer(ending._TIMER)[0] > 0.0
+        assert signal.getitimer(ending._TIMER) == (0.0, 0.0)
+    finally:
+        signal.setitimer(ending._TIMER, 0.0)
+        signal.signal(signal.SIGTERM, before)
+
+
 def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
     """And one without a signal is what it is."""
 
     def unwound(told):
-        with streams.unwound_when_told_to_end():
+        with ending.unwound_when_told_to_end():
             try:
                 if told:
                     signal.raise_signal(signal.SIGTERM)
@@ -70,7 +112,7 @@ def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
 
     before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
     try:
-        with pytest.raises(streams.ToldToEnd):
+        with pytest.raises(ending.ToldToEnd):
             unwound(told=True)
         with pytest.raises(ImportError):
             unwound(told=False)
@@ -78,11 +120,46 @@ def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
         signal.signal(signal.SIGTERM, before)
 
 
+def test_a_signal_while_an_object_goes_is_the_end_as_well():
+    """Python passes over what is raised there; without a second look the work would go on."""
+
+    class Going:
+        def __del__(self):
+            os.kill(os.getpid(), signal.SIGTERM)
+            sum(range(10_000))  # until the handler has run
+
+    told, hook = [], sys.unraisablehook
+    try:
+        with ending.unwound_when_told_to_end():
+            del_me = Going()
+            del del_me
+            for _ in range(10_000):
+                sum(range(10_000))
+    except ending.ToldToEnd as end:
+        told = end.args
+    assert told == (signal.SIGTERM,)
+    assert sys.unraisablehook is hook
+
+
+def test_other_errors_while_an_object_goes_are_reported_as_ever(monkeypatch):
+    seen = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda raised: seen.append(raised.exc_type))
+
+    class Going:
+        def __del__(self):
+            raise ValueError("gone")
+
+    with ending.unwound_when_told_to_end():
+        del_me = Going()
+        del del_me
+    assert seen == [ValueError]
+
+
 def test_what_is_ignored_stays_ignored():
     """A job in the background of a script does not hear the terminal's Ctrl-C."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        with streams.unwound_when_told_to_end():
+        with ending.unwound_when_told_to_end():
             os.kill(os.getpid(), signal.SIGINT)
     finally:
         signal.signal(signal.SIGINT, before)

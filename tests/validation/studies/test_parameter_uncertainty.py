@@ -11,7 +11,7 @@ from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import PRINTED
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit
-from tactgen.validation.command_line.commands import sensitivity
+from tactgen.validation.command_line.commands.studies import sensitivity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.parameter_uncertainty import (

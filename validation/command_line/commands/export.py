@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.options import Commands, scene_options, warn
+from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
 
 
 def add(commands: Commands) -> None:

@@ -6,18 +6,20 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.options import (
-    AXES,
+from tactgen.validation.command_line.commands.common import (
     Commands,
     asked_overrides,
     asking_options,
+    scene_options,
+)
+from tactgen.validation.command_line.streams import print_json
+from tactgen.validation.command_line.study_options import (
+    AXES,
     axis_options,
     check_seed,
-    scene_options,
     stated,
     under_accuracy,
 )
-from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.engine.costs import Prospect
@@ -44,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
     if options.vary or options.sample is not None:
         return _of_study(options)
     _refuse_unused(options)
-    from tactgen.validation.command_line.options import under_contract
+    from tactgen.validation.command_line.contract import under_contract
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.costs import stage_prospects
     from tactgen.validation.engine.plan import make_plan

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tactgen.validation.command_line.options import (
+from tactgen.validation.command_line.commands.common import (
     Commands,
     overrides_of,
     scene_options,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from tactgen.validation.command_line.options import (
+from tactgen.validation.command_line.commands.common import (
     Commands,
     asked_overrides,
     asking_options,
@@ -39,7 +39,7 @@ def _listing() -> tuple[str, str]:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.command_line.options import under_contract
+    from tactgen.validation.command_line.contract import under_contract
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.engine.solve import as_json, check_request, solve

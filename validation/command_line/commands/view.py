@@ -7,7 +7,7 @@ import webbrowser
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.options import PAPER, Commands, scene_options, warn
+from tactgen.validation.command_line.commands.common import PAPER, Commands, scene_options, warn
 
 #: Options that ask something of a scene, which a run's file has answered.
 _OF_A_SCENE = ("scene", "model", "frequency", "lengths", "png", "gif", "mp4", "state", "field")

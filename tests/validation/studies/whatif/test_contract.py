@@ -7,7 +7,7 @@ import pytest
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.command_line.commands import whatif
+from tactgen.validation.command_line.commands.studies import whatif
 from tactgen.validation.models import comparison as ladders
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.comparison import Rung, choose_for

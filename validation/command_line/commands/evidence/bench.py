@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Collection
 
-from tactgen.validation.command_line.options import (
-    Commands,
+from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.evidence.part_runs import (
     add_part_command,
     run_and_show,
 )

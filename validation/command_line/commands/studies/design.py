@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
-from tactgen.validation.command_line.options import (
+from tactgen.validation.command_line.commands.common import (
     Commands,
     lateral_scene,
     low_high,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.options import (
+from tactgen.validation.command_line.commands.common import (
     Commands,
     lateral_scene,
     low_high,

@@ -6,8 +6,8 @@ import argparse
 from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
-from tactgen.validation.command_line.options import (
-    Commands,
+from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.evidence.part_runs import (
     add_part_command,
     run_and_show,
     say_seed,

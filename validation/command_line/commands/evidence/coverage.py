@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tactgen.validation.command_line.options import (
-    Commands,
+from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.evidence.part_runs import (
     say_seed,
     seed_of,
     seed_option,
-    whole_number,
 )
 from tactgen.validation.command_line.streams import print_json
+from tactgen.validation.command_line.study_options import whole_number
 
 #: Most devices for each part.
 _MOST = 999_999_999

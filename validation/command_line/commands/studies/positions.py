@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.options import Commands, scene_options, values_of, warn
+from tactgen.validation.command_line.commands.common import Commands, scene_options, values_of, warn
 from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tactgen.validation.command_line.options import Commands
+from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.streams import name_files, print_json
 
 

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.options import (
+from tactgen.validation.command_line.commands.common import (
     Commands,
     lateral_scene,
     scene_options,

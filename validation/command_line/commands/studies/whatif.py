@@ -9,16 +9,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.options import (
+from tactgen.validation.command_line.commands.common import Commands, warn
+from tactgen.validation.command_line.streams import print_json
+from tactgen.validation.command_line.study_options import (
     AXES,
-    Commands,
     axis_options,
     stated,
     under_accuracy,
-    warn,
     whole_number,
 )
-from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

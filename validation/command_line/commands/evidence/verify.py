@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tactgen.validation.command_line.options import Commands
+from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.streams import name_files, print_json
 
 if TYPE_CHECKING:

@@ -1,1 +1,0 @@
-"""The piezoelectric solid: assembly, modes, ports."""

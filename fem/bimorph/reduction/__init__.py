@@ -1,1 +1,0 @@
-"""The solid reduced to its ports, as a small system and as a file."""

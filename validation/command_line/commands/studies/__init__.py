@@ -1,0 +1,1 @@
+"""Commands that ask many solutions."""

@@ -1,0 +1,90 @@
+"""Told to end, by Ctrl-C, SIGTERM or a terminal that closes: unwind, so that no half file stays.
+
+Not amid the loading of a compiled module, though: one that is interrupted in its initialisation
+makes an error of its own of it, or crashes.  The end then waits until it is loaded.  Nor where
+Python lets no error out, as an object goes: there it is raised again a little later.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from importlib.machinery import ExtensionFileLoader
+from types import FrameType
+
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+#: Signal and timer of the second look whether the module has been loaded; and after how many
+#: seconds of processor time.
+_LOOK, _TIMER = signal.SIGVTALRM, signal.ITIMER_VIRTUAL
+_AGAIN = 0.01
+#: What Python runs to load a compiled module.
+_LOADERS = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__}
+
+
+class ToldToEnd(KeyboardInterrupt):
+    """A signal's number.
+
+    KeyboardInterrupt itself, passing code made of text, as dataclasses are, leaves a mark by which
+    ``python -m`` ends as if by Ctrl-C, whatever answered it.
+    """
+
+
+@contextlib.contextmanager
+def unwound_when_told_to_end() -> Iterator[None]:
+    """Raise :class:`ToldToEnd` where the work is when a signal arrives.
+
+    What is ignored already stays so.  After the signal any error counts as the end: libraries
+    that call back make errors of their own of it.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    told = 0
+
+    def end(number: int, frame: FrameType | None) -> None:
+        nonlocal told
+        told = told or number
+        if _loading(frame):
+            signal.setitimer(_TIMER, _AGAIN)
+        else:
+            raise ToldToEnd(told)
+
+    def passed_over(raised: sys.UnraisableHookArgs) -> None:
+        if isinstance(raised.exc_value, ToldToEnd):
+            signal.setitimer(_TIMER, _AGAIN)
+        else:
+            hook(raised)
+
+    hook, sys.unraisablehook = sys.unraisablehook, passed_over
+    heard = [number for number in _SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
+    before = {number: signal.signal(number, end) for number in (*heard, _LOOK)}
+    try:
+        yield
+    except Exception as error:
+        if told:
+            raise ToldToEnd(told) from error
+        raise
+    finally:
+        signal.setitimer(_TIMER, 0.0)
+        sys.unraisablehook = hook
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _loading(frame: FrameType | None) -> bool:
+    """Return whether a compiled module is being loaded."""
+    while frame is not None:
+        if frame.f_code in _LOADERS:
+            return True
+        frame = frame.f_back
+    return False
+
+
+def said_of_the_end(interrupt: KeyboardInterrupt) -> tuple[int, str]:
+    """Return exit code, 128 and the signal's number as shells have it, and words."""
+    number = interrupt.args[0] if interrupt.args else signal.SIGINT
+    how = "interrupted" if number == signal.SIGINT else "told to end"
+    return 128 + number, f"{how}; nothing half-written was kept"
