@@ -1,7 +1,8 @@
 """Derivatives of quantities with respect to scene keys, by any model, each with an error.
 
-Central differences at two distances, extrapolated (Richardson), of plain solutions; the error
-holds what is left of the truncation and, at its worst, the errors of the values.
+Central differences at two distances, extrapolated (Richardson), of plain solutions.  The error
+holds the rest of the truncation, the scatter of the values, which their even parts show, and the
+relative error of the value, since neighbouring solutions share most of theirs.
 """
 
 from __future__ import annotations
@@ -21,7 +22,10 @@ from tactgen.validation.scene.scene import Scene
 #: Where a quantity is evaluated for a difference, in units of the largest distance.
 PLACES = np.array([1.0, -1.0, 0.5, -0.5])
 #: Largest and smallest relative distance.
-_FAR, NEAREST = 5e-2, 2e-3
+_FAR, NEAREST = 1e-2, 2e-3
+#: Standard deviation of the even part's rest per scatter of a value, and how much more scatter is
+#: counted with, since five values show one sample of it.
+_EVEN, _ONE_SAMPLE = 8.4, 5.0
 
 #: Gives the scene in which a key has another value; InputError where there is none.
 Changed = Callable[[str, float], Scene]
@@ -64,13 +68,12 @@ def derivatives(
     """
     base = solve(scene, (model,), quantities, announce)
     start = [base.get(name, model) for name in quantities]
-    share = _distance(start)
     slopes: list[dict[str, Numbers]] = [{} for _ in start]
     bars: list[dict[str, Floats]] = [{} for _ in start]
     for number, key in enumerate(keys):
         announce(f"{model}: derivative {number + 1} of {len(keys)}, {key}")
         value = float(value_of(scene, key))
-        distance = within(changed, key, value, share * abs(value))
+        distance = within(changed, key, value, _FAR * abs(value))
         near = [
             solve(changed(key, value + place * distance), (model,), quantities, reuse=base)
             for place in PLACES
@@ -82,29 +85,33 @@ def derivatives(
                     f"--key {key} changes how many values {q.name} has by {model} next to the "
                     "scene; leave the key out, or the quantity"
                 )
-            errors = np.max([other.error for other in others], axis=0)
-            values = np.array([other.value for other in others])
-            slopes[n][key], bars[n][key] = extrapolated(values, errors, distance)
+            values = np.array([q.value, *(other.value for other in others)])
+            slopes[n][key], bars[n][key] = extrapolated(values, q.error, distance)
     method = (
-        f"central differences at up to {100 * share:.2g} and {50 * share:.2g} %, extrapolated; the "
-        "bar holds the truncation and, at its worst, the error bars of the values"
+        f"central differences at up to {100 * _FAR:g} and {50 * _FAR:g} %, extrapolated; the bar "
+        "holds the truncation, the scatter of the values and the relative error of the value"
     )
     return [Derivatives(q, s, b, method) for q, s, b in zip(start, slopes, bars, strict=True)]
 
 
-def extrapolated(values: Numbers, errors: Floats, distance: float) -> tuple[Numbers, Floats]:
-    """Return the derivative (...) of values (4, ...) at :data:`PLACES`, and its error.
+def extrapolated(values: Numbers, error: Floats, distance: float) -> tuple[Numbers, Floats]:
+    """Return the derivative (...) of values (5, ...) at 0 and at :data:`PLACES`, and its error.
 
     Of two central differences the error h² is extrapolated away; by how far that moves the
-    better one is what is left at most.  Values off by `errors` (...) leave 3/h of these open.
-    What is the same to the last bit does not depend on the key.
+    better one is what is left at most.  `error` (...) is that of the value at 0.  What is the same
+    to the last bit does not depend on the key.
     """
-    far = (values[0] - values[1]) / (2.0 * distance)
-    near = (values[2] - values[3]) / distance
+    here, ahead, behind, near_ahead, near_behind = values
+    far = (ahead - behind) / (2.0 * distance)
+    near = (near_ahead - near_behind) / distance
     slope = (4.0 * near - far) / 3.0
-    error = np.abs(slope - near) + 3.0 * errors / distance
-    same = np.array_equal(values, np.broadcast_to(values[0], values.shape), equal_nan=True)
-    return np.asarray(slope), np.asarray(np.zeros_like(error) if same else error)
+    # smooth values have an even part in proportion to the distance squared
+    even = (ahead + behind - 2.0 * here) - 4.0 * (near_ahead + near_behind - 2.0 * here)
+    scatter = _ONE_SAMPLE * np.abs(even) / _EVEN
+    size = np.where(here == 0.0, 1.0, np.abs(here))
+    left = np.abs(slope - near) + 3.0 * scatter / distance + error / size * np.abs(slope)
+    same = np.array_equal(values, np.broadcast_to(here, values.shape), equal_nan=True)
+    return np.asarray(slope), np.asarray(np.zeros_like(left) if same else left)
 
 
 def within(changed: Changed, key: str, value: float, distance: float) -> float:
@@ -119,13 +126,3 @@ def within(changed: Changed, key: str, value: float, distance: float) -> float:
         else:
             return distance
     return nearest
-
-
-def _distance(quantities: Sequence[Quantity]) -> float:
-    """Return the relative distance at which truncation, as h⁴, is about what errors leave open."""
-    shares = [0.0]
-    for q in quantities:
-        size = np.abs(q.value)
-        known = np.isfinite(size) & (size > 0.0) & np.isfinite(q.error)
-        shares += list((q.error[known] / size[known]).ravel())
-    return float(np.clip(max(shares) ** 0.2, NEAREST, _FAR))

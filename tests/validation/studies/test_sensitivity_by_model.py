@@ -70,11 +70,21 @@ def test_without_a_model_the_scene_says_which_actuator(capsys):
 
 
 def test_an_extrapolated_difference_knows_its_truncation():
-    at = 0.7 + 0.05 * np.array([1.0, -1.0, 0.5, -0.5])
-    slope, truncated = extrapolated(np.exp(3.0 * at), np.zeros(()), 0.05)
+    at = 0.7 + 0.05 * np.array([0.0, 1.0, -1.0, 0.5, -0.5])
+    slope, error = extrapolated(np.exp(3.0 * at), np.zeros(()), 0.05)
     off = abs(slope - 3.0 * np.exp(2.1))
-    assert 0.0 < off <= truncated
-    assert truncated < 2e-3 * slope
+    assert 0.0 < off <= error
+    assert error < 1e-2 * slope
+
+
+def test_scatter_of_the_values_is_in_the_error_of_a_derivative():
+    """Of values that are off at random nineteen in twenty slopes are within their errors."""
+    random, inside = np.random.default_rng(3), 0
+    at = 0.01 * np.array([0.0, 1.0, -1.0, 0.5, -0.5])
+    for _ in range(400):
+        slope, error = extrapolated(2.0 * at + 1e-4 * random.normal(size=5), np.zeros(()), 0.01)
+        inside += abs(slope - 2.0) <= error
+    assert inside >= 0.95 * 400
 
 
 def test_keys_next_to_whose_values_nothing_fits_are_left_out_and_named():
