@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.validation.checks.row import Check, judged
 from tactgen.validation.engine.results import Quantity
+from tactgen.validation.evidence.case import Check, judged
 from tactgen.validation.evidence.coverage import PROMISED, Judged, rows
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene

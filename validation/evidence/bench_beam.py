@@ -19,9 +19,9 @@ from tactgen.tmm.beam.span import BLOCK
 from tactgen.tmm.beam.transfer_matrix import chain
 from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.tmm.ports.multiport import respond, terminate
-from tactgen.validation.checks.cases import reference_beam as reference
-from tactgen.validation.checks.cases import textbook_beam
 from tactgen.validation.evidence.bench import Bench, Target, Timing
+from tactgen.validation.evidence.cases import exact_beam as reference
+from tactgen.validation.evidence.cases import textbook_beam
 from tactgen.validation.evidence.one_core import least_time, on_one_core, peak_memory
 
 #: Ranges of frequency (Hz): the paper's, and one that asks for more.

@@ -18,9 +18,9 @@ import numpy as np
 from tactgen.fem.magnetics.axisymmetric import FieldPoint, solve_map, solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.validation.checks.cases.magnetics.sphere_in_field import Potential
-from tactgen.validation.checks.cases.magnetics.team20 import pole_forces
 from tactgen.validation.evidence.bench import Bench, Target, Timing
+from tactgen.validation.evidence.cases.ball import Potential
+from tactgen.validation.evidence.cases.team20 import pole_forces
 from tactgen.validation.evidence.one_core import least_time, on_one_core
 
 #: Errors asked for, relative.

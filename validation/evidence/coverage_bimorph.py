@@ -26,10 +26,10 @@ from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
 from tactgen.tmm.ports.elements import attach, base_stiffness
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.port import BIMORPH
-from tactgen.validation.checks.cases import reference_beam as exact
-from tactgen.validation.checks.cases.reference_modes import Row, natural_frequency
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate
+from tactgen.validation.evidence.cases import exact_beam as exact
+from tactgen.validation.evidence.cases.exact_beam import Row, natural_frequency
 from tactgen.validation.evidence.coverage import Judged, compared, relative
 from tactgen.validation.evidence.random_devices import (
     CERAMICS,

@@ -35,9 +35,9 @@ from tactgen.tmm.beam.span import (
 from tactgen.tmm.beam.timoshenko import condition, dynamic_stiffness
 from tactgen.tmm.beam.transfer_matrix import chain
 from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
-from tactgen.validation.checks.cases import reference_beam as reference
-from tactgen.validation.checks.cases import textbook_beam
-from tactgen.validation.checks.cases.reference_modes import offset
+from tactgen.validation.evidence.cases import exact_beam as reference
+from tactgen.validation.evidence.cases import textbook_beam
+from tactgen.validation.evidence.cases.exact_beam import offset
 from tactgen.validation.evidence.stress import (
     REFUSALS,
     WANTED,

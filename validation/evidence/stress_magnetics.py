@@ -29,15 +29,15 @@ from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from tactgen.tmm.reluctance.circuit import ONE_GAP
 from tactgen.tmm.reluctance.network import network_samples, textbook_force
-from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED, collared
-from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (
+from tactgen.validation.evidence.cases.actuator import COLLARED, collared
+from tactgen.validation.evidence.cases.ball import ball_error
+from tactgen.validation.evidence.cases.coils import (
     INNER,
     OUTER,
     core_tolerance,
     flux_density_in_core,
     infinite_solenoid,
 )
-from tactgen.validation.checks.cases.magnetics.sphere_in_field import ball_error
 from tactgen.validation.evidence.stress import (
     Asked,
     Families,

@@ -10,10 +10,10 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.checks.row import Outcome, run_check
-from tactgen.validation.checks.verification import group_rows
 from tactgen.validation.engine.plan import Plan, asks_display
 from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.evidence.case import Outcome, run_check
+from tactgen.validation.evidence.verification import group_rows
 from tactgen.validation.models.comparison import ComparedRow, compare
 from tactgen.validation.report.load_cases import LoadCase, load_cases
 from tactgen.validation.report.normal_actuator import NormalActuator, merged

@@ -10,7 +10,7 @@ from tactgen.fem.elements.skfem_mesh import tet_rule
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
 from tactgen.fem.magnetics.scalar_potential import gradient_kernel
 from tactgen.fem.magnetics.vector_potential import VectorPotential
-from tactgen.validation.checks.cases.magnetics.sphere_mesh import sphere_mesh
+from tactgen.validation.evidence.cases.ball import sphere_mesh
 
 RULE = tet_rule()
 TENSOR = np.array([[2.0, 0.3, -0.1], [0.3, 1.0, 0.2], [-0.1, 0.2, 4.0]])

@@ -14,7 +14,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import actuator_regions
-from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED, collared
+from tactgen.validation.evidence.cases.actuator import COLLARED, collared
 
 DEVICE = COLLARED
 NAMES = tuple(FieldErrors.__dataclass_fields__)

@@ -20,20 +20,18 @@ from tactgen.fem.magnetics.axisymmetric_space import discretise, lowered
 from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.reluctance.section_grid import Grid, Region, graded_grid
-from tactgen.validation.checks.cases.magnetics import coaxial_coils
-from tactgen.validation.checks.cases.magnetics.coaxial_coils import (
+from tactgen.validation.evidence.cases import coils as coaxial_coils
+from tactgen.validation.evidence.cases.coils import (
     HIGH,
     LOW,
-    between_windings,
-    mutual_inductance,
-    mutual_inductance_slope,
-)
-from tactgen.validation.checks.cases.magnetics.infinite_solenoid import (
     SOLENOID_ERROR,
+    between_windings,
     core_tolerance,
     exact_profile,
     flux_density_in_core,
     infinite_solenoid,
+    mutual_inductance,
+    mutual_inductance_slope,
 )
 
 

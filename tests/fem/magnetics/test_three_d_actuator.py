@@ -23,7 +23,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.quadratic import jacobian_coefficients
 from tactgen.geometry.reluctance.sector_tets import Sector, sector_mesh
 from tactgen.geometry.reluctance.tets import ActuatorMeshing
-from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED
+from tactgen.validation.evidence.cases.actuator import COLLARED
 
 DEVICE = COLLARED
 GAP, CURRENT = 0.2e-3, 0.13

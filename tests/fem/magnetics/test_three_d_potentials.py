@@ -15,8 +15,8 @@ from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
-from tactgen.validation.checks.cases.magnetics import sphere_in_field
-from tactgen.validation.checks.cases.magnetics.sphere_mesh import mirrored, sphere_mesh
+from tactgen.validation.evidence.cases import ball as sphere_in_field
+from tactgen.validation.evidence.cases.ball import mirrored, sphere_mesh
 
 STEEL = {"pole": TEAM20, "yoke": TEAM20}
 STRAIGHT = {"pole": linear(500.0), "yoke": linear(500.0)}

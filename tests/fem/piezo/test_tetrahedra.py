@@ -22,7 +22,7 @@ from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.meshing.mirror import whole_mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
-from tactgen.validation.checks.cases.manufactured import (
+from tactgen.validation.evidence.cases.manufactured import (
     cells_space,
     ceramic,
     manufactured_errors,

@@ -12,7 +12,7 @@ from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import _descent, _roots, bending_frequencies, natural_frequencies
 from tactgen.tmm.beam.printed_formulas import matrix_a
 from tactgen.tmm.beam.sections import Section, section
-from tactgen.validation.checks.cases.reference_modes import offset
+from tactgen.validation.evidence.cases.exact_beam import offset
 
 CLAMPED = Ends()
 UNHELD = Springs(0.0, 0.0)

@@ -20,7 +20,7 @@ from tactgen.tmm.beam.timoshenko import dynamic_stiffness
 from tactgen.tmm.beam.transfer_matrix import chain
 from tactgen.tmm.ports.elements import attach, base_stiffness, ends_of, tip_stiffness
 from tactgen.tmm.ports.multiport import respond
-from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.evidence.cases import exact_beam as reference
 
 LENGTH = 20e-3
 EPS = np.finfo(float).eps

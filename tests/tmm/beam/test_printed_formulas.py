@@ -21,7 +21,7 @@ from tactgen.tmm.beam.printed_formulas import (
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.timoshenko import dynamic_stiffness
 from tactgen.tmm.ports.finger import finger_impedance
-from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.evidence.cases import exact_beam as reference
 
 DEVICE = Device()
 BEAM = section(Piece("bimorph", 20e-3), DEVICE, Beam(), lossy=True)

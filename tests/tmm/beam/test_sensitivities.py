@@ -1,6 +1,6 @@
 """Derivatives of the transfer-matrix model against 80-digit difference quotients.
 
-The witness is the state-space beam of validation.checks.cases.reference_beam with support, load and
+The witness is the state-space beam of validation.evidence.cases.exact_beam with support, load and
 wiring written out here in mpmath; it shares no formula with tmm.
 """
 
@@ -22,7 +22,7 @@ from tactgen.tmm.ports.finger import finger_spring_damper
 from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.scene.scene import load_scene
 
 #: How each quantity with a derivative is read, by its name.

@@ -18,7 +18,7 @@ from tactgen.tmm.generator.positions import (
     settled_place,
 )
 from tactgen.tmm.generator.stops import contact_of
-from tactgen.validation.checks.cases.magnetics.ideal_gap import IdealGap
+from tactgen.validation.evidence.cases.iron import IdealGap
 
 GAP, STIFFNESS, STRENGTH = 0.2e-3, 100.0, MU0 * 500.0**2 * 4e-6
 #: I² = 8 k g0³ / (27 µ0 N² A), the electrostatic or magnetic gap on a spring; at g0/3 of travel.

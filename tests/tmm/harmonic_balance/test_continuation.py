@@ -10,7 +10,7 @@ from tactgen.tmm.harmonic_balance import steady as response
 from tactgen.tmm.harmonic_balance.balance import NoConvergence
 from tactgen.tmm.harmonic_balance.continuation import folds, follow, steady_orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution, equilibrium, resolved
-from tactgen.validation.checks.cases import oscillators as cases
+from tactgen.validation.evidence.cases import oscillators as cases
 
 ROUGH = Resolution(missing=1e-5, least=5, most=40)
 

@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.tmm.harmonic_balance.balance import Orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution, free_oscillation
-from tactgen.validation.checks.cases import oscillators as cases
+from tactgen.validation.evidence.cases import oscillators as cases
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.continuation import follow, steady_orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution, equilibrium, unstable_exponents
-from tactgen.validation.checks.cases import oscillators as cases
+from tactgen.validation.evidence.cases import oscillators as cases
 
 FINE = Resolution(missing=1e-7, least=9, most=60)
 

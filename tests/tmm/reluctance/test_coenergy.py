@@ -11,7 +11,7 @@ from tactgen.tmm.reluctance.circuit import FULL, Refinements
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import Samples, closed_loop_work
 from tactgen.tmm.reluctance.network import network_samples
-from tactgen.validation.checks.cases.magnetics import square_law
+from tactgen.validation.evidence.cases import actuator as square_law
 
 #: A linear actuator: λ = C i/(g + G0).
 C, G0 = 2e-6, 0.1e-3

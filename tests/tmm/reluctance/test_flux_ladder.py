@@ -7,8 +7,8 @@ from tactgen.geometry.device import steel_law as steel
 from tactgen.geometry.device.steel_law import TEAM20
 from tactgen.tmm.reluctance import flux_ladder
 from tactgen.tmm.reluctance.flux_ladder import Ladder, solve
-from tactgen.validation.checks.cases.magnetics import square_law
-from tactgen.validation.checks.cases.magnetics.square_law import one_loop
+from tactgen.validation.evidence.cases import actuator as square_law
+from tactgen.validation.evidence.cases.actuator import one_loop
 
 
 def random_ladder(curve, seed=0, m=3, n=6):

@@ -10,7 +10,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance import map_range
 from tactgen.tmm.reluctance.map_range import map_grid, pole_area
 from tactgen.tmm.reluctance.network import network_samples
-from tactgen.validation.checks.cases.magnetics.collared_actuator import collared
+from tactgen.validation.evidence.cases.actuator import collared
 
 
 def device(current=0.13, **spring):

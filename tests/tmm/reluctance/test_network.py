@@ -20,7 +20,7 @@ from tactgen.tmm.reluctance.circuit import (
 )
 from tactgen.tmm.reluctance.coenergy_map import closed_loop_work
 from tactgen.tmm.reluctance.network import network_bridge, network_samples, textbook_force
-from tactgen.validation.checks.cases.magnetics.collared_actuator import COLLARED, collared
+from tactgen.validation.evidence.cases.actuator import COLLARED, collared
 
 DEVICE = COLLARED
 CURRENTS = np.array([0.0, 1e-3, 0.02, 0.13, 1.0])

@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import pytest
 
-from tactgen.validation.checks import bimorph, verification
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.evidence import verification
+from tactgen.validation.evidence.cases import bimorph
 
-FEW = tuple(c for c in bimorph.CHECKS if c.id in ("TMM-5", "FIN-1", "PAP-2", "SOL-3"))
+FEW = tuple(c for c in bimorph.CASES if c.id in ("TMM-5", "FIN-1", "PAP-2", "SOL-3"))
 FIELDS = {
     "id", "group", "tier", "requirement", "measured", "reference", "source", "tolerance",
     "reason", "verdict",

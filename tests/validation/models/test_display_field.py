@@ -10,9 +10,9 @@ import pytest
 from tactgen.fem.magnetics import array_3d as array
 from tactgen.fem.magnetics import array_3d as nine
 from tactgen.fem.magnetics.array_3d import NineForces
-from tactgen.validation.checks import display
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.stages import Stages
+from tactgen.validation.evidence.cases import display
 from tactgen.validation.models.display import field
 from tactgen.validation.models.reluctance import field as field_model
 from tactgen.validation.scene.scene import load_scene
@@ -59,7 +59,7 @@ def rows(monkeypatch):
     monkeypatch.setattr(display, "array_forces", array_forces)
     for cached in (display._nine, display._all_four):
         cached.cache_clear()
-    yield {check.id: check.measure for check in display.DISPLAY_CHECKS}
+    yield {check.id: check.measure for check in display.CASES}
     for cached in (display._nine, display._all_four):
         cached.cache_clear()
 

@@ -9,7 +9,7 @@ from tactgen.fem.piezo import reduction_files as kept_reductions
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
-from tactgen.validation.checks import amplitude_measurements
+from tactgen.validation.evidence.cases import amplitude as amplitude_measurements
 from tactgen.validation.models import rocking as states
 from tactgen.validation.models.bimorph import cad as meshes
 from tactgen.validation.models.five_port import five_port

@@ -7,8 +7,8 @@ from tactgen.tmm.beam.timoshenko import dynamic_stiffness
 from tactgen.tmm.beam.transfer_matrix import multiport, sections
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import in_series, respond, round_off
-from tactgen.validation.checks.cases import reference_beam as reference
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.scene.scene import load_scene
 
 OF_TIP = ("tip_displacement", "tip_rotation", "input_current")

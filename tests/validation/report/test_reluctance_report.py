@@ -271,7 +271,7 @@ def test_lateral_report_imports_nothing_magnetic(loaded):
     assert "tactgen.validation.report.sections.bimorph" in lateral
     assert not lateral & {
         "tactgen.fem.magnetics.axisymmetric", "tactgen.fem.magnetics.axisymmetric_field",
-        "tactgen.tmm.reluctance.network", "tactgen.validation.checks.reluctance",
+        "tactgen.tmm.reluctance.network", "tactgen.validation.evidence.cases.reluctance",
         "tactgen.validation.report.sections.reluctance_figures",
         "tactgen.validation.report.sections.reluctance",
     }  # fmt: skip
@@ -284,7 +284,7 @@ def test_normal_report_imports_nothing_piezoelectric(loaded):
     assert not normal & {
         "tactgen.fem.piezo.solid", "tactgen.fem.piezo.modes", "tactgen.fem.piezo.ports",
         "tactgen.fem.beam",
-        "tactgen.validation.checks.paper.audit",
+        "tactgen.validation.evidence.cases.audit",
         "tactgen.validation.report.sections.bimorph",
     }  # fmt: skip
 

@@ -10,8 +10,8 @@ from tactgen.validation.catalogue.quantities import (
     QUANTITIES,
     SHORT_CIRCUIT_FREQUENCIES,
 )
-from tactgen.validation.checks.paper import audit
 from tactgen.validation.evidence import stress as stress_output
+from tactgen.validation.evidence.cases import audit
 from tactgen.validation.models.bimorph.rows import LumpedModel
 from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.report.sections import gallery

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from tactgen.validation.catalogue.models import MODELS
-from tactgen.validation.checks.verification import recalled_rows
+from tactgen.validation.evidence.verification import recalled_rows
 from tactgen.validation.models.comparison import Cell
 from tactgen.validation.report.sections.section import Context
 from tactgen.validation.report.study import Study

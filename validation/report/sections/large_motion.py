@@ -213,7 +213,7 @@ def _row(state: RockingState, linear: Floats, *, beside: bool) -> DeflectionRow:
 
 def run_in_time(study: Study) -> Simulation | str:
     """Return the run of the paper's Fig 16, or why there is none."""
-    from tactgen.validation.checks.motion_measurements import SOURCES
+    from tactgen.validation.evidence.cases.motion import SOURCES
     from tactgen.validation.models.generator.transient import run_scene
 
     study.announce("the run of Fig 16")
@@ -232,7 +232,7 @@ def run_in_time(study: Study) -> Simulation | str:
 
 def _time(study: Study) -> Context:
     """Return the run of the paper's Fig 16, as a film and as pictures for paper."""
-    from tactgen.validation.checks.motion_measurements import SOURCES
+    from tactgen.validation.evidence.cases.motion import SOURCES
     from tactgen.validation.export.run_motion import still_of_run
     from tactgen.validation.models.generator.transient import phases
     from tactgen.validation.studies.simulate import film_of, time_plot
@@ -262,7 +262,7 @@ def _time(study: Study) -> Context:
 
 def _steady(scene: Scene) -> dict[str, float]:
     """Return the tip's steady amplitude (m) in small motions on either stop; {} if it has none."""
-    from tactgen.validation.checks.motion_measurements import DRIVE, SQUARE, small_tip
+    from tactgen.validation.evidence.cases.motion import DRIVE, SQUARE, small_tip
 
     try:
         return {

@@ -11,7 +11,7 @@ from tactgen.geometry.bimorph.pieces import Layers, Piece
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Glue, Piezo, Rod, Shim
 from tactgen.tmm.beam.sections import section
-from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.evidence.cases import exact_beam as reference
 
 NAMES = ("EI", "GA", "m", "rhoI", "K", "C")
 BIMORPH = Piece("bimorph", 20e-3)

@@ -15,7 +15,7 @@ from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.tmm.beam.sections import Section, section
 from tactgen.tmm.beam.span import error_bound
 from tactgen.tmm.beam.timoshenko import condition, dynamic_stiffness, wavenumbers
-from tactgen.validation.checks.cases import reference_beam as reference
+from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.evidence.stress_beam import CONDITION_LIMIT
 
 EPS = np.finfo(float).eps

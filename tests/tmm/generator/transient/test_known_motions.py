@@ -31,7 +31,7 @@ from tactgen.tmm.generator.transient.waveform import (
     Square,
     Step,
 )
-from tactgen.validation.checks.cases.magnetics.ideal_gap import IdealGap
+from tactgen.validation.evidence.cases.iron import IdealGap
 
 ONE, UNIT = np.ones(1), np.eye(1)
 

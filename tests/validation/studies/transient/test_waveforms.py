@@ -21,7 +21,7 @@ from tactgen.tmm.generator.transient.waveform import (
     Square,
     Step,
 )
-from tactgen.validation.checks.cases.magnetics.ideal_gap import IdealGap
+from tactgen.validation.evidence.cases.iron import IdealGap
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed

@@ -10,12 +10,12 @@ from tactgen.validation.command_line.commands.common import Commands
 from tactgen.validation.command_line.streams import name_files, print_json
 
 if TYPE_CHECKING:
-    from tactgen.validation.checks.verification import Extent, Verified
+    from tactgen.validation.evidence.verification import Extent, Verified
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    from tactgen.validation.checks.verification import GROUPS
+    from tactgen.validation.evidence.verification import GROUPS
 
     parser = commands.add_parser("verify", help="the suite's own checks against known answers")
     only = f"{', '.join(GROUPS)}; may be repeated, all by default"
@@ -31,8 +31,8 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit code is 1 if a check fails."""
     from tactgen.geometry.files import writable_folder
-    from tactgen.validation.checks.verification import GROUPS, verify
     from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.evidence.verification import GROUPS, verify
     from tactgen.validation.scene.files import choices
 
     groups = choices(",".join(options.only or GROUPS), tuple(GROUPS), "group", "--only")
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _print(rows: list[Verified]) -> None:
     from tactgen.geometry.formats import engineering, percent
-    from tactgen.validation.checks.verification import VERDICTS
+    from tactgen.validation.evidence.verification import VERDICTS
 
     print(f"{'id':9} {'verdict':10} {'measured':>14} {'deviation':>12}  requirement")
     for row in rows:

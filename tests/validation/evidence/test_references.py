@@ -1,0 +1,463 @@
+"""The references of the cases, computed once more from their own formulas."""
+
+import itertools
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from tactgen.geometry.device.material_library import LIBRARY
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.steel_law import MU0, TEAM20
+from tactgen.validation.evidence.cases import beams, coils, elastic, iron, laminates, resonators
+from tactgen.validation.evidence.cases import special_beams as bent_strip
+from tactgen.validation.evidence.cases import strips as bimetal
+from tactgen.validation.evidence.cases.ball import exact_flux_density
+from tactgen.validation.evidence.cases.exact_laminate import (
+    Laminate,
+    Layer,
+    natural_frequency,
+    static_state,
+)
+from tactgen.validation.evidence.cases.laminates import ply
+
+
+def references(module, case):
+    (found,) = [c for c in module.CASES if c.id == case]
+    return [row.reference for row in found.rows]
+
+
+def bimorph(thickness):
+    ceramic = LIBRARY["PZT-5A"]
+    t = ceramic.tensors(lossy=False)
+    low, high = (Layer(thickness, ceramic.density, t.c, sign * t.e, t.eps) for sign in (1, -1))
+    return Laminate((low, high), 20e-3)
+
+
+def test_parabolic_height():
+    """VM148: ∫ F x²/(E I) dx with I = b h³/12 (x/L)^(3/2), which is 8 F L³/(E b h³)."""
+    exact = mp.quad(lambda x: 1000 * x**2 / (30e6 * 0.2 * 8 / 12 * (x / 4) ** 1.5), [0, 4])
+    assert references(beams, "VM148") == [pytest.approx(float(exact), rel=1e-12)]
+
+
+def test_shear_beam():
+    """VM202: Blevins' formula with Cowper's factor; the third row is the misprint."""
+    speed = math.sqrt(20 * 1.27 / (48 + 39 * 0.27) * 200e9 / (2 * 1.27) / 7860)
+    first, second, printed = references(beams, "VM202")
+    assert [first, second] == pytest.approx([speed / 120, 3 * speed / 120], rel=3e-5)
+    assert printed != pytest.approx(3 * first, rel=5e-4)
+
+
+def test_two_layers():
+    """VM144: strip theory, [N, M] = [[A, B], [B, D]] [strain, curvature] about the lower face."""
+    edges, moduli, free = [0.0, 0.2, 0.3], [1.2e6, 0.4e6], [1.8e-2, 0.6e-2]
+    a, b, d = (
+        sum(m * (edges[i + 1] ** n - edges[i] ** n) / n for i, m in enumerate(moduli))
+        for n in (1, 2, 3)
+    )
+    force, moment = (
+        sum(m * s * (edges[i + 1] ** n - edges[i] ** n) / n for i, (m, s) in
+            enumerate(zip(moduli, free, strict=True)))
+        for n in (1, 2)
+    )  # fmt: skip
+    strain, curvature = np.linalg.solve([[a, b], [b, d]], [force, moment + 20.0])
+    upper, lower = 0.4e6 * (strain + 0.3 * curvature - 0.6e-2), 1.2e6 * (strain - 1.8e-2)
+    exact = [-curvature * 32.0, upper, lower]
+    assert references(bimetal, "VM144") == pytest.approx(exact, rel=1e-12)
+    assert [round(exact[0], 3), round(upper), round(lower)] == [0.832, 2258, 1731]  # as printed
+
+
+def test_seven_layers():
+    """NAFEMS R0031/1: laminate theory without shear is below the printed deflection, by shear."""
+    minor = 0.4 * 5 / 100
+    stiff, soft, coupled = (e * 1e9 / (1 - 0.4 * minor) for e in (100.0, 5.0, 2.0))
+    d = np.zeros((2, 2))
+    edges = np.cumsum([-0.5, 0.1, 0.1, 0.1, 0.4, 0.1, 0.1, 0.1]) * 1e-3
+    for i, (low, high) in enumerate(itertools.pairwise(edges)):
+        along, across = (stiff, soft) if i % 2 == 0 else (soft, stiff)
+        d += np.array([[along, coupled], [coupled, across]]) * (high**3 - low**3) / 3
+    # 10 N/mm on a span of 30 mm, free to curve across
+    bent = 1e4 * 30e-3**3 / 48 * np.linalg.inv(d)[0, 0]
+    assert 1.0 < -references(elastic, "R0031")[0] / bent < 1.1
+
+
+def test_ideal_gap():
+    """Pull k (g0 − g) balances most at g = 2/3 g0: I² = 8 k g0³ / (27 µ0 N² A)."""
+    current, travel = references(iron, "SNAP")
+    assert current**2 == pytest.approx(8 * 100 * 0.2e-3**3 / (27 * MU0 * 500**2 * 4e-6), rel=1e-8)
+    assert travel == pytest.approx(0.2e-3 / 3)
+
+
+def test_driven_deep_beam():
+    """NAFEMS 5H: the sum over a Timoshenko beam's modes is within 0.3 % of the printed peak."""
+    poisson, omega = 0.3, 2 * math.pi * 42.65
+    modulus = 200e9 * (1 + 0.04j)
+    shear = 10 * 1.3 / (12 + 11 * poisson) * modulus / 2.6 * 4.0
+    total = 0.0
+    for n in range(1, 60, 2):
+        k = n * math.pi / 10.0
+        turning = modulus * 16 / 12 * k**2 + shear - 8000 * 16 / 12 * omega**2
+        matrix = [[shear * k**2 - 32000 * omega**2, shear * k], [shear * k, turning]]
+        part = np.linalg.solve(np.array(matrix), [4e6 / (math.pi * n), 0.0])[0]
+        total += part * math.sin(n * math.pi / 2)
+    moved = references(beams, "P5H")[0]
+    assert abs(total) == pytest.approx(moved, rel=3e-3)  # NAFEMS damps each mode alike
+
+
+@pytest.mark.parametrize(
+    ("case", "thickness"),
+    [("CYL1", 0.385e-3), ("CYL2", 1.0e-3), pytest.param("CYL3", 2.5e-3, marks=pytest.mark.heavy)],
+)
+def test_cylindrical_bending(case, thickness):
+    """Frequencies by the state-space solution, thin and thick."""
+    short, free = references(laminates, case)
+    exact = bimorph(thickness)
+    assert natural_frequency(exact, short) == pytest.approx(short, rel=1e-9)
+    assert natural_frequency(exact, free, grounded=(False, False)) == pytest.approx(free, rel=1e-9)
+
+
+@pytest.mark.parametrize(("case", "thickness"), [("CYL4", 0.385e-3), ("CYL5", 2.5e-3)])
+def test_driven_cylindrical_bending(case, thickness):
+    """The state at the lower face with a wave of 1 V on the upper one: [.., w, .., D] there."""
+    low, _ = static_state(bimorph(thickness), pressure=(0.0, 0.0), faces=(0.0, 1.0))
+    assert [float(low[1]), float(low[5])] == pytest.approx(references(laminates, case), rel=1e-12)
+
+
+def test_pagano():
+    """The middle of the laminate; Pagano printed 2.887 and 0.932."""
+    found = []
+    none, vacuum = np.zeros((3, 6)), np.eye(3)
+    for slenderness in (4.0, 10.0, 20.0, 50.0):
+        plies = [Layer(1 / 3, 1.0, ply(along).c, none, vacuum) for along in "zyz"]
+        low, _ = static_state(Laminate(tuple(plies), slenderness), pressure=(0, 1), faces=(0, 0))
+        half = Laminate((plies[0], Layer(1 / 6, 1.0, plies[1].c, none, vacuum)), slenderness)
+        found.append(float(100 * (half.transfer(0) * low)[1]) / slenderness**4)
+    assert found == pytest.approx(references(laminates, "PAG"), rel=1e-12)
+    assert [round(v, 3) for v in found[:2]] == [2.887, 0.932]
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.25, 0.1, 0.01])
+def test_tip_mass(ratio):
+    """Roots of the frequency equation; the root spring's are those of the inverse ratio."""
+    masses, springs = references(beams, "MASS"), references(beams, "ROOT")
+    known = {1.0: masses[:3], 0.25: masses[3:], 0.1: springs[1:2], 0.01: springs[2:]}[ratio]
+    assert springs[0] == masses[0]
+    for value in known:
+        root = mp.findroot(
+            lambda x: 1 + mp.cos(x) * mp.cosh(x)
+            - ratio * x * (mp.sin(x) * mp.cosh(x) - mp.cos(x) * mp.sinh(x)),
+            value,
+        )  # fmt: skip
+        assert float(root) == pytest.approx(value, rel=1e-11)
+
+
+def test_wedge():
+    """Kirchhoff: with x = 2 sqrt(ω L² sqrt(ρA/EI)), J1(x) I2(x) + J2(x) I1(x) = 0."""
+    for value in references(beams, "WEDGE"):
+        x = mp.findroot(
+            lambda x: mp.besselj(1, x) * mp.besseli(2, x) + mp.besselj(2, x) * mp.besseli(1, x),
+            2 * mp.sqrt(value),
+        )
+        assert float(x**2 / 4) == pytest.approx(value, rel=1e-8)
+
+
+def test_breadth():
+    """(x w″)″ = λ² x w from the tip, where w and w′ are free, to w(1) = w′(1) = 0."""
+
+    def at_root(square, first, second):
+        series = [mp.mpf(first), mp.mpf(second), 0, 0]
+        for n in range(4, 100):
+            series.append(square * series[n - 4] / (n * (n - 1) ** 2 * (n - 2)))
+        return mp.fsum(series), mp.fsum(n * a for n, a in enumerate(series))
+
+    def determinant(value):
+        (w0, slope0), (w1, slope1) = (at_root(value**2, *end) for end in ((1, 0), (0, 1)))
+        return w0 * slope1 - w1 * slope0
+
+    for value in references(beams, "BREADTH"):
+        assert float(mp.findroot(determinant, value)) == pytest.approx(value, rel=2e-9)
+
+
+def test_clamped_deep_beam():
+    """FV5-3 to -5: Timoshenko's equations as a matrix exponential; no moment, no shear at 10 m."""
+    bending, shear = 200e9 * 16 / 12, 10 * 1.3 / (12 + 11 * 0.3) * 200e9 / 2.6 * 4
+
+    def at_tip(frequency):
+        square = (2 * mp.pi * frequency) ** 2
+        rates = mp.matrix(4, 4)  # of [w, ψ, M/EI, Q/EI]
+        rates[0, 1], rates[0, 3], rates[1, 2] = 1, bending / shear, 1
+        rates[2, 1], rates[2, 3] = -8000 * 16 / 12 * square / bending, -1
+        rates[3, 0] = -32000 * square / bending
+        found = mp.expm(10 * rates)
+        return found[2, 2] * found[3, 3] - found[2, 3] * found[3, 2]
+
+    for value in references(beams, "FV5")[2:]:
+        assert float(mp.findroot(at_tip, value)) == pytest.approx(value, rel=4e-9)
+
+
+def thin_plate(clamped, terms):
+    """Return ω a² √(ρh/D) of a square plate, ν = 0.3: Ritz with Legendre's polynomials.
+
+    All edges are free, or that at 0 is clamped: there the polynomials are multiplied by y².
+    """
+    points, weights = np.polynomial.legendre.leggauss(2 * terms)
+    points, weights = 0.5 * (points + 1), 0.5 * weights
+    rows = [np.polynomial.Legendre.basis(k, domain=[0, 1]) for k in range(terms)]
+    x = [np.array([row.deriv(n)(points) for row in rows]) for n in range(3)]
+    y = x
+    if clamped:
+        low, high = 2 * points * x[0] + points**2 * x[1], 2 * x[0] + 4 * points * x[1]
+        y = [points**2 * x[0], low, high + points**2 * x[2]]
+
+    def product(i, j, k, l):
+        return np.kron((x[i] * weights) @ x[j].T, (y[k] * weights) @ y[l].T)
+
+    stiffness = product(2, 2, 0, 0) + product(0, 0, 2, 2) + 1.4 * product(1, 1, 1, 1)
+    stiffness += 0.3 * (product(2, 0, 0, 2) + product(0, 2, 2, 0))
+    squares = eigh(stiffness, product(0, 0, 0, 0), eigvals_only=True)
+    return np.sqrt(squares[0 if clamped else 3 :])
+
+
+def test_free_thin_plate():
+    """FV12, in hertz: the series has converged to six digits."""
+    scale = math.sqrt(200e9 * 0.05**2 / (12 * 0.91 * 8000)) / (2 * math.pi * 100)
+    assert references(elastic, "FV12") == pytest.approx(scale * thin_plate(False, 14)[:8], rel=4e-6)
+
+
+def test_cantilevered_thin_plate():
+    """FV16: where the clamp ends the series converges as a power, so they agree to 1e-4."""
+    assert references(elastic, "FV16") == pytest.approx(thin_plate(True, 18)[:6], rel=1e-4)
+
+
+def test_supported_plate():
+    """P13H: a solid plate whose edges slide in themselves bends in antisymmetric Lamb waves.
+
+    With a² = k² − ω²/c_l² and b² = k² − ω²/c_t²: (b² + k²)² tanh(a h/2) = 4 k² a b tanh(b h/2).
+    """
+    half, speed2 = 0.025, 200e9 / 2.6 / 8000  # of shear; that of pressure is 3.5 times as large
+    for value, squares in zip(references(elastic, "P13H"), (2, 5, 8, 10, 13), strict=True):
+        k2 = squares * (mp.pi / 10) ** 2
+
+        def lamb(frequency, k2=k2):
+            omega2 = (2 * mp.pi * frequency) ** 2
+            a, b = mp.sqrt(k2 - omega2 / (3.5 * speed2)), mp.sqrt(k2 - omega2 / speed2)
+            left = (b**2 + k2) ** 2 * mp.tanh(a * half)
+            return left - 4 * k2 * a * b * mp.tanh(b * half)
+
+        with mp.workdps(40):
+            exact = mp.findroot(lamb, (value * (1 - 1e-4), value * (1 + 1e-4)))
+        assert float(exact) == pytest.approx(value, rel=2e-8)
+
+
+def test_smits_under_pressure():
+    """SMITSP: moments of the load, and of a volt, integrated along Bernoulli's beam."""
+    length, width, h, modulus, d31 = 20e-3, 2.1e-3, 0.26e-3, 1 / 16.4e-12, -171e-12
+    stiffness = modulus * width * (2 * h) ** 3 / 12
+    lost = np.polynomial.Polynomial([length, -1.0])  # what of the beam is beyond a station
+    slope = (0.5 * width * lost**2 / stiffness).integ()
+    bend = slope.integ()
+    volt = np.polynomial.Polynomial([-modulus * d31 * width * h**2 / (2 * h) / stiffness]).integ(2)
+    exact = [
+        bend(length),
+        slope(length),
+        width * bend.integ()(length),
+        width * volt.integ()(length),
+    ]
+    assert references(laminates, "SMITSP") == pytest.approx(exact, rel=1e-12)
+
+
+def test_smits():
+    """The entries without pressure in closed form for two layers of thickness h in series."""
+    length, width, h = 20e-3, 2.1e-3, 0.26e-3
+    s11, d31, eps = 16.4e-12, -171e-12, 1700 * EPS0
+    k2 = d31**2 / (s11 * eps)
+    exact = [
+        -3 * d31 * length**2 / (8 * h**2),
+        s11 * length**3 / (2 * width * h**3),
+        3 * s11 * length / (2 * width * h**3),
+        eps * (1 - k2 / 4) * width * length / (2 * h),
+        3 * s11 * length**2 / (4 * width * h**3),
+        -3 * d31 * length / (4 * h**2),
+        3 * s11 * length**2 / (4 * width * h**3),
+    ]
+    assert references(beams, "SMITS") == pytest.approx(exact, rel=1e-8)
+
+
+def plate_constants(shear):
+    """Return coupling factor, f_p and f_s (Hz) of the 1 mm PZT-5A plate by IEEE 176."""
+    ceramic = LIBRARY["PZT-5A"]
+    tensors = ceramic.tensors(lossy=False)
+    c, e, eps = (
+        (tensors.c[4, 4], tensors.e[2, 4], tensors.eps[2, 2])
+        if shear
+        else (tensors.c[0, 0], tensors.e[0, 0], tensors.eps[0, 0])
+    )
+    stiffened = c + e**2 / eps
+    k2 = e**2 / (eps * stiffened)
+    parallel = math.sqrt(stiffened / ceramic.density) / (2.0 * 1e-3)
+    phase = brentq(lambda q: q / math.tan(q) - k2, 1e-3, 0.5 * math.pi, xtol=1e-15)
+    return math.sqrt(k2), parallel, 2.0 * parallel * phase / math.pi
+
+
+@pytest.mark.parametrize(("case", "shear"), [("TE", False), ("TS", True)])
+def test_plates(case, shear):
+    """IEEE 176 with the library's constants; coupling factor last."""
+    coupling, parallel, series = plate_constants(shear)
+    assert references(resonators, case) == pytest.approx([parallel, series, coupling], rel=1e-10)
+
+
+def test_bars():
+    """IEEE 176: f_s or f_p is 1/(2 L √(ρ s)), the other follows from the coupling factor."""
+    s11, s33, d31, d33, eps, rho, length = (
+        16.4e-12,
+        18.8e-12,
+        -171e-12,
+        374e-12,
+        1700 * EPS0,
+        7750,
+        0.01,
+    )
+    series, parallel = references(resonators, "BAR31")
+    k2 = d31**2 / (s11 * eps)
+    assert series == pytest.approx(1 / (2 * length * math.sqrt(rho * s11)), rel=4e-6)  # six digits
+    q = 0.5 * math.pi * parallel / series
+    assert k2 / (1 - k2) == pytest.approx(-q / math.tan(q), rel=1e-4)
+    series, parallel = references(resonators, "BAR33")
+    k2 = d33**2 / (s33 * eps)
+    stiffened = s33 * (1 - k2)
+    assert parallel == pytest.approx(1 / (2 * length * math.sqrt(rho * stiffened)), rel=4e-6)
+    q = 0.5 * math.pi * series / parallel
+    assert k2 == pytest.approx(q / math.tan(q), rel=1e-4)
+
+
+def test_admittance():
+    """IEEE 176: a bar driven across its length."""
+    s11, d31, eps, rho = 16.4e-12, -171e-12, 1700 * EPS0, 7750
+    length, ratio = 10e-3, 4.0  # width over height
+    k2 = d31**2 / (s11 * eps)
+    for value, f in zip(references(resonators, "YBAR"), (100e3, 160e3), strict=True):
+        q = math.pi * f * length * math.sqrt(rho * s11)
+        c = eps * (1 - k2) * ratio * length * (1 + k2 / (1 - k2) * math.tan(q) / q)
+        assert 2 * math.pi * f * c == pytest.approx(value, rel=1e-8)
+
+
+def test_bent_strip():
+    """Constants at constant strain turned into compliances: a bar that only its bending stresses.
+
+    The manual's compliances have six digits, and its targets follow from them to five.
+    """
+    tensors = bent_strip.strip_material().piezo
+    strain = np.linalg.inv(
+        np.block([[tensors.c, -tensors.e.T], [tensors.e, tensors.eps]])
+    )  # of [stress, charge], with no charge: [strain, field]
+    stretch, thin, field = strain[2, 2], strain[0, 2], strain[6, 2]
+    h, l, slope = bent_strip.HEIGHT, bent_strip.LENGTH, bent_strip.SLOPE
+    along = stretch * slope * h * l
+    across = 0.5 * slope * (thin * h**2 - stretch * l**2)
+    potential = -0.5 * field * slope * h**2
+    assert references(resonators, "VM231") == pytest.approx([along, across, potential], rel=5e-5)
+
+
+def test_torsion():
+    """Saint-Venant's series."""
+    for ratio, value in zip((1, 2, 5), references(elastic, "TOR"), strict=True):
+        terms = [math.tanh((2 * k + 1) * math.pi * ratio / 2) / (2 * k + 1) ** 5 for k in range(99)]
+        exact = (1 - 192 / (math.pi**5 * ratio) * sum(terms)) / 3
+        assert exact == pytest.approx(value, rel=4e-9)  # nine digits
+
+
+def test_loops():
+    """Maxwell: mutual inductance and force at 1 A; Grover prints 0.24878 uH."""
+    functions = (coils.mutual_inductance, coils.mutual_inductance_slope)
+    assert float(functions[0](0.20, 0.25, 0.10)) == pytest.approx(0.24878e-6, rel=4e-5)
+    # the mean over the sections of 1 mm by Simpson's rule
+    low, high, up = (np.array([-0.5e-3, 0.0, 0.5e-3]) + at for at in (0.20, 0.25, 0.10))
+    a, b, d, zero = np.meshgrid(low, high, up, up - 0.10)
+    shares = np.array([1.0, 4.0, 1.0]) / 6.0
+    exact = [np.einsum("abcd,a,b,c,d", f(a, b, d - zero), *[shares] * 4) for f in functions]
+    assert references(coils, "LOOPS") == pytest.approx(exact, rel=1e-10)
+
+
+def test_image():
+    """IMAGE: the mean over both sections by Simpson's rule; the pull as the slope of the gain."""
+    points = np.linspace(-0.01, 0.01, 9)
+    shares = np.array([1, 4, 2, 4, 2, 4, 2, 4, 1]) / 24
+    radii = 0.2 + points
+
+    def gain(height):
+        a, b, low, high = np.meshgrid(radii, radii, points, points)
+        mutual = coils.mutual_inductance(a, b, 2 * height + high - low)
+        return 999 / 1001 * np.einsum("abcd,a,b,c,d", mutual, *[shares] * 4)
+
+    # energy i² L/2 at twice the speed of the image
+    pull = (gain(0.05 + 1e-5) - gain(0.05 - 1e-5)) / 4e-5
+    assert references(iron, "IMAGE") == pytest.approx([gain(0.05), pull], rel=1e-7)
+
+
+def test_saturated_ball():
+    """SATBALL: the linear ball of the permeability that the steel has at that flux density."""
+    for b in references(iron, "SATBALL"):
+        permeability = float(b / (MU0 * TEAM20.field_strength(np.array(b))))
+        assert b == pytest.approx(600e3 * exact_flux_density(permeability), rel=1e-12)
+
+
+def test_lame():
+    """u = (0, cos πy sin πz, −sin πy cos πz) has no divergence, no load on a face, and c_t²."""
+    omega = math.sqrt(2) * math.pi * math.sqrt(1 / (2 * 1.3))  # of E = ρ = a = 1
+    assert references(elastic, "LAME") == pytest.approx([omega] * 3, rel=1e-12)
+
+
+def test_driven_plate():
+    """P13HD: its first mode alone is 16 q/(π² ρ h ω² 2 ζ); the others take 5e-5 in the middle."""
+    omega = math.pi**2 * 2 * math.sqrt(200e9 * 0.05**2 / (12 * 0.91 * 8000)) / 100
+    alone = 16 * 100 / (math.pi**2 * 8000 * 0.05 * omega**2 * 0.04)
+    (value,) = references(elastic, "P13HD")
+    assert value == pytest.approx(alone, rel=1e-4)
+    assert value == pytest.approx(45.42e-3, rel=4e-4)  # as printed
+
+
+def test_nagaoka():
+    """Lorenz: the factor in complete elliptic integrals."""
+    for ratio, value in zip((0.2, 0.5, 1.0, 2.0, 5.0), references(coils, "NAGAOKA"), strict=True):
+        m = ratio**2 / (1 + ratio**2)
+        k, e = ellipk(m), ellipe(m)
+        exact = (
+            4
+            / (3 * math.pi * math.sqrt(1 - m))
+            * ((1 - m) / m * k - (1 - 2 * m) / m * e - math.sqrt(m))
+        )
+        assert exact == pytest.approx(value, rel=1e-8)
+
+
+def test_field_on_the_axis():
+    """A current sheet: (cos α1 + cos α2)/2 of an endless one's field."""
+    half, radius = 2.5 * 25.4e-3, 0.5 * 25.4e-3
+    for value, z in zip(references(coils, "VM168"), (0.0, 0.1905), strict=True):
+        cosines = sum(s / math.hypot(s, radius) for s in (half - z, half + z))
+        assert MU0 * 115.5 / (4 * half) * cosines == pytest.approx(value, rel=1e-10)
+
+
+def test_hollow_ball():
+    """SHELL: Jackson's formula, which for large µr is 9/(2 µr (1 − a³/b³))."""
+    mu, shares = 1000.0, (1.0 / 1.1) ** 3
+    exact = 9 * mu / ((2 * mu + 1) * (mu + 2) - 2 * shares * (mu - 1) ** 2)
+    assert references(iron, "SHELL") == [pytest.approx(exact, rel=1e-8)]
+
+
+def test_spheroid():
+    """SPHEROID: N = (1 − e²)/e³ (artanh e − e), to the digits given."""
+    for ratio, said in zip((2.0, 4.0), references(iron, "SPHEROID"), strict=True):
+        e = math.sqrt(1.0 - 1.0 / ratio**2)
+        assert said == pytest.approx((1.0 - e**2) / e**3 * (math.atanh(e) - e), abs=1e-7)
+
+
+def test_slot():
+    """CARTER: σ = 2/π [atan(b/2g) − g/b ln(1 + (b/2g)²)]."""
+    for ratio, said in zip((0.5, 1.0, 2.0, 5.0), references(iron, "CARTER"), strict=True):
+        half = ratio / 2.0
+        exact = 2.0 / math.pi * (math.atan(half) - math.log1p(half**2) / ratio)
+        assert said == pytest.approx(exact, rel=1e-7)

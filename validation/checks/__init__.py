@@ -1,1 +1,0 @@
-"""The suite's own checks as declarative rows, and what they measure."""

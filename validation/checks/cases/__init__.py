@@ -1,1 +1,0 @@
-"""Cases with known answers."""

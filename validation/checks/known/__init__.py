@@ -1,1 +1,0 @@
-"""Cases with published or exact answers, declared: what the suite's models must reproduce."""

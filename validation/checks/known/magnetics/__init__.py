@@ -1,1 +1,0 @@
-"""Magnetic fields and circuits whose answers are known: coils in air, bodies of iron."""

@@ -1,0 +1,314 @@
+"""Every numbered formula of the paper's model, as printed, against the exact one.
+
+Two questions per formula.  Is it right: its value as printed, in double precision and with
+everything else right, against the 80-digit solution of the beam's differential equations
+(:mod:`validation.evidence.cases.exact_beam`); a right one leaves rounding.  Does it matter: what
+it does, alone as printed, to tip velocity and current of the actuator under the finger,
+computed as the paper does it, with transfer matrices (eqs 6-12).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.device.profile import UNIFORM
+from tactgen.tmm.beam.printed_formulas import (
+    FORMULAS,
+    MISPRINTS,
+    PLACES,
+    Formula,
+    eigenvalues,
+    functions,
+    matrix_a,
+    printed_section,
+    wave_parameters,
+)
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.beam.sections import section as section_constants
+from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
+from tactgen.tmm.ports.finger import finger_impedance
+from tactgen.validation.evidence.cases import exact_beam as reference
+from tactgen.validation.scene.scene import Scene
+
+
+def section_formulas(device: Device, beam: Beam) -> dict[int, Any]:
+    """Return ρI, GA, EI, s_EP, m, K and C_p by the paper's equation numbers."""
+    with mp.workdps(reference.DIGITS):
+        return _section_formulas(device, beam)
+
+
+def frequency_formulas(
+    support: Support, beam: Section, length: float, frequency: float
+) -> dict[int, tuple[Any, ...]]:
+    """Return the values of eqs 7, 8, 11 and 13-48 at a frequency (Hz), by equation number.
+
+    Eqs 46 and 48 are left out without piezoelectric coupling.
+    """
+    with mp.workdps(reference.DIGITS):
+        return _frequency_formulas(support, beam, length, frequency)
+
+
+def _section_formulas(device: Device, beam: Beam) -> dict[int, Any]:
+    piezo = device.piezo
+    found = reference.bimorph_constants(reference.Layers.of(device, beam))
+    compliance = mp.mpf(piezo.s11) / (1 + mp.j / mp.mpf(piezo.quality_factor))
+    return {
+        49: found.rhoI,
+        50: found.GA,
+        51: found.EI,
+        52: compliance,
+        53: found.m,
+        54: found.K,
+        55: found.C * mp.mpf(device.bimorph.length),
+    }
+
+
+def _frequency_formulas(
+    support: Support, beam: Section, length: float, frequency: float
+) -> dict[int, tuple[Any, ...]]:
+    """Solve for them.
+
+    From T over [w, ψ, M, F, q, U]: C2 = −T_wM/a, β⁴ = −T_Fψ a²/T_wM, C3 = T_FM l/β⁴,
+    σ C3 = T_ψM l/a − T_MF/l, τ C3 = −T_Fw a l/β⁴ − T_MF/l, and so on; cosh λ₁ and cos λ₂
+    from the traces of T and T².
+    """
+    f, l = mp.mpf(float(frequency)), mp.mpf(length)
+    jw = 2j * mp.pi * f
+    c = reference.constants(beam)
+    t = reference.transfer(c, l, 2 * mp.pi * f)
+    rates = (jw, jw, 1, 1, jw)
+    places = (0, 1, 2, 3, 5)
+    found: dict[int, tuple[Any, ...]] = {
+        equation: (t[i, places[j]] * rates[i] / (1 if j in (2, 3, 4) else jw),)
+        for equation, (i, j) in PLACES.items()
+    }
+    a = l**2 / c.EI
+    beta4 = -t[3, 1] * a**2 / t[0, 2]
+    c2, c3 = -t[0, 2] / a, t[3, 2] * l / beta4
+    sigma = (t[1, 2] * l / a - t[2, 3] / l) / c3
+    tau = (-t[3, 0] * a * l / beta4 - t[2, 3] / l) / c3
+    c0, c1 = t[0, 0] + sigma * c2, t[2, 3] / l + c3 * (sigma + tau)
+    half_trace = sum(t[i, i] for i in range(4)) / 2
+    squares = sum(t[i, j] * t[j, i] for i in range(4) for j in range(4)) / 4 + 1
+    # cosh λ₁ and cos λ₂ have this sum, and these squares' sum
+    apart = mp.sqrt(2 * squares - half_trace**2)
+    found |= {
+        7: (mp.mpf(support.lateral_stiffness) / jw,),
+        8: (
+            jw * mp.mpf(support.rotational_inertia)
+            + mp.mpf(support.rotational_damping)
+            + mp.mpf(support.rotational_stiffness) / jw,
+        ),
+        11: (mp.mpmathify(complex(finger_impedance(np.array(frequency)))),),
+        38: (c0,),
+        39: (sigma,),
+        40: (c1,),
+        41: (tau,),
+        42: (c2,),
+        43: (beta4,),
+        44: (c3,),
+        45: (a,),
+        47: (mp.acosh((half_trace + apart) / 2), mp.acos((half_trace - apart) / 2)),
+    }
+    if c.K != 0:  # the electrical entries alone hold C4 and C5
+        found[46] = (t[1, 5] * l / (a * c.K) - c3 * sigma,)
+        found[48] = (t[2, 5] / c.K + 1 - sigma * c2,)
+    return found
+
+
+#: Frequencies at which the effects are stated (Hz).
+AT = np.array([10.0, 100.0, 500.0, 1000.0])
+#: Frequencies at which formulas are held against the exact solution (Hz).
+_COMPARED = np.unique(np.concatenate([AT, np.geomspace(10.0, 1000.0, 9)]))
+
+
+@dataclass(frozen=True)
+class AuditRow:
+    """One formula: how far it is off, and what that does.
+
+    Attributes
+    ----------
+    formula : Formula
+        Equation number, symbol, printed and correct form.
+    deviation : float or None
+        Largest relative deviation of the printed formula from the exact value over 10 to
+        1000 Hz; None where it is a matrix of other formulas.
+    velocity, current : (n,) array or None
+        Relative size of the complex change of tip velocity and current at :data:`AT` when
+        this formula alone is taken as printed; None where it is right.
+    """
+
+    formula: Formula
+    deviation: float | None
+    velocity: Floats | None = None
+    current: Floats | None = None
+
+
+@dataclass(frozen=True)
+class Audit:
+    """All formulas, the effect of all misprints together, and what is left without them.
+
+    `residual` is the largest relative deviation of the corrected chain's tip velocity and
+    current from the 80-digit solution at :data:`AT`.
+    """
+
+    rows: tuple[AuditRow, ...]
+    velocity: Floats
+    current: Floats
+    residual: float
+
+    def row(self, equation: int) -> AuditRow:
+        """Return the row of an equation."""
+        return next(row for row in self.rows if row.formula.equation == equation)
+
+
+def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any]:
+    """Return what the report shows: the audit of this scene's bimorph."""
+    announce("audit of the printed formulas")
+    return {"audit": audit(scene), "audit_at": AT}
+
+
+def audit(scene: Scene) -> Audit:
+    """Hold every formula against the exact one, for the scene's bimorph.
+
+    As the paper has it: uniform, layers and electrodes without gaps, on the springs (the
+    paper's, unless the scene states its own), under the finger.
+    """
+    bare = {
+        "width_profile": UNIFORM, "piezo_thickness_profile": UNIFORM,
+        "shim_thickness_profile": UNIFORM, "bare_below": 0.0, "bare_above": 0.0,
+        "glue_thickness": 0.0,
+    }  # fmt: skip
+    device = scene.device
+    device = device.model_copy(update={"bimorph": device.bimorph.model_copy(update=bare)})
+    length = device.bimorph.length
+    beam = section_constants(Piece("bimorph", length), device, scene.beam, lossy=True)
+    correct = _response(scene, device, beam, frozenset())
+    deviations = _deviations(scene, device, beam)
+    rows = []
+    for formula in FORMULAS:
+        effect: Any = (None, None)
+        if formula.equation in MISPRINTS:
+            effect = _change(scene, device, beam, frozenset({formula.equation}), correct)
+        rows.append(AuditRow(formula, deviations.get(formula.equation), *effect))
+    joint = _change(scene, device, beam, frozenset(MISPRINTS), correct)
+    return Audit(tuple(rows), joint[0], joint[1], _residual(scene, beam, length, correct))
+
+
+def _change(
+    scene: Scene, device: Device, beam: Section, misprints: frozenset[int], correct: Complex
+) -> Floats:
+    """Return the relative size (2, n) of the change of tip velocity and current."""
+    wrong = _response(scene, device, beam, misprints)
+    with np.errstate(invalid="ignore"):  # 0/0 without piezoelectric coupling: shown as n/a
+        return np.asarray(np.abs(wrong / correct - 1.0))
+
+
+def _response(scene: Scene, device: Device, beam: Section, misprints: frozenset[int]) -> Complex:
+    """Return tip velocity and current (2, n) per volt from A with springs and finger."""
+    beam = printed_section(beam, device, misprints)
+    a = matrix_a(beam, device.bimorph.length, AT, misprints)
+    jw = 2j * np.pi * AT
+    lateral, rotational, load = _ends(scene, AT)
+    # below: M = R32 psi', F = R41 v;  above: M = 0, F + L41 v = 0
+    start = np.zeros((AT.size, 5, 3), dtype=complex)
+    start[:, 0, 0] = start[:, 1, 1] = start[:, 4, 2] = 1.0
+    start[:, 3, 0], start[:, 2, 1] = lateral / jw, rotational / jw
+    end = a @ start
+    conditions = end[:, 2:4].copy()
+    conditions[:, 1] += (load / jw)[:, None] * end[:, 0]
+    unknown = np.linalg.solve(conditions[:, :, :2], -conditions[:, :, 2:])[:, :, 0]
+    state = np.einsum("nij,nj->ni", end[:, :, :2], unknown) + end[:, :, 2]
+    return np.asarray(state[:, [0, 4]].T)
+
+
+def _ends(scene: Scene, frequencies: Floats) -> tuple[Complex, Complex, Complex]:
+    """Return the springs' two dynamic stiffnesses and the finger's, (n,) each."""
+    support = scene.support.model_copy(update={"kind": "spring"})
+    load = scene.load.model_copy(update={"kind": "finger"})
+    ends = ends_of(support, load)
+    assert ends.base is not None
+    return *base_stiffness(ends.base, frequencies), tip_stiffness(ends.tip, frequencies)
+
+
+def _residual(scene: Scene, beam: Section, length: float, correct: Complex) -> float:
+    import mpmath as mp
+
+    from tactgen.validation.evidence.cases import exact_beam as reference
+
+    errors = []
+    for i, frequency in enumerate(AT):
+        omega = 2 * mp.pi * mp.mpf(float(frequency))
+        d = reference.dynamic_stiffness(reference.constants(beam), length, omega)
+        lateral, rotational, load = (complex(v[0]) for v in _ends(scene, AT[i : i + 1]))
+        exactly = reference.tip_motion(d, (lateral, rotational), load)[:2]
+        for value, exact in zip(correct[:, i], exactly, strict=True):
+            errors.append(reference.relative_error(value, mp.j * omega * exact))
+    return max(errors)
+
+
+def _deviations(scene: Scene, device: Device, beam: Section) -> dict[int, float]:
+    """Return the largest relative deviation of each formula as printed."""
+    from tactgen.validation.evidence.cases import exact_beam as reference
+
+    found = {}
+    printed = _printed_sections(device, beam)
+    for equation, exact in section_formulas(device, scene.beam).items():
+        found[equation] = reference.relative_error(printed[equation], exact)
+    by_frequency = _printed_formulas(scene, device, beam)
+    for i, frequency in enumerate(_COMPARED):
+        exact_here = frequency_formulas(scene.support, beam, device.bimorph.length, frequency)
+        for equation, exacts in exact_here.items():
+            here = [
+                reference.relative_error(value[i], exact)
+                for value, exact in zip(by_frequency[equation], exacts, strict=True)
+            ]
+            found[equation] = max(found.get(equation, 0.0), *here)
+    return found
+
+
+def _printed_sections(device: Device, beam: Section) -> dict[int, complex]:
+    """Return the values of eqs 49-55 as printed."""
+    piezo, length = device.piezo, device.bimorph.length
+    inertia, capacitor = (printed_section(beam, device, frozenset({n})) for n in (49, 55))
+    return {
+        49: inertia.rhoI,
+        50: beam.GA,
+        51: beam.EI,
+        52: piezo.s11 / (1.0 + 1j / piezo.quality_factor),
+        53: beam.m,
+        54: -device.bimorph.poling_sign * beam.K,  # printed for poling towards −x
+        55: capacitor.C * length,
+    }
+
+
+def _printed_formulas(
+    scene: Scene, device: Device, beam: Section
+) -> dict[int, tuple[Complex, ...]]:
+    """Return the values (n,) of eqs 7-48 as printed, each with all others right."""
+    f, length = _COMPARED, device.bimorph.length
+    jw = 2j * np.pi * f
+    lateral, rotational, load = _ends(scene, f)
+    right = wave_parameters(beam, length, f)
+    found: dict[int, tuple[Complex, ...]] = {
+        7: (lateral / jw,), 8: (rotational / jw,), 11: (load / jw,),
+        39: (wave_parameters(beam, length, f, frozenset({39}))[0],),
+        41: (wave_parameters(beam, length, f, frozenset({41}))[1],),
+        43: (right[2],),
+        45: (np.full(f.size, length**2 / beam.EI),),
+        47: eigenvalues(*right, as_printed=True),
+    }  # fmt: skip
+    for equation, value in zip((38, 40, 42, 44, 46, 48), functions(*right), strict=True):
+        found[equation] = (value,)
+    for equation, (i, j) in PLACES.items():
+        misprint = frozenset({equation}) & set(MISPRINTS)
+        found[equation] = (matrix_a(beam, length, f, misprint)[:, i, j],)
+    return found

@@ -1,0 +1,377 @@
+"""Coils in air with closed-form answers, by the axisymmetric field: inductances, force, field.
+
+Sections are small where the closed form is that of a filament or a sheet; a case says what that
+costs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from tactgen.fem.magnetics.axisymmetric_field import MagneticField, solve_field
+from tactgen.fem.magnetics.axisymmetric_force import virtual_work_force
+from tactgen.fem.magnetics.axisymmetric_space import discretise
+from tactgen.fem.magnetics.force_3d import eggshell_force, harmonic_weight
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
+from tactgen.geometry.reluctance.section_grid import Grid, Region, graded_grid
+from tactgen.validation.evidence.case import Answer, Case, case
+from tactgen.validation.evidence.cases.ball import Potential
+from tactgen.validation.evidence.cases.oscillators import settled_current
+from tactgen.validation.evidence.fineness import cached, counted, degree
+
+LOW = Region("low", (0.04, 0.05), (-0.02, -0.005), turns=100.0)
+HIGH = Region("high", (0.03, 0.045), (0.01, 0.02), turns=50.0, moves=True)
+#: Currents (A) at which the force is compared.
+CURRENTS = (2.0, 3.0)
+
+
+def mutual_inductance(a: Floats, b: Floats, distance: Floats) -> Floats:
+    """Return M of two coaxial filaments with radii a, b at an axial distance (H)."""
+    from scipy.special import ellipe, ellipk
+
+    m = 4.0 * a * b / ((a + b) ** 2 + distance**2)
+    k = np.sqrt(m)
+    return np.asarray(
+        MU0 * np.sqrt(a * b) * ((2.0 / k - k) * ellipk(m) - 2.0 / k * ellipe(m)), dtype=float
+    )
+
+
+def mutual_inductance_slope(a: Floats, b: Floats, distance: Floats) -> Floats:
+    """Return dM/d(distance) of the same (H/m)."""
+    from scipy.special import ellipe, ellipk
+
+    m = 4.0 * a * b / ((a + b) ** 2 + distance**2)
+    k = np.sqrt(m)
+    bracket = ellipk(m) - (2.0 - m) / (2.0 * (1.0 - m)) * ellipe(m)
+    return np.asarray(MU0 * distance * k / (2.0 * np.sqrt(a * b)) * bracket, dtype=float)
+
+
+def between_windings(
+    one: Region,
+    other: Region,
+    function: Callable[[Floats, Floats, Floats], Floats],
+    points: int = 8,
+) -> float:
+    """Return the mean of a filament function over both sections, times the turns."""
+    (r1, z1, w1), (r2, z2, w2) = (_filaments(winding, points) for winding in (one, other))
+    values = function(r1[:, None], r2[None, :], z2[None, :] - z1[:, None])
+    return one.turns * other.turns * float(w1 @ values @ w2)
+
+
+def _filaments(winding: Region, points: int) -> tuple[Floats, Floats, Floats]:
+    x, w = np.polynomial.legendre.leggauss(points)
+    (r0, r1), (z0, z1) = winding.radii, winding.heights
+    r, z = np.meshgrid((r0 + r1 + (r1 - r0) * x) / 2.0, (z0 + z1 + (z1 - z0) * x) / 2.0)
+    return r.ravel(), z.ravel(), np.outer(w, w).ravel() / 4.0
+
+
+@cached
+def solved() -> MagneticField:
+    """Return the field of both coils, walls at eighty times their radius."""
+    space = discretise(graded_grid((LOW, HIGH), 4.0, refinement=2.0), degree(4))
+    counted(space.size)
+    return solve_field(space, np.array(CURRENTS))
+
+
+_FIELD = "axisymmetric field, quadrilaterals of order 4 on a graded grid, walls far away"
+
+
+def _solved(
+    windings: tuple[Region, ...], currents: tuple[float, ...], walls: float, order: int = 4
+) -> MagneticField:
+    """Return the field of windings in a box of radius `walls` (m)."""
+    space = discretise(graded_grid(windings, walls, refinement=2.0), degree(order))
+    counted(space.size)
+    return solve_field(space, np.array(currents))
+
+
+# --- two loops ---------------------------------------------------------------------------------
+
+_WIRE = 1e-3
+
+
+@cached
+def _loops() -> MagneticField:
+    """Return their field with 1 A each."""
+    return _solved(_loop_windings(), (1.0, 1.0), 20.0)
+
+
+def _loop_windings() -> tuple[Region, ...]:
+    """Return loops of 0.20 and 0.25 m at a distance of 0.10 m."""
+    half = 0.5 * _WIRE
+    return tuple(
+        Region(name, (radius - half, radius + half), (at - half, at + half), turns=1.0, moves=moves)
+        for name, radius, at, moves in (("low", 0.20, -0.05, False), ("high", 0.25, 0.05, True))
+    )
+
+
+_LOW, _HIGH = _loop_windings()
+_LOOPS = case(
+    "LOOPS",
+    "Two coaxial circular loops",
+    "Loops of 0.20 and 0.25 m radius, 0.10 m apart, 1 A in each, of 1 mm wire.",
+    model=_FIELD,
+    source="Maxwell's elliptic integrals, their mean over the wires' square sections; of thin "
+    "wires F. W. Grover, Inductance Calculations, example 24",
+    answers=[
+        Answer("Their mutual inductance is Maxwell's.",
+               between_windings(_LOW, _HIGH, mutual_inductance), "H",
+               lambda: float(_loops().incremental_inductance[0, 1]), 5e-6,
+               "walls at eighty radii, 2e-6"),
+        Answer("They attract each other with Maxwell's force.",
+               between_windings(_LOW, _HIGH, mutual_inductance_slope), "N",
+               lambda: virtual_work_force(_loops()), 5e-5,
+               "the mesh across a wire of 1/200 of its radius"),
+    ],
+)  # fmt: skip
+
+# --- thin solenoids ----------------------------------------------------------------------------
+
+
+#: Pieces of a sheet along its length.
+_PIECES = 8
+
+
+def _nagaoka(ratio: float) -> float:
+    """Return L of a thin solenoid of 2R/l = `ratio` over that of an endless one.
+
+    Extrapolated to no thickness from sheets of 0.2 and 0.1 % of the radius.
+    """
+    thick, thin = (_inductance_factor(ratio, share) for share in (2e-3, 1e-3))
+    return 2.0 * thin - thick
+
+
+def _sheet(radius: float, length: float, thickness: float, pieces: int) -> tuple[Region, ...]:
+    """Return a thin winding in pieces, so that the grid is as fine along it."""
+    ends = np.linspace(-0.5 * length, 0.5 * length, pieces + 1)
+    radii = (radius - 0.5 * thickness, radius + 0.5 * thickness)
+    return tuple(
+        Region(f"sheet{i}", radii, (low, high), turns=1.0 / pieces)
+        for i, (low, high) in enumerate(zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True))
+    )
+
+
+@cached
+def _inductance_factor(ratio: float, share: float) -> float:
+    length = 2.0 / ratio
+    sheet = _sheet(1.0, length, share, _PIECES)
+    field = _solved(sheet, (1.0,) * _PIECES, 100.0 * max(1.0, length))
+    return float(field.flux_linkage.sum()) * length / (MU0 * math.pi)
+
+
+_NAGAOKA = case(
+    "NAGAOKA",
+    "Inductance of a thin solenoid",
+    "L l/(µ0 N² π R²) of a cylindrical current sheet for 2 R/l = 0.2, 0.5, 1, 2 and 5.",
+    model=_FIELD + "; extrapolated from two thin sheets",
+    source="L. Lorenz (1879), H. Nagaoka (1909), by elliptic integrals",
+    tolerance=5e-5,
+    reason="the mesh at the sheet's ends 3e-5; (t/R)² log(R/t) = 7e-6 of its thickness",
+    answers=[
+        Answer(f"Nagaoka's factor at 2R/l = {ratio:g}.", value, "1", partial(_nagaoka, ratio),
+               heavy=ratio in (0.5, 2.0))
+        for ratio, value in (
+            (0.2, 0.920092671), (0.5, 0.818135752), (1.0, 0.688422607),
+            (2.0, 0.525510024), (5.0, 0.319825468),
+        )
+    ],
+)  # fmt: skip
+
+# --- a field on the axis -----------------------------------------------------------------------
+
+_INCH = 25.4e-3
+
+
+@cached
+def _vm168(height: float) -> float:
+    """Return B_z (T) on the axis of VM168's solenoid, at a height (m) above its middle."""
+    pieces = 16
+    sheet = _sheet(0.5 * _INCH, 5.0 * _INCH, 1e-4, pieces)
+    # an empty ring: a line of the grid where the field is asked for
+    mark = Region("mark", (0.1 * _INCH, 0.2 * _INCH), (height, height + 2e-3))
+    field = _solved((*sheet, mark), (115.5,) * pieces, 5.0)
+    d = field.discretisation
+    level = int(np.abs(d.grid.z - height).argmin())
+    # on the axis B_z = 2 u; of each cell the first unknown is that of its lower inner corner
+    first_column = field.potential[d.cell_dofs[: d.grid.z.size - 1, 0]]
+    return float(2.0 * first_column[level])
+
+
+_VM168 = case(
+    "VM168",
+    "Field on the axis of a solenoid (ANSYS VM168)",
+    "A thin solenoid, 5 in long, 0.5 in in radius, 115.5 ampere-turns: B_z in the middle and "
+    "0.1905 m above.",
+    model=_FIELD,
+    source="closed form of a current sheet; ANSYS Verification Manual, VM168, prints 1120e-6 and "
+    "2.12e-6 T",
+    tolerance=1e-4,
+    reason="far from the coil the grid is coarse; the sheet is 0.1 mm thick; walls at 5 m",
+    answers=[
+        Answer(f"B_z at a height of {height:g} m is that of the sheet.", value, "T",
+               partial(_vm168, height))
+        for height, value in ((0.0, 1.1206537736e-3), (0.1905, 2.1229234256e-6))
+    ],
+)  # fmt: skip
+
+# --- Brooks coil -------------------------------------------------------------------------------
+
+_SIDE, _TURNS, _RESISTANCE = 20e-3, 500.0, 3.534
+
+
+def _coil() -> tuple[Region, ...]:
+    return (Region("coil", (_SIDE, 2.0 * _SIDE), (-0.5 * _SIDE, 0.5 * _SIDE), turns=_TURNS),)
+
+
+@cached
+def _brooks() -> float:
+    """Return the inductance (H) of VM207's coil: square section, inner radius its side."""
+    return float(_solved(_coil(), (1.0,), 4.0, order=3).incremental_inductance[0, 0])
+
+
+@cached
+def _current() -> complex:
+    """Return the current's phasor (A) at 12 V and 60 Hz, by steps in time."""
+    return settled_current(_brooks(), _RESISTANCE, 12.0, 60.0)
+
+
+#: F. W. Grover's constant of the square section (H/m): L = 1.6994e-6 a N², a the mean radius.
+_GROVER = 1.6994e-6
+_IN_TIME = (
+    "half a unit of the last printed digit, 2e-4 of the real part; steps of 1/400 of a period 2e-5"
+)
+
+_BROOKS = case(
+    "VM207",
+    "Brooks coil in a circuit (ANSYS VM206, VM207)",
+    "500 turns on a square of 20 mm, inner radius 20 mm; 12 V sin ωt of 60 Hz and 3.534 ohm.",
+    model=_FIELD + ", and the machine's circuit in time",
+    source="F. W. Grover, Inductance Calculations, Brooks coil: 1.6994e-6 a N²; ANSYS Verification "
+    "Manual, VM206 and VM207, prints 12.74 mH",
+    answers=[
+        Answer("The inductance is Grover's.", _GROVER * 1.5 * _SIDE * _TURNS**2, "H", _brooks,
+               5e-5, "half a unit of Grover's fifth digit; the mesh 2e-5"),
+        Answer("The current's real part at 60 Hz is printed as 1.192 A.", 1.192, "A",
+               lambda: _current().real, 5e-4, _IN_TIME),
+        Answer("Its imaginary part at 60 Hz is printed as −1.621 A.", -1.621, "A",
+               lambda: _current().imag, 4e-4, _IN_TIME),
+    ],
+)  # fmt: skip
+
+CASES: tuple[Case, ...] = (
+    _LOOPS, _NAGAOKA, _VM168, _BROOKS,
+)  # fmt: skip
+
+
+#: Radii of the winding and of the core (m).
+INNER, OUTER, CORE = 10e-3, 20e-3, 8e-3
+_HEIGHT = 5e-3
+#: u has a term 1/r² outside the bore.  In the cell where that is worst, 10 to 12.5 mm, its pole
+#: lies 9 half widths from the middle: polynomials gain 9 + √80 ≈ 18 per degree, B loses one.
+SOLENOID_ERROR = 18.0**-5
+
+
+def infinite_solenoid(
+    density: float, core: MagnetisationCurve | None = None, order: int = 6
+) -> MagneticField:
+    """Return the field of the winding carrying `density` (A/m²).
+
+    All sides are left open for tangential H = 0: exact outside an infinite solenoid.
+    """
+    parts = [Region("winding", (INNER, OUTER), (0.0, _HEIGHT), turns=1.0)]
+    if core:
+        parts.append(Region("core", (0.0, CORE), (0.0, _HEIGHT), core))
+    spans = ((0.0, CORE), (CORE, INNER), (INNER, OUTER), (OUTER, 1.5 * OUTER))
+    r = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in spans]))
+    grid = Grid(r, np.array([0.0, _HEIGHT]), tuple(parts))
+    d = discretise(grid, degree(order), closed=())
+    counted(d.size)
+    return solve_field(d, np.array([density * (OUTER - INNER) * _HEIGHT]))
+
+
+def exact_profile(density: float, radii: Floats) -> Floats:
+    """Return B_z (T) of the empty solenoid."""
+    return np.asarray(MU0 * density * np.clip(OUTER - radii, 0.0, OUTER - INNER))
+
+
+def flux_density_in_core(field: MagneticField) -> Floats:
+    """Return B_z (n_e, n_q) in the cells of the core (T)."""
+    return np.asarray(field.flux_density[..., 1][field.discretisation.cell_labels == 1])
+
+
+def core_tolerance(core: MagnetisationCurve) -> float:
+    """Return how far B in the core may be off, relative.
+
+    The flux's error is the square of the field's, weighed by the core's permeability; the
+    second term is the tolerance of Newton's method.
+    """
+    largest = 1.0 / (MU0 * float(core.reluctivity(np.linspace(0.0, 2.0, 200)).min()))
+    return 4.0 * largest * SOLENOID_ERROR**2 + 1e-8
+
+
+CURRENT, APART, TALL, THICK = 24.0, 10e-3, 12e-3, 0.5e-3
+PUBLISHED_FORCE = 9.684e-3
+_SLICE = 2e-3
+_NEAR, _FAR = 0.5 * (APART - THICK), 0.5 * (APART + THICK)
+
+
+def thin_strips() -> float:
+    """Return the force per length (N/m) between facing strips, Maxwell's integral solved."""
+    ratio = APART / TALL
+    factor = 2.0 * ratio * np.arctan(1.0 / ratio) - ratio**2 * np.log1p(1.0 / ratio**2)
+    return float(2e-7 * CURRENT**2 / APART * factor)
+
+
+def conductors(potential: Potential, scale: float) -> tuple[float, float]:
+    """Return the force per length (N/m) away from the other bar, by stress and by J x B.
+
+    `scale` is a factor on all cell sizes; 0.7 leaves 0.1 %.
+    """
+    solid = sample(
+        MagneticSolid(_mesh(scale), {}, _conductor_source, flux_normal=("y_low",), copies=2)
+    )
+    weight = harmonic_weight(solid, ("bar",), ("shell",))
+    solver = potential(solid)
+    counted(solver.size)
+    field = solver.solve(CURRENT)
+    cells = solid.problem.mesh.cells_of("bar")
+    density = CURRENT / (TALL * THICK)  # along −z here: F_x = −J_z B_y
+    flux_density = field.flux_density[cells][..., 1]
+    lorentz = 2.0 * float(np.sum(solid.weights[cells] * density * flux_density))
+    stress = eggshell_force(field, weight, np.array([1.0, 0.0, 0.0]))
+    return stress / _SLICE, lorentz / _SLICE
+
+
+def _mesh(scale: float) -> Mesh:
+    mm = 1e-3 * scale
+
+    def planes(*stops: tuple[float, float]) -> Floats:
+        return graded_planes(list(stops), growth=scale)
+
+    far = (1.0, 500.0 * mm)
+    x = planes(
+        (0.0, 2 * mm), (1.5e-3, 2 * mm), (_NEAR, 0.3 * mm), (_FAR, 0.3 * mm), (13e-3, 6 * mm), far
+    )
+    y = planes((0.0, 3 * mm), (0.5 * TALL, 0.3 * mm), (14e-3, 6 * mm), far)
+    z = np.array([0.0, _SLICE])
+    mid = np.meshgrid(*(0.5 * (v[1:] + v[:-1]) for v in (x, y, z)), indexing="ij")
+    shell = (mid[0] > 1.5e-3) & (mid[0] < 13e-3) & (mid[1] < 14e-3)
+    bar = (mid[0] > _NEAR) & (mid[0] < _FAR) & (mid[1] < 0.5 * TALL)
+    region = np.where(bar, 0, np.where(shell, 1, 2))
+    return box_tetrahedra(x, y, z, region, ("bar", "shell", "air"))
+
+
+def _conductor_source(points: Floats) -> Floats:
+    """Return T0 between the bars, falling to 0 across each: ±1 A along z."""
+    field = np.zeros(points.shape)
+    ramp = np.clip((_FAR - points[..., 0]) / THICK, 0.0, 1.0)
+    field[..., 1] = np.where(points[..., 1] < 0.5 * TALL, ramp / TALL, 0.0)
+    return field

@@ -1,0 +1,345 @@
+"""The piezoelectric Timoshenko beam once more, from its equations, to 60 digits and more.
+
+Owes nothing to :mod:`tmm`: the state [w, ψ, M, F, q, U] obeys y' = S y with
+
+    w' = F/GA − ψ,  ψ' = (M + K U)/EI,  M' = F − ρI Ω² ψ,  F' = −m Ω² w,
+    q' = K ψ' + C U,  U' = 0,
+
+so a beam is the 6 x 6 matrix exponential of S l.  Long beams are put together by
+doubling a short one's dynamic stiffness, which never grows exponentially.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
+
+import mpmath as mp
+import numpy as np
+
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Beam, Device
+
+#: Decimal digits carried; exponential, inversions and doublings cost fewer than 20 of them.
+DIGITS = 80
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+#: Bits after the point in the exponential: 126 decimals, of which entries may be small by 26.
+_FIXED = 420
+
+#: Wave phase |λ| up to which one matrix exponential is taken.
+_ONE_PIECE = 8
+
+
+def _exact(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Make a function work with `DIGITS` digits."""
+    return cast("Callable[_P, _R]", mp.workdps(DIGITS)(function))
+
+
+@dataclass(frozen=True)
+class Layers:
+    """What the bimorph is made of (SI); poled along −x, voltage across each layer."""
+
+    width: Any
+    piezo_thickness: Any
+    shim_thickness: Any
+    piezo_density: Any
+    shim_density: Any
+    shim_modulus: Any
+    shim_shear_modulus: Any
+    s11: Any
+    s55: Any
+    d31: Any
+    permittivity: Any
+    shear_correction: Any
+    quality_factor: Any = mp.inf
+    loss_tangent: Any = 0
+
+    @classmethod
+    def of(cls, device: Device, beam: Beam) -> Layers:
+        """Return the layers of a device, digit for digit."""
+        bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
+        with mp.workdps(DIGITS):
+            permittivity = mp.mpf(piezo.eps33) * mp.mpf(EPS0)
+        return cls(
+            width=bimorph.width,
+            piezo_thickness=bimorph.piezo_thickness,
+            shim_thickness=bimorph.shim_thickness,
+            piezo_density=piezo.density,
+            shim_density=shim.density,
+            shim_modulus=shim.youngs_modulus,
+            shim_shear_modulus=shim.shear_modulus,
+            s11=piezo.s11,
+            s55=piezo.s55,
+            d31=piezo.d31,
+            permittivity=permittivity,
+            shear_correction=beam.shear_correction,
+            quality_factor=piezo.quality_factor,
+            loss_tangent=piezo.loss_tangent,
+        )
+
+
+@dataclass(frozen=True)
+class Constants:
+    """Section constants EI, GA, m, ρI, K and C as mpmath numbers."""
+
+    EI: Any
+    GA: Any
+    m: Any
+    rhoI: Any
+    K: Any
+    C: Any
+
+
+def constants(beam: Any) -> Constants:
+    """Take the constants of any object with these attributes, digit for digit."""
+    if isinstance(beam, Constants):
+        return beam
+    values = (beam.EI, beam.GA, beam.m, beam.rhoI, beam.K, beam.C)
+    return Constants(*(mp.mpmathify(complex(v)) for v in values))
+
+
+@_exact
+def bimorph_constants(layers: Layers) -> Constants:
+    """Integrate T = E (x ψ' − d f U), D = d T + ε f U over the three layers.
+
+    f is the field along x per volt and d the strain constant with the poling's sign;
+    M = ∫ x T dA = EI ψ' − K U and the charge per length is ∫ f D dA.
+    """
+    half, hp = mp.mpf(layers.shim_thickness) / 2, mp.mpf(layers.piezo_thickness)
+    modulus = (1 + mp.j / mp.mpf(layers.quality_factor)) / mp.mpf(layers.s11)
+    shear = 1 / mp.mpf(layers.s55)
+    permittivity = mp.mpf(layers.permittivity) * (1 - mp.j * mp.mpf(layers.loss_tangent))
+    d = -mp.mpf(layers.d31)
+    rho = mp.mpf(layers.piezo_density)
+    shim = [mp.mpf(v) for v in (layers.shim_modulus, layers.shim_shear_modulus)]
+    ei = ga = m = rho_i = k = c = mp.mpf(0)
+    for low, high, e, g, density, f in (
+        (-half - hp, -half, modulus, shear, rho, 1 / hp),
+        (-half, half, *shim, mp.mpf(layers.shim_density), mp.mpf(0)),
+        (half, half + hp, modulus, shear, rho, -1 / hp),
+    ):
+        area, first, second = (mp.mpf(layers.width) * (high**n - low**n) / n for n in (1, 2, 3))
+        ei += e * second
+        ga += mp.mpf(layers.shear_correction) * g * area
+        m += density * area
+        rho_i += density * second
+        k += e * d * f * first
+        c += (permittivity - e * d**2) * f**2 * area
+    return Constants(ei, ga, m, rho_i, k, c)
+
+
+@_exact
+def transfer(beam: Constants, length: Any, omega: Any) -> mp.matrix:
+    """Return exp(S l), 6 x 6, over the internal state [w, ψ, M, F, q, U]."""
+    o2, span = mp.mpf(omega) ** 2, mp.mpf(length)
+    return _exponential(
+        [
+            [(1, -span), (3, span / beam.GA)],
+            [(2, span / beam.EI), (5, span * beam.K / beam.EI)],
+            [(1, -span * beam.rhoI * o2), (3, span)],
+            [(0, -span * beam.m * o2)],
+            [(2, span * beam.K / beam.EI), (5, span * (beam.K**2 / beam.EI + beam.C))],
+            [],
+        ]
+    )
+
+
+def _exponential(rows: list[list[tuple[int, Any]]]) -> mp.matrix:
+    """Return exp of a matrix of few entries, given as (column, value) by row.
+
+    Its power series in whole numbers, multiples of 2^-_FIXED, of the real matrix
+    [[A, -B], [B, A]] for A + jB, or of A alone: an entry that is 0 costs nothing.
+    """
+    n = len(rows)
+    real, imaginary = (
+        [[(j, int(mp.ldexp(part(v), _FIXED))) for j, v in row] for row in rows]
+        for part in (mp.re, mp.im)
+    )
+    twice = [[*a, *((j + n, -v) for j, v in b)] for a, b in zip(real, imaginary, strict=True)]
+    if any(v for row in imaginary for _, v in row):
+        twice += [[*b, *((j + n, v) for j, v in a)] for a, b in zip(real, imaginary, strict=True)]
+    entries = [[(j, v) for j, v in row if v] for row in twice]
+    power = [[int(i == j) << _FIXED for j in range(n)] for i in range(len(entries))]
+    total, k, ended = power, 0, 0
+    # any power is made of the n before it (Cayley, Hamilton): n that are rounding end the series
+    while ended < n:
+        k += 1
+        power = [[(v >> _FIXED) // k for v in _combined(row, power)] for row in entries]
+        total = [
+            [a + b for a, b in zip(*both, strict=True)] for both in zip(total, power, strict=True)
+        ]
+        ended = ended + 1 if all(abs(v) <= 1 for row in power for v in row) else 0
+    back = [[mp.ldexp(mp.mpf(v), -_FIXED) for v in row] for row in total]
+    return mp.matrix(back[:n]) + (mp.j * mp.matrix(back[n:]) if back[n:] else mp.zeros(n))
+
+
+def _combined(row: list[tuple[int, int]], power: list[list[int]]) -> list[int]:
+    """Return a row of few entries, as (column, value), times a matrix."""
+    if not row:
+        return [0] * len(power[0])
+    (m, v), *more = row
+    total = [v * x for x in power[m]]
+    for m, v in more:
+        total = [t + v * x for t, x in zip(total, power[m], strict=True)]
+    return total
+
+
+def without_electrode(active: Constants) -> Constants:
+    """Return the same layers where the faces carry no charge: U follows from K ψ' + C U = 0."""
+    with mp.workdps(DIGITS):
+        return replace(active, EI=active.EI + active.K**2 / active.C, K=mp.mpf(0), C=mp.mpf(0))
+
+
+@_exact
+def matrix_a(beam: Constants, length: Any, frequency: Any) -> np.ndarray:
+    """Return the paper's A (5, 5): [v, ψ̇, M, F, U] below to [v, ψ̇, M, F, I] above."""
+    omega = 2 * mp.pi * mp.mpf(frequency)
+    t, jw = transfer(beam, length, omega), mp.j * omega
+    rates = mp.diag([jw, jw, 1, 1, jw])  # displacements to velocities, charge to current
+    states = mp.diag([1 / jw, 1 / jw, 1, 1, 1])
+    return as_array(rates * _pick(t, range(5), (0, 1, 2, 3, 5)) * states)
+
+
+@_exact
+def dynamic_stiffness(beam: Constants, length: Any, omega: Any) -> mp.matrix:
+    """Return D, 5 x 5, over [w_0, ψ_0, w_l, ψ_l, U]; forces act on the beam from outside."""
+    waves = abs(beam.m * mp.mpf(omega) ** 2 / beam.EI) ** 0.25 * length
+    waves = max(waves, mp.mpf(omega) * length * mp.sqrt(abs(beam.m / beam.GA)))
+    doublings = max(0, int(mp.ceil(mp.log(waves / _ONE_PIECE, 2)))) if waves > 0 else 0
+    d = _from_transfer(transfer(beam, mp.mpf(length) / 2**doublings, omega))
+    for _ in range(doublings):
+        d = join(d, d)
+    return d
+
+
+def _from_transfer(t: mp.matrix) -> mp.matrix:
+    compliance = mp.inverse(t[0:2, 2:4])  # of the state's [M, F] at the lower end
+    motion = mp.zeros(2, 5)  # [w, ψ] above, less what the lower [w, ψ] and U give by themselves
+    motion[0, 2] = motion[1, 3] = 1
+    for i in range(2):
+        motion[i, 0], motion[i, 1], motion[i, 4] = -t[i, 0], -t[i, 1], -t[i, 5]
+    below = compliance * motion  # [M, F] at the lower end
+    out = mp.zeros(5)
+    for j in range(5):
+        out[0, j], out[1, j] = -below[1, j], -below[0, j]
+        for row, state in ((2, 3), (3, 2), (4, 4)):
+            own = {0: t[state, 0], 1: t[state, 1], 4: t[state, 5]}.get(j, mp.mpf(0))
+            out[row, j] = own + t[state, 2] * below[0, j] + t[state, 3] * below[1, j]
+    return out
+
+
+@_exact
+def join(lower: mp.matrix, upper: mp.matrix) -> mp.matrix:
+    """Return D of two beams end to end: equal motion, no force left over at the joint."""
+    both = mp.zeros(7)  # base 2, joint 2, tip 2, U
+    for block, at in ((lower, (0, 1, 2, 3, 6)), (upper, (2, 3, 4, 5, 6))):
+        for i in range(5):
+            for j in range(5):
+                both[at[i], at[j]] += block[i, j]
+    return eliminate(both, [0, 1, 4, 5, 6])
+
+
+def eliminate(matrix: mp.matrix, keep: list[int]) -> mp.matrix:
+    """Return the Schur complement on the kept unknowns, the others being free of force."""
+    drop = [i for i in range(matrix.rows) if i not in keep]
+    if not drop:
+        return _pick(matrix, keep, keep)
+    solved = mp.inverse(_pick(matrix, drop, drop)) * _pick(matrix, drop, keep)
+    return _pick(matrix, keep, keep) - _pick(matrix, keep, drop) * solved
+
+
+@_exact
+def tip_motion(d: mp.matrix, base: tuple[Any, Any] | None, tip: Any) -> tuple[Any, Any, Any]:
+    """Return tip displacement, charge and tip rotation per volt, base held (None) or sprung."""
+    held = d.copy()
+    held[2, 2] += mp.mpmathify(tip)
+    if base is not None:
+        held[0, 0] += mp.mpmathify(base[0])
+        held[1, 1] += mp.mpmathify(base[1])
+    free = [2, 3] if base is None else [0, 1, 2, 3]
+    motion = mp.lu_solve(_pick(held, free, free), -_pick(held, free, [4]))
+    charge = d[4, 4] + sum(d[4, port] * motion[i] for i, port in enumerate(free))
+    return motion[free.index(2)], charge, motion[free.index(3)]
+
+
+@_exact
+def relative_error(value: Any, exact: Any) -> float:
+    """Return |value − exact|/|exact| of a double, 0 for 0 against 0."""
+    if exact == 0:
+        return 0.0 if value == 0 else float("inf")
+    return float(abs(mp.mpmathify(complex(value)) - exact) / abs(exact))
+
+
+def _pick(matrix: mp.matrix, rows: Sequence[int], columns: Sequence[int]) -> mp.matrix:
+    return mp.matrix([[matrix[i, j] for j in columns] for i in rows])
+
+
+def as_array(matrix: mp.matrix) -> np.ndarray:
+    """Round to double precision."""
+    return np.array(matrix.apply(complex).tolist(), dtype=complex)
+
+
+#: Section constants (of mpmath or as doubles) or a joint's compliance, and the length (m).
+Row: TypeAlias = Sequence[tuple[Any, Any]]
+
+#: Relative step of the secant that finds the root next to a frequency.
+_STEP = mp.mpf("1e-9")
+
+
+def natural_frequency(row: Row, ends: Ends, near: Any, *, open_circuit: bool) -> mp.mpf:
+    """Return the natural frequency (Hz) next to one that is right to some nine digits.
+
+    One secant over a step of 1e-9: what it misses is the product of step and distance.
+    """
+    with mp.workdps(DIGITS):
+        near = mp.mpf(near)
+        low, high = (
+            _end_condition(row, ends, near * (1 + step), open_circuit=open_circuit)
+            for step in (-_STEP, _STEP)
+        )
+        return near * (1 - _STEP * (high + low) / (high - low))
+
+
+def offset(row: Row, ends: Ends, frequency: float, *, open_circuit: bool = False) -> float:
+    """Return how far (relative) a frequency lies from the root next to it."""
+    root = natural_frequency(row, ends, frequency, open_circuit=open_circuit)
+    with mp.workdps(DIGITS):
+        return float(mp.mpf(frequency) / root - 1)
+
+
+def _end_condition(row: Row, ends: Ends, frequency: Any, *, open_circuit: bool) -> Any:
+    """Return the determinant of [M, F] at the loaded upper end; with an open circuit of q, too."""
+    omega = 2 * mp.pi * frequency
+    state = mp.zeros(6, 3)
+    state[5, 2] = 1
+    if ends.base is None:
+        state[2, 0] = state[3, 1] = 1
+    else:
+        state[0, 0] = state[1, 1] = 1
+        state[3, 0] = mp.mpf(ends.base.lateral_stiffness)
+        state[2, 1] = ends.base.rotational_stiffness - omega**2 * mp.mpf(
+            ends.base.rotational_inertia
+        )
+    for element, length in row:
+        state = _transfer(element, length, omega) * state
+    load = ends.conservative_tip
+    tip = load.stiffness - omega**2 * mp.mpf(load.mass)
+    unknowns = 3 if open_circuit else 2
+    moment, charge = ([state[k, j] for j in range(unknowns)] for k in (2, 4))
+    force = [state[3, j] + tip * state[0, j] for j in range(unknowns)]
+    return mp.re(mp.det(mp.matrix([moment, force, charge][:unknowns])))
+
+
+def _transfer(element: Any, length: Any, omega: Any) -> mp.matrix:
+    if not hasattr(element, "compliance"):
+        return transfer(constants(element), length, omega)
+    across = mp.eye(6)
+    for i in range(2):
+        for j in range(2):  # [w, ψ] jump by the compliance times [F, M]
+            across[i, 3 - j] += mp.mpf(float(element.compliance[i, j]))
+    return across

@@ -1,0 +1,271 @@
+"""Manufactured solutions of the piezoelectric solid: what its load is made for must come back.
+
+Smooth displacement and potential on a cube, with their own values on all walls, at rest or at one
+frequency with losses; and the resonance of a plate, whose exact frequency is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any, Literal
+
+import numpy as np
+
+from tactgen.fem.elements.line_basis import gauss_values
+from tactgen.fem.piezo.system import Material, volts_per_unit
+from tactgen.fem.piezo.tetrahedra import SkfemBody
+from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.geometry.arrays import Bools, Floats, Numbers, Sparse
+from tactgen.geometry.bimorph.bricks import Axis
+from tactgen.geometry.device.material_library import LIBRARY
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.quadratic import TET_EDGES
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
+from tactgen.validation.evidence.boxes import block, even, lowest_frequencies
+
+Cells = Literal["straight", "curved", "hexahedra"]
+
+#: Edge of the cube (m), and how far a vertex is moved: by a map as a share of it, or at random as
+#: one of a cell's edge.
+EDGE = 1e-3
+_BENT, _SHAKEN = 0.02, 0.1
+
+
+def cube(cells: Cells, divisions: int, across: int | None = None) -> Mesh:
+    """Return a cube of 1 mm: shaken straight tetrahedra, curved ones, or rectangular hexahedra.
+
+    The curved ones follow a smooth map of the cube onto itself, all edges with their middles.
+    With `across` it is a column along x, so many of these cells wide.
+    """
+    counts = np.array([divisions, across or divisions, across or divisions])
+    sizes = EDGE * counts / divisions
+    planes = [np.linspace(0.0, size, n + 1) for size, n in zip(sizes, counts, strict=True)]
+    if cells == "hexahedra":
+        return hexahedra(planes)
+    x, y, z = planes
+    mesh = box_tetrahedra(x, y, z, np.zeros(counts, dtype=int), ("all",))
+    if cells == "curved":
+        return _curved(mesh, sizes)
+    share = mesh.points / sizes
+    inner = np.all((share > 1e-6) & (share < 1.0 - 1e-6), axis=1)
+    moved = np.random.default_rng(1).uniform(-1.0, 1.0, share.shape)
+    points = mesh.points + _SHAKEN * EDGE / divisions * moved * inner[:, None]
+    return replace(mesh, points=points)
+
+
+def _curved(mesh: Mesh, sizes: Floats) -> Mesh:
+    ends = mesh.cells[:, TET_EDGES].reshape(-1, 2)
+    edges, which = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    points = np.vstack([mesh.points, mesh.points[edges].mean(axis=1)])
+    share = np.pi * points / sizes
+    points = points + _BENT * sizes * np.sin(share) * np.cos(np.roll(share, 1, axis=1))
+    middles = len(mesh.points) + which.reshape(len(mesh.cells), -1)
+    return replace(mesh, points=points, cells=np.hstack([mesh.cells, middles]), kind="tetra10")
+
+
+def hexahedra(planes: Sequence[Floats]) -> Mesh:
+    """Return the rectangular hexahedra between planes (m) along x, y and z."""
+    nodes = [p.size for p in planes]
+    points = np.stack(np.meshgrid(*planes, indexing="ij"), axis=-1).reshape(-1, 3)
+    low = np.arange(len(points)).reshape(nodes)[:-1, :-1, :-1].ravel()[:, None]
+    along, sideways = nodes[1] * nodes[2], nodes[2]
+    square = np.array([0, along, along + sideways, sideways])
+    cells = low + np.concatenate([square, square + 1])
+    return Mesh(points, cells, "hexahedron", np.zeros(len(cells), dtype=int), ("all",), {})
+
+
+_AMPLITUDE = np.array([1.0, -0.7, 0.4, 0.8])
+_WAVES = np.array([[1.1, 0.7, 0.9], [0.8, -1.2, 0.6], [-0.5, 0.9, 1.0], [0.9, 1.0, -0.8]]) / EDGE
+_PHASE = np.array([0.3, 1.1, -0.4, 0.8])
+#: Frequency (Hz) of the driven solution: inertia is a quarter of stiffness there.
+FREQUENCY = 0.5e6
+
+
+def ceramic(*, lossy: bool) -> Material:
+    """Return the cube's material."""
+    of = LIBRARY["PZT-5H"]
+    tensors = of.tensors(lossy=lossy)
+    return Material(tensors.c, of.density, tensors)
+
+
+@dataclass(frozen=True)
+class Space:
+    """What is needed of a discretised body: its matrices, and its functions at points inside.
+
+    Attributes
+    ----------
+    stiffness, mass : (4 n, 4 n) sparse
+        Over (u_x, u_y, u_z, φ / unit) node by node.
+    nodes : (n, 3) float
+        Where each function's node is (m).
+    walls : (n,) bool
+        Which nodes are on the boundary.
+    points, weights : (3, n_points), (n_points,) float
+        A quadrature rule.
+    values, slopes : callable
+        From nodal values (n,) to those (n_points,) and gradients (3, n_points) at its points.
+    against : callable
+        From a density (n_points,) to its integrals with each function (n,).
+    """
+
+    stiffness: Sparse
+    mass: Sparse
+    nodes: Floats
+    walls: Bools
+    points: Floats
+    weights: Floats
+    values: Callable[[Numbers], Numbers]
+    slopes: Callable[[Numbers], Numbers]
+    against: Callable[[Numbers], Numbers]
+
+
+def manufactured_errors(space: Space, material: Material, unit: float, frequency: float) -> Floats:
+    """Return the errors of gradients and of values, relative, in the mean square.
+
+    y_q = a_q sin(k_q · x + c_q) in (u, φ / unit).  Its load is −div of the flux C grad y less
+    the inertia: (Σ_q C_paqb k_qa k_qb − Ω² ρ_p) y in row p.
+    """
+    omega2 = (2.0 * np.pi * frequency) ** 2
+    load_of = np.einsum("paqb,qa,qb->pq", material.flux_tensor(unit), _WAVES, _WAVES)
+    load_of = load_of - omega2 * material.density * np.diag([1.0, 1.0, 1.0, 0.0])
+    angle = _WAVES @ space.points + _PHASE[:, None]
+    value = _AMPLITUDE[:, None] * np.sin(angle)
+    slope = (_AMPLITUDE[:, None] * np.cos(angle))[:, None] * _WAVES[:, :, None]
+    load = np.stack([space.against(f) for f in load_of @ value], axis=-1).ravel()
+    found = (_AMPLITUDE * np.sin(space.nodes @ _WAVES.T + _PHASE)).ravel().astype(load.dtype)
+    given = np.repeat(space.walls, 4)
+    dynamic = (space.stiffness - omega2 * space.mass).tocsr()
+    right = (load - dynamic[:, given] @ found[given])[~given]
+    found[~given] = factorise(dynamic[~given][:, ~given].tocsr()).solve(right)
+    by_component = found.reshape(-1, 4).T
+    off = np.stack([space.values(y) for y in by_component]) - value
+    bent = np.stack([space.slopes(y) for y in by_component]) - slope
+    return np.array(
+        [
+            np.sqrt((np.abs(wrong) ** 2 @ space.weights).sum() / (right**2 @ space.weights).sum())
+            for wrong, right in ((bent, slope), (off, value))
+        ]
+    )
+
+
+def cells_space(mesh: Mesh, material: Material) -> tuple[Space, float]:
+    """Return the space of tetrahedra or hexahedra by scikit-fem, and the potential's unit (V)."""
+    from skfem import LinearForm
+
+    known = {mesh.regions[0]: material}
+    unit = volts_per_unit(known)
+    body = SkfemBody(replace(mesh, faces={}), known, unit, None)
+    basis: Any = body.basis
+    walls = np.zeros(basis.N, dtype=bool)
+    walls[basis.get_dofs().flatten()] = True
+    shape = basis.dx.shape
+
+    def against(density: Numbers) -> Numbers:
+        at = density.reshape(shape)
+        form = LinearForm(lambda v, _: at * v, dtype=at.dtype)
+        return np.asarray(form.assemble(basis))
+
+    def of(y: Numbers) -> Any:
+        return basis.interpolate(y)
+
+    space = Space(
+        *body.matrices, basis.doflocs.T, walls,
+        np.asarray(basis.global_coordinates()).reshape(3, -1), basis.dx.ravel(),
+        lambda y: np.asarray(of(y)).ravel(), lambda y: of(y).grad.reshape(3, -1), against,
+    )  # fmt: skip
+    return space, unit
+
+
+def bricks_space(degree: int, intervals: int, material: Material) -> tuple[Space, float]:
+    """Return the space of bricks of one degree along all axes, and the potential's unit (V)."""
+    axis = even(EDGE, intervals, degree)
+    box = block((axis,) * 3, material)
+    points, weights, both = _line(axis)
+    value, slope = both
+    shape = box.bricks.shape
+
+    def product(y: Numbers, kinds: tuple[Floats, Floats, Floats]) -> Numbers:
+        return np.asarray(np.einsum("abc,ia,jb,kc->ijk", y, *kinds, optimize=True))
+
+    def slopes(y: Numbers) -> Numbers:
+        cube = y.reshape(shape)
+        kinds = ((slope, value, value), (value, slope, value), (value, value, slope))
+        return np.stack([product(cube, kind).ravel() for kind in kinds])
+
+    at = np.stack(np.meshgrid(points, points, points, indexing="ij")).reshape(3, -1)
+    weight = np.einsum("i,j,k->ijk", weights, weights, weights)
+    nodes = np.stack([c.ravel() for c in box.grid], axis=-1)
+    space = Space(
+        *box.matrices, nodes, ((nodes == 0.0) | (nodes == EDGE)).any(axis=1), at, weight.ravel(),
+        lambda y: product(y.reshape(shape), (value,) * 3).ravel(), slopes,
+        lambda f: product(f.reshape(weight.shape) * weight, (value.T,) * 3).ravel(),
+    )  # fmt: skip
+    return space, box.unit
+
+
+def _line(axis: Axis) -> tuple[Floats, Floats, Floats]:
+    """Return Gauss points and weights of an axis, and values and slopes (2, points, nodes)."""
+    p, lengths = axis.degree, np.diff(axis.breaks)
+    weights, local = gauss_values(p)
+    reference, _ = np.polynomial.legendre.leggauss(p + 1)
+    points = axis.breaks[:-1, None] + 0.5 * lengths[:, None] * (reference + 1.0)
+    both = np.zeros((2, axis.intervals, p + 1, axis.nodes.size))
+    for i, length in enumerate(lengths):
+        both[:, i, :, axis.nodes_of(i, i + 1)] = (
+            local * np.array([1.0, 2.0 / length])[:, None, None]
+        )
+    return (
+        points.ravel(), (0.5 * lengths[:, None] * weights).ravel(),
+        both.reshape(2, -1, axis.nodes.size),
+    )  # fmt: skip
+
+
+@cache
+def solid_error(cells: Cells, divisions: int, driven: bool) -> Floats:
+    """Return errors of gradients and values on a cube; `driven` at a frequency, with losses."""
+    material = ceramic(lossy=driven)
+    space, unit = cells_space(cube(cells, divisions), material)
+    return manufactured_errors(space, material, unit, FREQUENCY if driven else 0.0)
+
+
+@cache
+def bricks_error(degree: int, intervals: int, driven: bool) -> Floats:
+    """Return the same on bricks."""
+    material = ceramic(lossy=driven)
+    space, unit = bricks_space(degree, intervals, material)
+    return manufactured_errors(space, material, unit, FREQUENCY if driven else 0.0)
+
+
+#: Series resonance (Hz) of a PZT-5A plate of two edges, by IEEE Std 176: half that of case TE.
+_PLATE = 0.5 * 1934044.1700592
+
+
+@cache
+def plate_error(cells: Cells, divisions: int) -> float:
+    """Return the relative error of a plate's thickness resonance, a piece of its upper half.
+
+    Its motion along the normal and the potential are odd about the middle.  A column does, but
+    curved cells must become straight as they become smaller, along all axes.
+    """
+    of = LIBRARY["PZT-5A"]
+    mesh = cube(cells, divisions, None if cells == "curved" else 2)
+    tensors = of.tensors(lossy=False)
+    space, _ = cells_space(mesh, Material(tensors.c, of.density, tensors))
+    low, high = (np.abs(space.nodes[:, 0] - at) < 1e-9 * EDGE for at in (0.0, EDGE))
+    still = np.zeros_like(low)
+    free = np.stack([~low, still, still, ~low & ~high], axis=-1).ravel()
+    stiffness, mass = (m[free][:, free].tocsr() for m in (space.stiffness, space.mass))
+    return abs(float(lowest_frequencies(stiffness, mass, 1)[0]) / _PLATE - 1.0)
+
+
+def quarter_wave_error(degree: int, intervals: int) -> float:
+    """Return the leading relative error of a rod's lowest frequency, one end held.
+
+    Half of the eigenvalue's, (p!/(2p)!)² (k h)^(2p)/(2p + 1) with k h = π/(2 n).
+    """
+    p = degree
+    constant = (math.factorial(p) / math.factorial(2 * p)) ** 2 / (2 * p + 1)
+    return 0.5 * constant * (math.pi / (2 * intervals)) ** (2 * p)

@@ -1,0 +1,402 @@
+"""Observed orders of convergence against theory, each with an absolute bound.
+
+On problems whose exact answer is smooth, halving the intervals must divide the error as theory
+says; an order without a bound would also be met by a wrong answer, so both are asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from typing import Literal
+
+import numpy as np
+
+from tactgen.fem.piezo.system import Material
+from tactgen.geometry.bimorph.bricks import Slab
+from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.device.materials import isotropic_stiffness
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
+from tactgen.validation.evidence.boxes import Box, Held, Where, block, even, natural_frequencies
+from tactgen.validation.evidence.case import Answer, Case, Refinement, case
+from tactgen.validation.evidence.cases import manufactured
+from tactgen.validation.evidence.cases.laminates import bending_bimorph
+from tactgen.validation.evidence.cases.manufactured import EDGE, Cells, quarter_wave_error
+from tactgen.validation.evidence.cases.manufactured_fields import (
+    cube_error,
+    rings_error,
+)
+from tactgen.validation.evidence.section_drawing import section
+
+#: The lowest natural frequency (Hz) of the bimorph below; see case CYL2.
+_BENDING = 6981.984969234867
+_THICKNESS = 1.0e-3
+#: Relative size of the last digit that a report prints.
+_PRINTED = 1e-5
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """A problem with a smooth exact answer.
+
+    `coarse` is the number of intervals by degree from which halving starts: the error is far from
+    rounding then, and its leading term dominates.  `bound` is that on the halves.
+    """
+
+    id: str
+    title: str
+    problem: str
+    error: Callable[[int, int], float]
+    coarse: dict[int, int]
+    bound: Callable[[int], float]
+    reason: str
+    setup: Callable[[], str]
+
+
+def _rod(intervals: int, degree: int) -> Box:
+    """Return a quarter wave of a rod without Poisson's ratio: ω = π/2 in units of the rod."""
+    unit = even(1.0, 1, 1)
+    slab = Slab("rod", (0, 1), (0, intervals))
+    material = Material(isotropic_stiffness(1.0, 0.0), 1.0)
+    box = Box(unit, unit, even(1.0, intervals, degree), ((slab, material),))
+    return replace(box, held=(Held(Where(), ("x", "y")), Held(Where(z=0.0), ("z",))))
+
+
+@cache
+def _rod_error(degree: int, intervals: int) -> float:
+    found = float(natural_frequencies(_rod(intervals, degree), 1)[0])
+    return abs(found / 0.25 - 1.0)
+
+
+@cache
+def _bimorph_error(degree: int, intervals: int) -> float:
+    box = bending_bimorph(_THICKNESS, degree=degree, intervals=intervals)
+    return abs(float(natural_frequencies(box, 1)[0]) / _BENDING - 1.0)
+
+
+def _order(problem: _Problem, degree: int) -> float:
+    """Return the observed order from a division and its halves."""
+    n = problem.coarse[degree]
+    return math.log2(problem.error(degree, n) / problem.error(degree, 2 * n))
+
+
+_THEORY = "a frequency converges with twice the degree"
+
+
+def _orders(problem: _Problem) -> Case:
+    highest = max(problem.coarse)
+    return case(
+        problem.id,
+        problem.title,
+        problem.problem,
+        model="bricks of the model solid, one degree along z at a time",
+        source=_THEORY + " (G. Strang, G. J. Fix, An Analysis of the Finite Element Method, ch. 6)",
+        answers=[
+            *(
+                Answer(f"Bricks of degree {p} converge with order {2 * p}.",
+                       (2.0 * p - 0.1, 2.0 * p + 0.1), "1", partial(_order, problem, p), 0.0,
+                       "within 0.1 of theory")
+                for p in problem.coarse
+            ),
+            *(
+                Answer(f"Degree {p} on {2 * n} intervals is off by no more than its bound.",
+                       (0.0, problem.bound(p)), "1", partial(problem.error, p, 2 * n), 0.0,
+                       problem.reason)
+                for p, n in problem.coarse.items()
+            ),
+        ],
+        refinement=Refinement(
+            (1, 2, 4, 8), partial(problem.error, highest), f"order {2 * highest}",
+        ),
+    )  # fmt: skip
+
+
+_ROD = _orders(_Problem(
+    "ROD",
+    "Orders on a rod",
+    "A rod without Poisson's ratio, one end held: the lowest axial frequency, 1/4 √(E/ρ)/L.",
+    _rod_error,
+    {1: 16, 2: 6, 3: 2, 4: 1},
+    lambda p: 2.0 * quarter_wave_error(p, 2 * {1: 16, 2: 6, 3: 2, 4: 1}[p]),
+    "twice the leading term of the error",
+    section(_rod, 4, 1, unit="L"),
+))  # fmt: skip
+
+_BIMORPH = _orders(_Problem(
+    "CYLO",
+    "Orders on the bimorph in cylindrical bending",
+    "The bimorph of case CYL2, two PZT-5A layers of 1 mm poled towards each other, one half wave "
+    "of 20 mm, both faces at 0 V: first bending frequency on bricks of equal length and one degree "
+    "along z.",
+    _bimorph_error,
+    {2: 6, 3: 3},
+    lambda _: _PRINTED,
+    "below what a report prints",
+    section(bending_bimorph, _THICKNESS),
+))  # fmt: skip
+
+
+_STRANG = "G. Strang, G. J. Fix, An Analysis of the Finite Element Method, ch. 3 and 6"
+
+
+def _rows(
+    what: str,
+    theory: int,
+    error: Callable[[int], float],
+    coarse: int,
+    bound: tuple[float, str],
+    heavy: bool = False,
+) -> Iterator[Answer]:
+    """Return two rows: the order from `coarse` divisions to twice as many, and a bound on these."""
+
+    def order() -> float:
+        return math.log2(error(coarse) / error(2 * coarse))
+
+    near = (theory - 0.1, theory + 0.1)
+    yield Answer(f"{what} converge with order {theory}.", near, "1", order, 0.0,
+                 "within 0.1 of theory", heavy=heavy)  # fmt: skip
+    yield Answer(f"{what} on {2 * coarse} divisions are off by no more than their bound.",
+                 (0.0, bound[0]), "1", lambda: error(2 * coarse), 0.0, bound[1],
+                 heavy=heavy)  # fmt: skip
+
+
+def _halved(error: Callable[[int], float], *levels: int, order: int) -> Refinement:
+    """Return the errors on so many divisions."""
+    return Refinement(levels, error, f"order {order}")
+
+
+# --- the piezoelectric solid -------------------------------------------------------------------
+
+
+def interpolation_error(degree: int, divisions: int) -> float:
+    """Return 2 (kh/4)^(p+1)/(p+1)!, the largest error of a wave's interpolation over cells h.
+
+    k is the shortest wave's of the manufactured solution, 1.6 over the edge.
+    """
+    return 2.0 * (1.6 / divisions / 4.0) ** (degree + 1) / math.factorial(degree + 1)
+
+
+def _solid(what: str, degree: int, error: Callable[[int], float], coarse: int,
+           heavy: bool) -> Iterator[Answer]:  # fmt: skip
+    bound = 2.0 * interpolation_error(degree, 2 * coarse)
+    reason = "twice the largest error of interpolating its shortest wave"
+    return _rows(what, degree + 1, error, coarse, (bound, reason), heavy)
+
+
+def _bricks(degree: int, driven: bool, intervals: int) -> float:
+    return float(manufactured.bricks_error(degree, intervals, driven)[1])
+
+
+def _cells(cells: Cells, driven: bool, divisions: int) -> float:
+    return float(manufactured.solid_error(cells, divisions, driven)[1])
+
+
+def _slopes(cells: Cells, divisions: int) -> float:
+    return float(manufactured.solid_error(cells, divisions, False)[0])
+
+
+def _cube() -> Box:
+    return block((even(EDGE, 4, 2),) * 3, manufactured.ceramic(lossy=False))
+
+
+_STATES = ((False, "at rest"), (True, "at 0.5 MHz with losses"))
+_PROBLEM = (
+    "A cube of PZT-5H, 1 mm: displacement and potential are sines of four directions, given on all "
+    "walls, and the load is what they need; at rest, and at 0.5 MHz with the ceramic's losses. "
+    "Errors are relative, in the mean square."
+)
+#: Cells with the coarser division at rest.
+_CELLS: tuple[tuple[Cells, int], ...] = (("straight", 3), ("curved", 3), ("hexahedra", 5))
+_NAMES: dict[Cells, str] = {
+    "straight": "straight tetrahedra of any shape",
+    "curved": "curved tetrahedra",
+    "hexahedra": "rectangular hexahedra",
+}
+
+_SOLIDS = (
+    case(
+        "MMSB",
+        "Manufactured solution on bricks",
+        _PROBLEM,
+        model="bricks of the model solid, degrees 1 to 4",
+        source=_STRANG,
+        answers=[
+            answer
+            for degree, coarse in ((1, 8), (2, 4), (3, 2), (4, 2))
+            for driven, state in _STATES
+            for answer in _solid(
+                f"Values on bricks of degree {degree}, {state},", degree,
+                partial(_bricks, degree, driven), coarse, degree != 3,
+            )
+        ],
+        refinement=_halved(partial(_bricks, 3, False), 1, 2, 4, order=4),
+        setup=section(_cube),
+    ),
+    case(
+        "MMSC",
+        "Manufactured solution on cells of ten and twenty nodes",
+        _PROBLEM,
+        model="the cells of the model cad: quadratic tetrahedra; quadratic hexahedra beside them",
+        source=_STRANG,
+        answers=[
+            answer
+            for cells, coarse in _CELLS
+            for answer in (
+                *(
+                    row
+                    for driven, state in _STATES
+                    for row in _solid(
+                        f"Values on {_NAMES[cells]}, {state},", 2,
+                        partial(_cells, cells, driven), max(4, coarse) if driven else coarse,
+                        driven or cells == "hexahedra",
+                    )
+                ),
+                *_rows(
+                    f"Gradients on {_NAMES[cells]}, at rest,", 2, partial(_slopes, cells),
+                    coarse, ((1.6 / (2 * coarse)) ** 2 / 12.0, "(kh)²/12 of the shortest wave"),
+                    cells == "hexahedra",
+                ),
+            )
+        ],
+        refinement=_halved(partial(_cells, "curved", False), 2, 3, 4, 6, order=3),
+        setup=section(_cube),
+    ),
+    case(
+        "MMSE",
+        "Thickness resonance on cells of ten and twenty nodes",
+        "Case TE's plate of PZT-5A at short circuit, 2 mm thick: a column of its upper half, or a "
+        "cube where cells are curved.",
+        model="as case MMSC",
+        source=f"IEEE Std 176-1987, in closed form; {_STRANG}",
+        answers=[
+            answer
+            for cells, _ in _CELLS
+            for answer in _rows(
+                f"Frequencies on {_NAMES[cells]}", 4,
+                partial(manufactured.plate_error, cells), 6,
+                (2.0 * manufactured.quarter_wave_error(2, 12), "twice the leading term of a rod's"),
+                cells == "curved",
+            )
+        ],
+        refinement=_halved(partial(manufactured.plate_error, "straight"), 3, 6, 12, 24, order=4),
+        setup=section(_cube),
+    ),
+)  # fmt: skip
+
+# --- beam elements -----------------------------------------------------------------------------
+
+#: The mode and the frequency (Hz) whose waves are short enough for errors above rounding.
+_MODE, _FAST = 4, 50e3
+
+
+@cache
+def _mode_error(elements: int) -> float:
+    from tactgen.fem import beam
+    from tactgen.tmm.beam.modes import bending_frequencies
+    from tactgen.tmm.beam.transfer_matrix import sections
+
+    device, support = Device(), Support(kind="clamped")
+    pieces = sections(device, support, Beam(), lossy=False)
+    exact = bending_frequencies(pieces, Ends(), _MODE + 1, open_circuit=False)[_MODE]
+    matrices = beam.assemble(device, support, Beam(), elements=elements, lossy=False)
+    found = beam.bending_frequencies(matrices, Ends(), _MODE + 1, open_circuit=False)[_MODE]
+    return abs(float(found / exact) - 1.0)
+
+
+@cache
+def _port_error(elements: int) -> float:
+    """Return the largest error of the five ports' stiffness, by the diagonal's sizes."""
+    from tactgen.fem import beam
+    from tactgen.tmm.beam import transfer_matrix
+
+    at = np.array([_FAST])
+    exact = transfer_matrix.multiport(Device(), Support(), Beam(), at).stiffness[0]
+    found = beam.multiport(Device(), Support(), Beam(), at, elements=elements).stiffness[0]
+    size = np.sqrt(np.abs(np.diag(exact)))
+    return float((np.abs(found - exact) / np.outer(size, size)).max())
+
+
+_TENTH = "what the checks of beam elements ask of their default"
+_BEAMS = case(
+    "BEAMO",
+    "Orders of beam elements",
+    "The paper's 20 mm bimorph: its fifth frequency on a clamp without losses, and its five ports "
+    "at 50 kHz with losses. At rest elements of degree five are exact.",
+    model="beam elements of degree five",
+    source=f"exact spans of the transfer-matrix model; {_STRANG}",
+    answers=[
+        *_rows("Frequencies by beam elements", 10, _mode_error, 12, (1e-8, _TENTH)),
+        *_rows("Ports by beam elements", 10, _port_error, 16, (1e-8, _TENTH)),
+    ],
+    refinement=_halved(_mode_error, 4, 8, 12, 24, order=10),
+)  # fmt: skip
+
+# --- magnetic fields ---------------------------------------------------------------------------
+
+#: Curves by name, and what bounds the sixth derivative of u: see manufactured_fields.
+_CURVES: tuple[tuple[str, MagnetisationCurve], ...] = (
+    ("straight", linear(1000.0)), ("saturating", TEAM20),
+)  # fmt: skip
+_STEEPEST = {2: 24.0, 4: (math.pi / 2.0) ** 5}
+
+
+def _rings_bound(order: int) -> float:
+    """Return the error of a slope by degree p − 1 in Chebyshev points, cells of 1/8."""
+    steep = _STEEPEST[order] / (2.0 ** (order - 1) * math.factorial(order))
+    return (1.0 / 16.0) ** order * steep
+
+
+#: Potential, its shortest wave over the edge, cells and the coarser division.
+_SPACES: tuple[tuple[Literal["A", "phi"], float, Cells, int], ...] = (
+    ("A", 2.0, "straight", 2), ("A", 2.0, "curved", 2),
+    ("phi", math.pi, "straight", 4), ("phi", math.pi, "curved", 4),
+)  # fmt: skip
+_FIELDS = (
+    case(
+        "AXIO",
+        "Manufactured field in a half section",
+        "A cylinder of iron, radius 1 m, 2 m high, A_φ = r (1 − r²)² cos(π z/2) Wb/m on it, driven "
+        "by its own H.",
+        model="axisymmetric field, orders 2 and 4",
+        source=_STRANG,
+        answers=[
+            answer
+            for name, curve in _CURVES
+            for order in (2, 4)
+            for answer in _rows(
+                f"Flux densities of order {order} in iron with a {name} curve", order,
+                partial(rings_error, curve, order), 4,
+                (_rings_bound(order), "interpolation of its steepest derivative"),
+            )
+        ],
+        refinement=_halved(partial(rings_error, TEAM20, 4), 2, 4, 8, order=4),
+    ),
+    case(
+        "MAGO",
+        "Manufactured field in three dimensions",
+        "A cube of TEAM problem 20's steel, 1 mm, with B of sines along its edges, up to 0.7 T, "
+        "driven by its own H and a gradient besides, which only φ sees.",
+        model="magnetic3d: second-order edge elements for A, quadratic ones for φ",
+        source=_STRANG,
+        answers=[
+            answer
+            for potential, wave, cells, coarse in _SPACES
+            for answer in _rows(
+                f"Flux densities by {potential} on {_NAMES[cells]}", 2,
+                partial(cube_error, potential, cells), coarse,
+                ((wave / (2 * coarse)) ** 2 / 12.0, "(kh)²/12 of the shortest wave"),
+                potential == "phi",
+            )
+        ],
+        refinement=_halved(partial(cube_error, "A", "curved"), 1, 2, 3, 4, order=2),
+        setup=section(_cube),
+    ),
+)  # fmt: skip
+
+SMOOTH_FIELDS: tuple[Case, ...] = (*_SOLIDS, _BEAMS, *_FIELDS)
+
+
+CASES: tuple[Case, ...] = (_ROD, _BIMORPH, *SMOOTH_FIELDS)

@@ -1,0 +1,185 @@
+"""Oscillators whose free or forced motion is known from elsewhere, as harmonic balance takes them.
+
+One mass each, m ẍ + c ẋ + k x + f(x) = P cos Ωt, in whatever consistent units the source has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.tmm.generator.transient.march import simulate_steps
+from tactgen.tmm.generator.transient.record import Run
+from tactgen.tmm.generator.transient.system import Coil, System
+from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
+from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
+from tactgen.tmm.harmonic_balance.continuation import Branch, folds, follow, peaks, steady_orbit
+from tactgen.tmm.harmonic_balance.steady import Resolution, free_oscillation
+from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint
+from tactgen.validation.evidence.fineness import steps
+
+#: Harmonics are added until those left out would move less than this share.
+EXACT = Resolution(missing=1e-11, least=7, most=60)
+
+
+def one_mass(
+    law: Callable[[Floats], tuple[Floats, Floats]],
+    *,
+    mass: float = 1.0,
+    damping: float = 0.0,
+    stiffness: float = 0.0,
+    force: float = 1.0,
+) -> Oscillator:
+    """Return a mass on a linear spring and damper and a law; a drive of 1 is the given force.
+
+    Parameters
+    ----------
+    law : callable
+        From motions (n,) to force and stiffness (n,).
+    """
+
+    def linear(omega: Floats) -> Complex:
+        d = stiffness - mass * omega**2 + 1j * omega * damping
+        return np.stack([d, np.full_like(d, -force)], axis=-1)[:, None, :]
+
+    def of(motion: Floats, _: Floats) -> LawPoint:
+        effort, slope = law(motion[:, 0])
+        none = np.zeros((motion.shape[0], 1, 1))
+        return LawPoint(effort[:, None], slope[:, None, None], none)
+
+    return Oscillator(linear, of, np.zeros(1), np.ones(1))
+
+
+def cubic(coefficient: float) -> Callable[[Floats], tuple[Floats, Floats]]:
+    """Return the law f = g x³."""
+    return lambda x: (coefficient * x**3, 3.0 * coefficient * x**2)
+
+
+def one_sided(stiffness: float) -> Callable[[Floats], tuple[Floats, Floats]]:
+    """Return the law of a spring that touches at x > 0 only."""
+    return lambda x: (stiffness * np.maximum(x, 0.0), np.where(x > 0.0, stiffness, 0.0))
+
+
+def cubic_frequency(stiffness: float, coefficient: float, mass: float, amplitude: float) -> float:
+    """Return the free angular frequency on k x + g x³, by an elliptic integral.
+
+    Kovacic and Brennan (eds), *The Duffing Equation*, 2011: ω = π sqrt((k + g A²)/m) / (2 K(μ)),
+    μ = g A² / (2 (k + g A²)).
+    """
+    from scipy.special import ellipk
+
+    top = stiffness + coefficient * amplitude**2
+    parameter = coefficient * amplitude**2 / (2.0 * top)
+    return float(np.pi * np.sqrt(top / mass) / (2.0 * ellipk(parameter)))
+
+
+def free_on_cubic(stiffness: float, coefficient: float, mass: float, amplitude: float) -> Orbit:
+    """Return the free oscillation on k x + g x³ by harmonic balance."""
+    scaled = one_mass(cubic(coefficient), mass=mass, stiffness=stiffness)
+    # one harmonic's answer to begin with
+    omega = np.sqrt((stiffness + 0.75 * coefficient * amplitude**2) / mass)
+    guess = Orbit(float(omega), 0.0, np.array([[0.0], [amplitude]]) + 0j)
+    return free_oscillation(scaled, amplitude, guess, resolution=EXACT)
+
+
+def period_of_vm156() -> float:
+    """Return the period (s) of the mass on a hardening spring of Ansys verification case VM156."""
+    return 2.0 * np.pi / free_on_cubic(2.0, 4.0, 2588e-6, 1.0).omega
+
+
+def free_on_one_sided(ratio: float, harmonics: int) -> Orbit:
+    """Return the free oscillation on a spring of 1 that is 1 + `ratio` on one side.
+
+    The ratio is approached in steps, each from the answer before.
+    """
+    steps = max(1, int(np.ceil(4.0 * np.log10(max(ratio / 1e-2, 1.0)))))
+    found = Orbit(1.0, 0.0, np.array([[0.0], [-1.0]]) + 0j)
+    for value in np.geomspace(min(ratio, 1e-2), ratio, steps + 1):
+        system = one_mass(one_sided(float(value)), stiffness=1.0)
+        resolution = Resolution(missing=1e-4, least=10, most=harmonics)
+        found = free_oscillation(system, -1.0, found, resolution=resolution)
+    return found
+
+
+def one_sided_frequency(ratio: float) -> float:
+    """Return its exact angular frequency, half a period on each side: 2 ω₁ ω₂/(ω₁ + ω₂)."""
+    stiff = np.sqrt(1.0 + ratio)
+    return float(2.0 * stiff / (1.0 + stiff))
+
+
+def driven_duffing() -> Oscillator:
+    """Return ẍ + 0.05 ẋ + x + 0.1 x³ = 0.18 cos Ωt, example 01 of the program NLvib."""
+    return one_mass(cubic(0.1), damping=0.05, stiffness=1.0, force=0.18)
+
+
+@cache
+def driven_duffing_branch() -> Branch:
+    """Return its response from Ω = 0.5 to 1.6."""
+    oscillator = driven_duffing()
+    start = steady_orbit(oscillator, 0.5, 1.0, resolution=EXACT)
+    return follow(oscillator, start, "omega", 0.5, 1.6, resolution=EXACT)
+
+
+def driven_vm86() -> Orbit:
+    """Return 0.5 ẍ + 6 ẋ + 200 x = 10 cos 20t, Ansys verification case VM86."""
+    plain = one_mass(cubic(0.0), mass=0.5, damping=6.0, stiffness=200.0, force=10.0)
+    return steady_orbit(plain, 20.0, 1.0, resolution=EXACT)
+
+
+def fundamental(orbit: Orbit) -> complex:
+    """Return the first harmonic of the first coordinate."""
+    return complex(orbit.spectrum[1, 0])
+
+
+@cache
+def driven_duffing_peak() -> Orbit:
+    """Return where its first harmonic is largest."""
+    return peaks(driven_duffing(), driven_duffing_branch(), fundamental)[0].orbit
+
+
+@cache
+def driven_duffing_folds() -> tuple[Orbit, ...]:
+    """Return where its response turns back, in the order in which it is met."""
+    return tuple(at.orbit for at in folds(driven_duffing(), driven_duffing_branch()))
+
+
+_ONE, _UNIT = np.ones(1), np.eye(1)
+
+
+class _Inductor:
+    """A constant inductance (H)."""
+
+    def __init__(self, inductance: float) -> None:
+        self.inductance = inductance
+
+    def at(self, current: float, gap: float) -> CoenergyPoint:
+        """Return W' = L i²/2 and its derivatives, whatever the gap."""
+        linkage = self.inductance * current
+        return CoenergyPoint(0.5 * linkage * current, linkage, 0.0, self.inductance, 0.0, 0.0)
+
+
+def run_of_coil(
+    inductance: float, resistance: float, voltage: Step | Sine, until: float, wanted: int
+) -> Run:
+    """Return the run of a coil (H, ohm) at a voltage until a time (s), in so many steps."""
+    zero = 0.0 * _ONE
+    coil = Coil(_Inductor(inductance), zero, 1.0, resistance, "voltage")
+    system = System(_UNIT, 0.0 * _UNIT, _UNIT, zero, zero, 0.0, (), (), coil)
+    return simulate_steps(system, Sources(coil=voltage), until, steps(wanted))
+
+
+def settled_current(
+    inductance: float, resistance: float, amplitude: float, hertz: float
+) -> complex:
+    """Return the current's phasor (A) at amplitude · sin(2π f t), from the last of ten periods."""
+    periods, each = 10, 400
+    run = run_of_coil(
+        inductance, resistance, Sine(amplitude, hertz), periods / hertz, periods * each
+    )
+    last = run.time > (periods - 1.0) / hertz + 1e-9 / hertz
+    angle = 2.0 * np.pi * hertz * run.time[last]
+    sine, cosine = (2.0 * np.mean(run.current[last] * of(angle)) for of in (np.sin, np.cos))
+    return complex(sine, cosine)
