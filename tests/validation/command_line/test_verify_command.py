@@ -18,7 +18,7 @@ FIELDS = {
 
 @pytest.fixture
 def few(monkeypatch):
-    monkeypatch.setattr(bimorph, "CHECKS", FEW)
+    monkeypatch.setattr(bimorph, "CASES", FEW)
 
 
 def run(capsys, *arguments):
@@ -44,7 +44,7 @@ def test_rows_carry_what_a_reader_needs(few, capsys):
 def test_a_failure_is_the_exit_code(monkeypatch, capsys):
     """One row off by more than its tolerance: exit code 1, and the table says which."""
     wrong = replace(FEW[0], id="OFF-1", measure=lambda: 2.0 * FEW[0].reference)
-    monkeypatch.setattr(bimorph, "CHECKS", (wrong,))
+    monkeypatch.setattr(bimorph, "CASES", (wrong,))
     code, out, _ = run(capsys, "--only", "bimorph")
     assert code == 1
     assert "OFF-1     fail" in out
@@ -60,7 +60,7 @@ def test_unknown_group_is_refused(capsys):
 
 def test_heavy_rows_run_when_asked_for(monkeypatch):
     """Nothing is left out then."""
-    monkeypatch.setattr(bimorph, "CHECKS", (replace(FEW[0], heavy=True),))
+    monkeypatch.setattr(bimorph, "CASES", (replace(FEW[0], heavy=True),))
     said = []
     (row,) = verification.verify(("bimorph",), extent="heavy", announce=said.append)
     assert (row.verdict, said) == ("pass", [f"check {FEW[0].id}"])
