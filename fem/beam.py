@@ -16,14 +16,12 @@ import numpy as np
 from tactgen.fem.beam_section import gauss, section_constants
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
-from tactgen.geometry.bimorph.row_shape import CentreLine
+from tactgen.geometry.bimorph.pieces import CentreLine, Piece, beam_pieces
 from tactgen.geometry.device.materials import lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
-from tactgen.tmm.ports.multiport import Multiport
-from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport
 
 #: Elements along a row whose nodes are its stations.
 ELEMENTS = 64

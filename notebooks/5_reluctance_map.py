@@ -12,9 +12,8 @@ import numpy as np
 import tactgen
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import closed_loop_work
-from tactgen.tmm.reluctance.coil_heat import thermal_statement
 from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.tmm.reluctance.network import network_bridge, network_samples
+from tactgen.tmm.reluctance.network import network_bridge, network_samples, thermal_statement
 from tactgen.tmm.reluctance.switching import finger_force, switching
 
 scene, _ = tactgen.load_scene("reluctance")

@@ -12,7 +12,7 @@ import numpy as np
 
 from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Bimorph, Device
-from tactgen.tmm.reluctance.coil_heat import thermal_statement
+from tactgen.tmm.reluctance.network import thermal_statement
 from tactgen.validation.studies import reconstruction as stated
 from tactgen.validation.studies.reconstruction import (
     actuator,

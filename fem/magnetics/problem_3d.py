@@ -28,8 +28,7 @@ from tactgen.fem.magnetics.iron import Iron, energy_density
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import MagnetisationCurve
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.quadratic import TET_EDGES
+from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh
 
 #: T0 (..., 3) in A/m at points (..., 3) in m, for one ampere-turn.
 SourceField = Callable[[Floats], Floats]

@@ -19,8 +19,7 @@ from tactgen.fem.piezo.system import SolidSystem, Surplus
 from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.ports.multiport import Multiport
-from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport
 
 #: Rows of D that are the tip's efforts.
 _TIP = slice(2, 4)

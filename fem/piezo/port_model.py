@@ -23,8 +23,7 @@ from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.bimorph.ends import Ends, Springs
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.elements import attach
-from tactgen.tmm.ports.multiport import Multiport, respond
-from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport, respond
 
 
 @storable

@@ -14,8 +14,7 @@ import numpy as np
 from tactgen.fem.piezo.system import SolidSystem, Surplus
 from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Complex, Floats, Numbers
-from tactgen.tmm.ports.multiport import Multiport
-from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport
 
 #: The mixed form of D, see :func:`ports_from_blocks`, at one frequency.
 Blocks: TypeAlias = tuple[Numbers, Numbers, Numbers, Numbers]

@@ -22,7 +22,7 @@ from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.mirror import is_quarter
+from tactgen.geometry.meshing.structured_tets import is_quarter
 
 
 def assemble(

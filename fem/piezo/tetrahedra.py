@@ -22,7 +22,7 @@ from tactgen.fem.solvers.pardiso import nested_dissection
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
 from tactgen.geometry.device.parameters import Bimorph
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.mirror import MIRRORS, is_quarter, mirrored_points
+from tactgen.geometry.meshing.structured_tets import MIRRORS, is_quarter, mirrored_points
 
 #: Cells worked on at a time: bounds the memory.
 _CHUNK = 4000

@@ -21,7 +21,7 @@ from tactgen.fem.solvers.linear_solver import refined_solution
 from tactgen.geometry.arrays import Floats, Ints, Sparse
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.mirror import MIRRORS, is_quarter
+from tactgen.geometry.meshing.structured_tets import MIRRORS, is_quarter
 
 #: Elements worked on at a time: bounds the memory.
 _CHUNK = 4000

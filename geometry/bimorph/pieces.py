@@ -6,11 +6,16 @@ stated here; each model computes its own section constants from them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal
 
+import numpy as np
+
+from tactgen.geometry.arrays import Floats, Ints, Numbers
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Bimorph, Device, Support
+from tactgen.geometry.meshing.mesh import Mesh
 
 #: Points closer than this share of the ceramic's length are one.
 _APART = 1e-9
@@ -132,3 +137,154 @@ def _rod_pieces(device: Device) -> list[Piece]:
         Piece("cylinder", rod.head_thickness, rod.head_radius),
     )
     return [piece for piece in pieces if piece.length > 1e-12]
+
+
+#: Points across a round piece, along x and along y.
+_ROUND = 9
+
+
+@dataclass(frozen=True)
+class CentreLine:
+    """Motion of a row's centre line at stations from its held end to its tip.
+
+    Attributes
+    ----------
+    z : (n,) array
+        Height above the row's held end (m), ascending; a joint is two stations at one height.
+    w, psi : (n,) array
+        Displacement along x (m) and rotation of the section (rad), u_z = x ψ.
+    charge : complex
+        On the outer electrodes (C), layers in parallel.
+    voltage : complex
+        Across each layer (V).
+    frequency : float
+        Hz.
+    """
+
+    z: Floats
+    w: Numbers
+    psi: Numbers
+    charge: complex
+    voltage: complex
+    frequency: float
+
+    @property
+    def tip(self) -> complex:
+        """Displacement of the tip (m)."""
+        return complex(self.w[-1])
+
+
+@dataclass(frozen=True)
+class RowShape:
+    """A row of pieces as eight-cornered cells, each piece and layer with points of its own.
+
+    Attributes
+    ----------
+    mesh : Mesh
+        Points in m, z = 0 at the top face of the rod or at the tab's lower end.
+    station : (n_points,) int array
+        The station of the centre line that each point moves with.
+    potential_share : (n_points,) array
+        Potential over the voltage across a layer: 1 on the outer electrodes, 0 in the shim.
+    """
+
+    mesh: Mesh
+    station: Ints
+    potential_share: Floats
+
+    def values(self, line: CentreLine) -> Numbers:
+        """Return (u_x, u_y, u_z, φ) in m and V at the points, (n_points, 4)."""
+        w, psi = line.w[self.station], line.psi[self.station]
+        x = self.mesh.points[:, 0]
+        voltage = self.potential_share * line.voltage
+        return np.stack([w, np.zeros_like(w), x * psi, voltage], axis=1)
+
+
+def row_shape(pieces: Sequence[Piece], bimorph: Bimorph, z: Floats, top: float) -> RowShape:
+    """Return the shape of a row whose centre line has stations at z (n,), its tip at `top` (m)."""
+    points, cells, regions, station, share = [], [], [], [], []
+    names: list[str] = []
+    low, count, offset = 0.0, 0, top - float(z[-1])
+    tolerance = 1e-9 * float(z[-1])
+    for piece in pieces:
+        if piece.section == "bond":
+            continue
+        high = low + piece.length
+        inside = np.flatnonzero((z > low - tolerance) & (z < high + tolerance))
+        # where a joint is, the upper of its two stations begins a piece, the lower one ends it
+        below, above = (np.abs(z[inside] - end) < tolerance for end in (low, high))
+        inside = inside[below.sum() - 1 : inside.size - above.sum() + 1]
+        for name, plan, through in _sections(piece, bimorph, (z[inside] - low) / piece.length):
+            if name not in names:
+                names.append(name)
+            n_z, n_x, n_y, _ = plan.shape
+            heights = np.broadcast_to((z[inside] + offset)[:, None, None, None], (n_z, n_x, n_y, 1))
+            points.append(np.concatenate([plan, heights], axis=-1).reshape(-1, 3))
+            cells.append(count + block_cells(n_z, n_x, n_y))
+            regions.append(np.full(len(cells[-1]), names.index(name)))
+            station.append(np.repeat(inside, n_x * n_y))
+            active = through if piece.electrode else 0.0 * through
+            share.append(np.broadcast_to(active[None, :, None], (n_z, n_x, n_y)).ravel())
+            count += n_z * n_x * n_y
+        low = high
+    mesh = Mesh(
+        points=np.concatenate(points),
+        cells=np.concatenate(cells),
+        kind="hexahedron",
+        region_of_cell=np.concatenate(regions).astype(np.int64),
+        regions=tuple(names),
+        faces={},
+    )
+    return RowShape(mesh, np.concatenate(station), np.concatenate(share))
+
+
+def _sections(piece: Piece, bimorph: Bimorph, shares: Floats) -> list[tuple[str, Floats, Floats]]:
+    """Return each region's name, (x, y) at stations (n_z, n_x, n_y, 2) and φ/U over x (n_x,)."""
+    if piece.section == "cylinder":
+        return [("rod", np.repeat(_disc(piece.radius)[None], shares.size, 0), np.zeros(_ROUND))]
+    layers = piece.layers(bimorph, shares)
+    half = np.broadcast_to(0.5 * np.asarray(layers.width), shares.shape)
+    core = np.broadcast_to(0.5 * np.asarray(layers.shim_thickness), shares.shape)
+    ceramic = np.broadcast_to(np.asarray(layers.piezo_thickness), shares.shape)
+    glued = core + bimorph.glue_thickness
+
+    def box(name: str, x0: Floats, x1: Floats, at: tuple[float, float]) -> Region:
+        x, y = np.stack([x0, x1], axis=1), np.stack([-half, half], axis=1)
+        plan = np.stack(np.broadcast_arrays(x[:, :, None], y[:, None, :]), axis=-1)
+        return name, plan, np.array(at)
+
+    found = [box("shim", -core, core, (0.0, 0.0))]
+    if piece.section == "shim":
+        return found
+    if bimorph.glue_thickness > 0.0:
+        found += [box("glue", core, glued, (0.0, 0.0)), box("glue", -glued, -core, (0.0, 0.0))]
+    return [
+        box("piezo_top", glued, glued + ceramic, (0.0, 1.0)),
+        box("piezo_bottom", -glued - ceramic, -glued, (1.0, 0.0)),
+        *found,
+    ]
+
+
+#: A region's name, its plan and its share of the potential.
+Region = tuple[str, Floats, Floats]
+
+
+def _disc(radius: float) -> Floats:
+    """Return a square grid (n, n, 2) drawn out to a disc, its rim on the circle."""
+    side = np.linspace(-1.0, 1.0, _ROUND)
+    x, y = np.meshgrid(side, side, indexing="ij")
+    across = np.stack([x * np.sqrt(1.0 - 0.5 * y**2), y * np.sqrt(1.0 - 0.5 * x**2)], axis=-1)
+    return np.asarray(radius * across)
+
+
+def block_cells(n_z: int, n_x: int, n_y: int) -> Ints:
+    """Return the cells of a block of points, y fastest, in VTK order."""
+    k, i, j = (
+        a.ravel() for a in np.meshgrid(*(np.arange(n - 1) for n in (n_z, n_x, n_y)), indexing="ij")
+    )
+
+    def at(dz: int, dx: int, dy: int) -> Ints:
+        return np.asarray(((k + dz) * n_x + i + dx) * n_y + j + dy)
+
+    around = ((0, 0), (1, 0), (1, 1), (0, 1))
+    return np.stack([at(dz, dx, dy) for dz in (0, 1) for dx, dy in around], axis=1)

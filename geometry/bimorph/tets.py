@@ -27,16 +27,17 @@ from tactgen.geometry.device.layout import (
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.mirror import MIRRORS
+from tactgen.geometry.meshing.structured_tets import MIRRORS
 from tactgen.geometry.meshing.tetwild.conform import NamedFace, conform
 from tactgen.geometry.meshing.tetwild.mesher import (
     Mesher,
+    Sizing,
     SizingField,
+    Stretching,
     run_ftetwild,
     sizing_along_z,
     sizing_at_points,
 )
-from tactgen.geometry.meshing.tetwild.sizing import Sizing, Stretching
 from tactgen.geometry.store.store import kept
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ class TetMeshing:
         straight and the regions lose what lies between chord and arc.
     quarter : bool
         Mesh what lies at x ≥ 0 and y ≥ 0 only; its cuts are named as
-        :data:`geometry.meshing.mirror.MIRRORS`.
+        :data:`geometry.meshing.structured_tets.MIRRORS`.
     time_limit : float
         Processor time for the mesher, all attempts together (s).
 

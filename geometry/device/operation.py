@@ -261,7 +261,7 @@ class Guide(Parameters):
     """What acts on the rod besides its stops: the sleeve's bore, the spring's ends, the air.
 
     Its two springs act beyond the play that `clearance` leaves.  The law is in
-    tmm.generator.stops.  The magnetic gap around the flange, sleeve.inner_radius less
+    tmm.generator.contact.  The magnetic gap around the flange, sleeve.inner_radius less
     rod.flange_radius, is another length: a coating or a bush may fill it.
     """
 

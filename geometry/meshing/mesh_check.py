@@ -14,8 +14,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.cad.tessellation import Face
 from tactgen.geometry.errors import MeshError
-from tactgen.geometry.meshing.mesh import TET_FACES
-from tactgen.geometry.meshing.quadratic import (
+from tactgen.geometry.meshing.mesh import (
+    TET_FACES,
     jacobian_coefficients,
     smallest_dihedral_angles,
     triangle_areas,

@@ -14,10 +14,8 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.cad.tessellation import merge_points
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.mirror import reflected
-from tactgen.geometry.meshing.quadratic import TET_EDGES, tet_volumes
-from tactgen.geometry.meshing.structured_tets import swept_tetrahedra
+from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh, tet_volumes
+from tactgen.geometry.meshing.structured_tets import reflected, swept_tetrahedra
 from tactgen.geometry.reluctance.section_grid import (
     OUTER_RADIUS,
     Grid,

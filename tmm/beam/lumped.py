@@ -19,13 +19,12 @@ from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Joint, Section
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
-from tactgen.tmm.ports.multiport import Multiport
-from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport
 
 
 @dataclass(frozen=True)
 class LumpedModel:
-    """Port matrices: D(Ω) = stiffness − Ω² mass, shapes (5, 5); see tmm.ports.port.BIMORPH."""
+    """Port matrices: D(Ω) = stiffness − Ω² mass, shapes (5, 5); see tmm.ports.multiport.BIMORPH."""
 
     stiffness: Complex
     mass: Floats

@@ -30,7 +30,7 @@ from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.beam.scattering import THROUGH, Element, in_waves, neighbours, star
 from tactgen.tmm.beam.sections import Section
-from tactgen.tmm.beam.timoshenko import wavenumbers
+from tactgen.tmm.beam.span import wavenumbers
 
 Row: TypeAlias = Sequence[Element]
 

@@ -29,7 +29,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.tmm.beam.sections import Joint, Section
-from tactgen.tmm.beam.timoshenko import dynamic_stiffness, wavenumbers
+from tactgen.tmm.beam.span import dynamic_stiffness, wavenumbers
 
 
 def neighbours(order: list[int]) -> tuple[list[int], list[int], list[int], list[int]]:

@@ -21,7 +21,7 @@ vibrates with all its ports held.  With h = 0.003 |p| and N = 16 the truncation 
 for a distance R to such a pole: below rounding from R = 0.03 |p| on, 4e-9 at 0.01 |p|.
 Rounding is that of A over 0.003: some 1e-13 of the largest part of a derivative, and not
 more than 1.3e-9 where an entry of A is itself near a pole or zero
-(:mod:`tmm.beam.timoshenko`).
+(:mod:`tmm.beam.span`).
 """
 
 from __future__ import annotations

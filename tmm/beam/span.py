@@ -49,13 +49,109 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats, Numbers
-from tactgen.tmm.beam.double_double import DoubleDouble
 from tactgen.tmm.beam.sections import Section
+
+#: 2^27 + 1 cuts a double's 53 bits in two halves whose products are exact.
+_SPLITTER = 134217729.0
+
+
+class DoubleDouble:
+    """hi + lo, each a complex array of one shape, |lo| at most half a last digit of hi."""
+
+    __array_ufunc__ = None  # array * DoubleDouble is ours to do, not numpy's, element by element
+
+    def __init__(self, hi: Complex, lo: Complex | None = None) -> None:
+        self.hi = np.asarray(hi, dtype=complex)
+        self.lo = np.zeros_like(self.hi) if lo is None else lo
+
+    def __getitem__(self, mask: Bools) -> DoubleDouble:
+        return DoubleDouble(self.hi[mask], self.lo[mask])
+
+    def __add__(self, other: Operand) -> DoubleDouble:
+        other = _as_pair(other)
+        hi, lo = _sum(self.hi, other.hi)
+        return _tidy(hi, lo + (self.lo + other.lo))
+
+    def __neg__(self) -> DoubleDouble:
+        return DoubleDouble(-self.hi, -self.lo)
+
+    def __sub__(self, other: Operand) -> DoubleDouble:
+        return self + -_as_pair(other)
+
+    def __rsub__(self, other: Operand) -> DoubleDouble:
+        return _as_pair(other) - self
+
+    def __mul__(self, other: Operand) -> DoubleDouble:
+        other = _as_pair(other)
+        hi, lo = _product(self.hi, other.hi)
+        return _tidy(hi, lo + (self.hi * other.lo + self.lo * other.hi))
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __truediv__(self, other: Operand) -> DoubleDouble:
+        other = _as_pair(other)
+        first = self.hi / other.hi
+        rest = self - other * first
+        return _tidy(first, rest.hi / other.hi)
+
+    def sqrt(self) -> DoubleDouble:
+        """Return the root with the branch that numpy's has; one Newton step doubles it."""
+        root = np.sqrt(self.hi)
+        rest = self - DoubleDouble(root) * root
+        return _tidy(root, rest.hi / np.where(root == 0.0, 1.0, 2.0 * root))
+
+
+#: What a DoubleDouble can be combined with.
+Operand: TypeAlias = "DoubleDouble | Complex | Floats | complex"
+
+
+def _as_pair(value: Operand) -> DoubleDouble:
+    if isinstance(value, DoubleDouble):
+        return value
+    return DoubleDouble(np.asarray(value, dtype=complex))
+
+
+def _tidy(hi: Complex, lo: Complex) -> DoubleDouble:
+    total = hi + lo
+    return DoubleDouble(total, lo - (total - hi))
+
+
+def _sum(a: Any, b: Any) -> tuple[Any, Any]:
+    """Return a + b and its rounding error; exact part by part."""
+    total = a + b
+    back = total - a
+    return total, (a - (total - back)) + (b - back)
+
+
+def _product(a: Complex, b: Complex) -> tuple[Complex, Complex]:
+    """Return a b and its rounding error."""
+    rr, rr_low = _real_product(a.real, b.real)
+    ii, ii_low = _real_product(a.imag, b.imag)
+    ri, ri_low = _real_product(a.real, b.imag)
+    ir, ir_low = _real_product(a.imag, b.real)
+    re, re_low = _sum(rr, -ii)
+    im, im_low = _sum(ri, ir)
+    return re + 1j * im, (re_low + (rr_low - ii_low)) + 1j * (im_low + (ri_low + ir_low))
+
+
+def _real_product(a: Floats, b: Floats) -> tuple[Floats, Floats]:
+    total = a * b
+    a_high, a_low = _halves(a)
+    b_high, b_low = _halves(b)
+    error = ((a_high * b_high - total) + a_high * b_low + a_low * b_high) + a_low * b_low
+    return total, error
+
+
+def _halves(a: Floats) -> tuple[Floats, Floats]:
+    wide = _SPLITTER * a
+    high = wide - (wide - a)
+    return high, a - high
+
 
 #: Working precision of the extended evaluation, and its rounding unit.
 EXTENDED = np.clongdouble
@@ -103,7 +199,7 @@ def size(v: Any) -> Floats:
 
 
 #: Roundings in a function relative to its size, from the series and, per 1 + |λ|, from the
-#: products.  The results of :mod:`tmm.beam.timoshenko` and :mod:`tmm.beam.mounted_beam`
+#: products.  The results of :mod:`tmm.beam.span` and :mod:`tmm.beam.mounted_beam`
 #: at 6e5 random points, held against extended precision, had at most 0.83 of the error so
 #: estimated.
 _SERIES_ROUNDINGS, _PHASE_ROUNDINGS = 4.0, 0.5
@@ -441,3 +537,117 @@ def _keep_freed_memory() -> None:
     it every temporary is given back and faulted in anew, which halves the speed.
     """
     np.empty(1 << 20)
+
+
+#: Rows, columns and signs of D that each of the six dimensionless entries fills.
+_PLACES = (
+    ((0, 0, 1.0), (2, 2, 1.0)),
+    ((0, 1, 1.0), (2, 3, -1.0)),
+    ((1, 1, 1.0), (3, 3, 1.0)),
+    ((0, 2, 1.0),),
+    ((0, 3, 1.0), (1, 2, -1.0)),
+    ((1, 3, 1.0),),
+)
+
+
+def dynamic_stiffness(beam: Section, length: Any, omega: Any) -> Complex:
+    """Return D(Ω) over the ports [w_0, ψ_0, w_l, ψ_l, U].
+
+    The section's constants, the length and Ω broadcast against each other.  D is an
+    analytic function of all of them: complex values give derivatives along a contour.
+
+    Parameters
+    ----------
+    beam : Section
+        Section constants (SI), numbers or arrays.
+    length : float or array
+        Beam length (m).
+    omega : float or array
+        Angular frequency (rad/s), 0 included.
+
+    Returns
+    -------
+    (..., 5, 5) complex array
+        Rows: force and moment at the lower end, at the upper end (all acting on the
+        beam), charge.  Antisymmetric in the mechanical-electrical block.
+    """
+    entries, _ = _span_matrices(beam, length, omega)
+    stiff = np.asarray(beam.EI) / np.asarray(length)
+    arms = (stiff / np.square(length), stiff / length, stiff)
+    shape = np.broadcast_shapes(entries.shape[1:], np.shape(beam.K), np.shape(beam.C))
+    d = np.zeros((*shape, 5, 5), dtype=complex)
+    for at, entry in enumerate(entries):
+        value = entry * arms[at % 3]
+        for row, column, sign in _PLACES[at]:
+            d[..., row, column] = d[..., column, row] = sign * value
+    d[..., 1, 4], d[..., 3, 4] = beam.K, np.negative(beam.K)
+    d[..., 4, 1], d[..., 4, 3] = np.negative(beam.K), beam.K
+    d[..., 4, 4] = np.multiply(beam.C, length)
+    return d
+
+
+def condition(beam: Section, length: Any, omega: Any) -> Floats:
+    """Return the condition numbers (..., 5, 5) of D's entries, as the module defines them."""
+    _, conditions = _span_matrices(beam, length, omega)
+    out = np.ones((*conditions.shape[1:], 5, 5))  # 1 for what is exact
+    for at, values in enumerate(conditions):
+        for row, column, _ in _PLACES[at]:
+            out[..., row, column] = out[..., column, row] = values
+    return out
+
+
+def wavenumbers(beam: Section, length: float, omega: Floats) -> tuple[Floats, Floats]:
+    """Return |λ₁| and |λ₂| (n,) of the lossless beam, for choosing how to divide it."""
+    o2 = np.asarray(omega, dtype=float) ** 2
+    ei = np.asarray(beam.EI).real
+    sigma = beam.m * o2 * length**2 / beam.GA
+    tau = beam.rhoI * o2 * length**2 / ei
+    root = np.sqrt(beam.m * o2 * length**4 / ei + 0.25 * (sigma - tau) ** 2)
+    mean = 0.5 * (sigma + tau)
+    return np.sqrt(np.abs(root - mean)), np.sqrt(root + mean)
+
+
+def _span_matrices(beam: Section, length: Any, omega: Any) -> tuple[Complex, Floats]:
+    """Return D_ww, D_wψ, D_ψψ, then w-w, w-ψ, ψ-ψ through the beam, (6, ...), in EI/l³ and l.
+
+    And their condition numbers.
+    """
+    inputs = (beam.EI, beam.GA, beam.m, beam.rhoI, length, omega)
+    shape = np.broadcast_shapes(*(np.shape(v) for v in inputs))
+    entries, conditions = np.empty((6, *shape), dtype=complex), np.empty((6, *shape))
+    rows = [array[at, ...] for array in (entries, conditions) for at in range(6)]
+    for (ei, ga, m, rho_i, l, o), results in blocks(inputs, rows):
+        values, sizes, roundings = span(Section(ei, ga, m, rho_i), l, o, ThroughSpan)
+        found, worst = _entries(values, sizes)
+        hard = ~(EPS * roundings * worst.max(axis=0) < TOLERATED)
+        if hard.any():
+            some = Section(ei[hard], ga[hard], m[hard], rho_i[hard])
+            values, sizes, _ = extended_span(some, l[hard], o[hard], ThroughSpan)
+            found[:, hard], worst[:, hard] = _entries(values, sizes)
+        for out, result in zip(results, (*found, *worst), strict=True):
+            out[...] = result
+    return entries, conditions
+
+
+def _entries(values: ThroughSpan, sizes: ThroughSpan) -> tuple[Complex, Floats]:
+    """Return the entries (6, n) and their condition numbers, of one block."""
+    numerators, bounds = _numerators(values, -1.0), np.abs(_numerators(sizes, 1.0))
+    with np.errstate(divide="ignore", invalid="ignore"):  # exactly at a pole: infinite
+        poles = sizes.even / np.abs(values.even) + sizes.odd / np.abs(values.odd)
+        conditions = bounds / np.abs(numerators).astype(float) + poles.astype(float)
+        entries = numerators / (values.even * values.odd)
+    return entries.astype(complex), conditions
+
+
+def _numerators(s: ThroughSpan, minus: float) -> Any:
+    """Return the six numerators over Δ; with sizes and `minus` 1, the sizes (up to sign)."""
+    return np.stack(
+        [
+            0.5 * (s.cc * s.even + minus * (s.beta4 * s.ss * s.odd)),
+            -0.5 * (s.y * s.even + minus * (s.beta4 * s.x * s.odd)),
+            0.5 * (s.cc * s.odd + s.shear * s.ss * s.even),
+            -s.through_force,
+            -s.through_mixed,
+            s.through_moment,
+        ]
+    )

@@ -19,9 +19,8 @@ from tactgen.geometry.device.materials import lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.scattering import Element, joined
 from tactgen.tmm.beam.sections import Constant, Joint, Section, section, segmented
-from tactgen.tmm.beam.timoshenko import dynamic_stiffness
-from tactgen.tmm.ports.multiport import Multiport
-from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.beam.span import dynamic_stiffness
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport
 
 
 def bonded_tab(piece: Piece, device: Device, beam: Beam, *, lossy: bool = False) -> Joint:

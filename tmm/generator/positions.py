@@ -2,7 +2,7 @@
 
 Static and without friction.  Along the axis act the return spring, the finger that presses the
 tip down, the magnetic pull, and the stops by the law of their contact.  The rod's lift u is told
-as in tmm.generator.stops: 0 at the upper stop, negative downwards.
+as in tmm.generator.contact: 0 at the upper stop, negative downwards.
 """
 
 from __future__ import annotations
@@ -15,9 +15,14 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.contact import RoughContact
-from tactgen.tmm.generator.moving_mass import moving_rod
-from tactgen.tmm.generator.stops import Stops, lateral_guide, stops_of, tilt_guide
+from tactgen.tmm.generator.contact import (
+    RoughContact,
+    Stops,
+    lateral_guide,
+    moving_rod,
+    stops_of,
+    tilt_guide,
+)
 
 #: Lifts between the stops at which forces are compared, and at each stop, that reach so many
 #: decay lengths of the contact to both sides.

@@ -23,8 +23,7 @@ from tactgen.tmm.ports.measured_load import (
     outside,
     passive_fit,
 )
-from tactgen.tmm.ports.multiport import Multiport, hold, terminate
-from tactgen.tmm.ports.port import Pair, Port
+from tactgen.tmm.ports.multiport import Multiport, Pair, Port, hold, terminate
 
 
 def spring(

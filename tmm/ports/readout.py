@@ -13,8 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.tmm.ports.multiport import Multiport, Response, respond
-from tactgen.tmm.ports.port import BIMORPH, VOLTAGE
+from tactgen.tmm.ports.multiport import BIMORPH, VOLTAGE, Multiport, Response, respond
 
 #: The bimorph's mechanical ports, and the electrical one.
 MECHANICAL = tuple(port.name for port in BIMORPH if port.pair != VOLTAGE)

@@ -24,8 +24,7 @@ from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
 from tactgen.tmm.ports.elements import attach, base_stiffness
-from tactgen.tmm.ports.multiport import Multiport, respond
-from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport, respond
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate
 from tactgen.validation.evidence.cases import exact_beam as exact

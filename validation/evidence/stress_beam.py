@@ -29,10 +29,11 @@ from tactgen.tmm.beam.span import (
     EXTENDED_EPS,
     EXTENDED_ROUNDINGS,
     Span,
+    condition,
+    dynamic_stiffness,
     error_bound,
     span,
 )
-from tactgen.tmm.beam.timoshenko import condition, dynamic_stiffness
 from tactgen.tmm.beam.transfer_matrix import chain
 from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.evidence.cases import exact_beam as reference

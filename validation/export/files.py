@@ -172,7 +172,7 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
         announce("machine")
         write_machine(files["machine"], scene)
     if "map" in files:
-        from tactgen.tmm.reluctance.coenergy_files import write_map
+        from tactgen.tmm.reluctance.coenergy_fit import write_map
 
         write_map(files["map"], _map(scene, announce))
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tactgen.geometry.bimorph.pieces import beam_pieces
-from tactgen.geometry.bimorph.row_shape import CentreLine, RowShape, row_shape
+from tactgen.geometry.bimorph.pieces import CentreLine, RowShape, beam_pieces, row_shape
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.fields.result import MODE_SIZE
 from tactgen.validation.fields.solid_fields import Found

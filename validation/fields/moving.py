@@ -8,8 +8,7 @@ import numpy as np
 
 from tactgen.fem.beam import BeamMatrices
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.pieces import beam_pieces
-from tactgen.geometry.bimorph.row_shape import block_cells, row_shape
+from tactgen.geometry.bimorph.pieces import beam_pieces, block_cells, row_shape
 from tactgen.geometry.device.layout import MM, Ring, moving_rings
 from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.meshing.mesh import Mesh

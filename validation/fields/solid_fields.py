@@ -16,9 +16,8 @@ from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import Material, SolidSystem, materials
 from tactgen.geometry.arrays import Floats, Ints, Numbers
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, lobatto_points, mirrored_axis
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.mirror import whole_mesh
-from tactgen.geometry.meshing.quadratic import TET_EDGES
+from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh
+from tactgen.geometry.meshing.structured_tets import whole_mesh
 from tactgen.validation.fields.result import MODE_SIZE, Array
 from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 

@@ -10,7 +10,7 @@ import numpy as np
 from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.generator.rocking import RockingHead
+from tactgen.tmm.generator.small_signal import RockingHead
 from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
 from tactgen.tmm.harmonic_balance.continuation import (
     Branch,

@@ -30,7 +30,7 @@ from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.parametric import Actuator
 from tactgen.tmm.beam.sections import section
-from tactgen.tmm.beam.timoshenko import wavenumbers
+from tactgen.tmm.beam.span import wavenumbers
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 from tactgen.validation.engine.warnings import SLENDER
 from tactgen.validation.scene.scene import Scene

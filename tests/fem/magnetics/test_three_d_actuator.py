@@ -20,7 +20,7 @@ from tactgen.fem.magnetics.scalar_potential import ScalarPotential
 from tactgen.fem.magnetics.vector_potential import VectorPotential
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.meshing.quadratic import jacobian_coefficients
+from tactgen.geometry.meshing.mesh import jacobian_coefficients
 from tactgen.geometry.reluctance.sector_tets import Sector, sector_mesh
 from tactgen.geometry.reluctance.tets import ActuatorMeshing
 from tactgen.validation.evidence.cases.actuator import COLLARED

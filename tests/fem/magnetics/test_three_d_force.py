@@ -16,7 +16,7 @@ from tactgen.fem.magnetics.scalar_potential import ScalarPotential
 from tactgen.fem.magnetics.vector_potential import VectorPotential
 from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.meshing.quadratic import tet_volumes
+from tactgen.geometry.meshing.mesh import tet_volumes
 from tactgen.geometry.reluctance.team20 import (
     MEASURED_FLUX_DENSITY,
     MEASURED_FORCE,

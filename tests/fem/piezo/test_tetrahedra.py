@@ -19,9 +19,8 @@ from tactgen.fem.piezo.tetrahedra_error import goal_errors
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
-from tactgen.geometry.meshing.mirror import whole_mesh
-from tactgen.geometry.meshing.structured_tets import box_tetrahedra
-from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra, whole_mesh
+from tactgen.geometry.meshing.tetwild.conform import TET_FACES
 from tactgen.validation.evidence.cases.manufactured import (
     cells_space,
     ceramic,

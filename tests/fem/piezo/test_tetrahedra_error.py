@@ -12,7 +12,7 @@ from tactgen.fem.piezo.tetrahedra_error import goal_errors
 from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
-from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
+from tactgen.geometry.meshing.tetwild.conform import TET_FACES
 from tactgen.validation.scene.scene import load_scene
 
 DEVICE = load_scene("j1")[0].device

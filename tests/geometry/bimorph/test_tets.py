@@ -15,20 +15,19 @@ from tactgen.geometry.cad.tessellation import tessellate
 from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.meshing import quadratic
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.mesh_files import write_mesh
-from tactgen.geometry.meshing.quadratic import (
+from tactgen.geometry.meshing import mesh as quadratic
+from tactgen.geometry.meshing.mesh import (
     TET_EDGES,
+    Mesh,
     jacobian_coefficients,
     smallest_dihedral_angles,
     tet_volumes,
     triangle_areas,
 )
+from tactgen.geometry.meshing.mesh_files import write_mesh
 from tactgen.geometry.meshing.tetwild import mesher as ftetwild
-from tactgen.geometry.meshing.tetwild.conform import conform
+from tactgen.geometry.meshing.tetwild.conform import TET_FACES, conform
 from tactgen.geometry.meshing.tetwild.mesher import sizing_along_z
-from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
 
 GENERATOR = Device(bimorph=Bimorph(tab_length=0.4e-3))
 #: Finer at the root.

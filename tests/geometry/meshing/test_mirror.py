@@ -5,16 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.mirror import MIRRORS, is_quarter, mirrored_points, whole_mesh
-from tactgen.geometry.meshing.quadratic import (
+from tactgen.geometry.meshing.mesh import (
     TET_EDGES,
+    Mesh,
     jacobian_coefficients,
     tet_volumes,
     unique_edges,
 )
-from tactgen.geometry.meshing.structured_tets import box_tetrahedra
-from tactgen.geometry.meshing.tetwild.tagging import TET_FACES
+from tactgen.geometry.meshing.structured_tets import (
+    MIRRORS,
+    box_tetrahedra,
+    is_quarter,
+    mirrored_points,
+    whole_mesh,
+)
+from tactgen.geometry.meshing.tetwild.conform import TET_FACES
 
 
 def quarter():

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from tactgen.geometry.meshing.quadratic import tet_volumes
+from tactgen.geometry.meshing.mesh import tet_volumes
 from tactgen.geometry.meshing.structured_tets import SIDES, box_tetrahedra, graded_planes
 
 X, Y, Z = np.array([0.0, 1.0, 3.0]), np.array([-1.0, 0.0, 0.5, 2.0]), np.array([0.0, 0.1, 4.0])

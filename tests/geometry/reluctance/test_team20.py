@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.meshing.quadratic import tet_volumes
+from tactgen.geometry.meshing.mesh import tet_volumes
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 
 COARSE = team20_mesh(Team20Meshing(scale=4.0))

@@ -10,7 +10,7 @@ from tactgen.geometry.cad.solids import thinnest_feature
 from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import MeshError
-from tactgen.geometry.meshing.quadratic import jacobian_coefficients
+from tactgen.geometry.meshing.mesh import jacobian_coefficients
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.reluctance import tets
 from tactgen.geometry.reluctance.tets import (

@@ -8,7 +8,7 @@ from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import port_quantities as ceramic
 from tactgen.tmm.beam.sections import section
-from tactgen.tmm.beam.timoshenko import wavenumbers
+from tactgen.tmm.beam.span import wavenumbers
 from tactgen.tmm.beam.transfer_matrix import multiport
 from tactgen.tmm.ports.elements import attach, tip_stiffness
 from tactgen.tmm.ports.multiport import in_series, respond, terminate

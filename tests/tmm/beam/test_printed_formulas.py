@@ -19,7 +19,7 @@ from tactgen.tmm.beam.printed_formulas import (
     printed_section,
 )
 from tactgen.tmm.beam.sections import section
-from tactgen.tmm.beam.timoshenko import dynamic_stiffness
+from tactgen.tmm.beam.span import dynamic_stiffness
 from tactgen.tmm.ports.finger import finger_impedance
 from tactgen.validation.evidence.cases import exact_beam as reference
 

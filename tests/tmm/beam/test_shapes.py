@@ -3,7 +3,8 @@
 import numpy as np
 
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
-from tactgen.tmm.beam import shapes, transfer_matrix
+from tactgen.tmm.beam import port_quantities as shapes
+from tactgen.tmm.beam import transfer_matrix
 
 
 def test_ends_that_move_rigidly_move_the_whole_line_so():

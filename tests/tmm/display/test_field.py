@@ -8,7 +8,7 @@ import pytest
 from tactgen.geometry.device.parameters import Device, Display
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.display.field import (
+from tactgen.tmm.display.array import (
     CELLS,
     NEIGHBOURS,
     beside,

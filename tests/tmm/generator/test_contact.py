@@ -5,8 +5,7 @@ import pytest
 
 from tactgen.geometry.device.parameters import Contact, Device, Spring, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.contact import RoughContact
-from tactgen.tmm.generator.stops import contact_of, stops_of
+from tactgen.tmm.generator.contact import RoughContact, contact_of, stops_of
 
 R, U0, LOAD = 1.15e-3, 0.3e-6, 0.11
 SHAPES = ("ring", "disc")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device.parameters import Beam, Device, Guide, Spring
+from tactgen.tmm.generator.contact import Play, contact_of, lateral_guide, tilt_guide
 from tactgen.tmm.generator.positions import axial_forces, held_support, resting_place
 from tactgen.tmm.generator.small_signal import linearised, resting_tilt
-from tactgen.tmm.generator.stops import Play, contact_of, lateral_guide, tilt_guide
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.tmm.reluctance.map_range import network_pull
 from tactgen.validation.models.generator.transient import scene_machine

@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.geometry.device.layout import closed_form_volumes, moving_rings
 from tactgen.geometry.device.parameters import Coil, Device, Rod
-from tactgen.tmm.generator.moving_mass import moving_rod
+from tactgen.tmm.generator.contact import moving_rod
 
 
 def test_a_cylinder_is_the_textbooks():

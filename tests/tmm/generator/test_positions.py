@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.geometry.device.parameters import Contact, Device, Spring
 from tactgen.geometry.device.steel_law import MU0
-from tactgen.tmm.generator.moving_mass import moving_rod
+from tactgen.tmm.generator.contact import contact_of, moving_rod
 from tactgen.tmm.generator.positions import (
     axial_forces,
     held_support,
@@ -17,7 +17,6 @@ from tactgen.tmm.generator.positions import (
     resting_places,
     settled_place,
 )
-from tactgen.tmm.generator.stops import contact_of
 from tactgen.validation.evidence.cases.iron import IdealGap
 
 GAP, STIFFNESS, STRENGTH = 0.2e-3, 100.0, MU0 * 500.0**2 * 4e-6

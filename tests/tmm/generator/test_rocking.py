@@ -7,12 +7,11 @@ from scipy.integrate import solve_ivp
 from tactgen.tmm.beam.lumped import lumped_model
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.positions import axial_forces, resting_place
-from tactgen.tmm.generator.rocking import rocking_head
+from tactgen.tmm.generator.small_signal import rocking_head
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution
 from tactgen.tmm.ports.elements import attach
-from tactgen.tmm.ports.multiport import Multiport, respond
-from tactgen.tmm.ports.port import BIMORPH
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport, respond
 from tactgen.validation.models.five_port import five_port
 from tactgen.validation.models.rocking import held_head
 from tactgen.validation.scene.scene import load_scene

@@ -8,7 +8,7 @@ import pytest
 from tactgen.geometry.device.parameters import Beam, Device, Load, Spring, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix as tmm
-from tactgen.tmm.generator.contact import RoughContact
+from tactgen.tmm.generator.contact import RoughContact, contact_of, stops_of
 from tactgen.tmm.generator.positions import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import (
     Linearised,
@@ -18,7 +18,6 @@ from tactgen.tmm.generator.small_signal import (
     resting_tilt,
     rod_ports,
 )
-from tactgen.tmm.generator.stops import contact_of, stops_of
 from tactgen.tmm.ports.elements import attach, ends_of, tip_stiffness
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond, terminate
 from tactgen.tmm.reluctance.map_range import network_pull

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device.parameters import Contact, Device
+from tactgen.tmm.generator.contact import contact_of, stops_of
 from tactgen.tmm.generator.positions import held_support
-from tactgen.tmm.generator.stops import contact_of, stops_of
 from tactgen.tmm.reluctance.map_range import network_pull
 
 OWN = Device(contact=Contact(lower_decay_ratio=0.5, lower_relaxation_ratio=0.25))

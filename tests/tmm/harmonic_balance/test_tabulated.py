@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.harmonic_balance import tabulated
-from tactgen.tmm.harmonic_balance.tabulated import Tabulated
+from tactgen.tmm.harmonic_balance import steady as tabulated
+from tactgen.tmm.harmonic_balance.steady import Tabulated
 
 
 class Counted:
@@ -27,7 +27,7 @@ class Counted:
 
 
 def made(function, monkeypatch):
-    monkeypatch.setattr(tabulated, "_FIRST", 0)
+    monkeypatch.setattr(tabulated, "_FIRST_TABLE", 0)
     return Tabulated(function)
 
 

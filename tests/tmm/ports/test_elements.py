@@ -11,7 +11,12 @@ from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.ports.elements import attach, spring
 from tactgen.tmm.ports.multiport import (
+    AXIAL,
+    LATERAL,
+    ROTATION,
     Multiport,
+    Pair,
+    Port,
     connect,
     hold,
     passivity_margin,
@@ -19,7 +24,6 @@ from tactgen.tmm.ports.multiport import (
     reduce,
     respond,
 )
-from tactgen.tmm.ports.port import AXIAL, LATERAL, ROTATION, Pair, Port
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e4])
 OMEGA = 2.0 * np.pi * FREQUENCIES

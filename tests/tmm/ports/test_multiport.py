@@ -16,6 +16,7 @@ from tactgen.tmm.beam.printed_formulas import printed_section
 from tactgen.tmm.ports.elements import attach, ends_of
 from tactgen.tmm.ports.finger import finger_stiffness
 from tactgen.tmm.ports.multiport import (
+    BIMORPH,
     balanced,
     connect,
     hold,
@@ -28,7 +29,6 @@ from tactgen.tmm.ports.multiport import (
     symmetric_form,
     terminate,
 )
-from tactgen.tmm.ports.port import BIMORPH
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
 CLAMPED, SPRING = Support(kind="clamped"), Support()

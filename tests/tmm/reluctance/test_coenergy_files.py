@@ -8,8 +8,7 @@ from scipy.io import netcdf_file
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.coenergy_files import read_map, write_map
-from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_fit import fit, read_map, write_map
 from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.network import network_samples
 

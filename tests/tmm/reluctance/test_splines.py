@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from tactgen.tmm.reluctance.splines import b_splines
+from tactgen.tmm.reluctance.coenergy_map import b_splines
 
 BREAKS = np.array([0.0, 0.1, 0.15, 0.5, 1.2])
 POINTS = np.linspace(0.0, 1.2, 61)

@@ -6,7 +6,7 @@ import pytest
 from tactgen.geometry.device.parameters import Coil, Device, Spring
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance import coil_heat
+from tactgen.tmm.reluctance import network as coil_heat
 from tactgen.tmm.reluctance import switching as normal_actuator
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import Samples

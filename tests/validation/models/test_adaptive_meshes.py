@@ -10,17 +10,17 @@ from tactgen.fem.piezo.tetrahedra_error import GoalError
 from tactgen.geometry.bimorph import tets
 from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
 from tactgen.geometry.errors import MeshError
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.quadratic import smallest_dihedral_angles, tet_volumes, unique_edges
+from tactgen.geometry.meshing.mesh import Mesh, smallest_dihedral_angles, tet_volumes, unique_edges
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild import mesher as ftetwild
 from tactgen.geometry.meshing.tetwild.conform import _free_axes, conform
-from tactgen.geometry.meshing.tetwild.mesher import sizing_along_z, sizing_at_points
-from tactgen.geometry.meshing.tetwild.sizing import (
+from tactgen.geometry.meshing.tetwild.mesher import (
     UNSTRETCHED,
     Sizing,
     Stretching,
     limited_growth,
+    sizing_along_z,
+    sizing_at_points,
     sizing_for,
 )
 from tactgen.geometry.store.values import fingerprint

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.meshing.mirror import whole_mesh
+from tactgen.geometry.meshing.structured_tets import whole_mesh
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import evaluate, solve

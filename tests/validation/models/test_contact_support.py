@@ -7,8 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tactgen.tmm.generator.moving_mass import moving_rod
-from tactgen.tmm.generator.stops import contact_of
+from tactgen.tmm.generator.contact import contact_of, moving_rod
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
@@ -95,7 +94,7 @@ def test_keys_follow_the_load_of_the_contact_and_nothing_else():
 
 def test_without_current_nothing_magnetic_is_touched(monkeypatch):
     """The network is not asked."""
-    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.network_pull", None)
+    monkeypatch.setattr("tactgen.tmm.reluctance.coenergy_fit.network_pull", None)
     assert np.isfinite(frequency(*UP))
 
 

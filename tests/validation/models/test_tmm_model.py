@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.tmm.beam.timoshenko import dynamic_stiffness
+from tactgen.tmm.beam.span import dynamic_stiffness
 from tactgen.tmm.beam.transfer_matrix import multiport, sections
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import in_series, respond, round_off

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.coenergy_files import read_map
+from tactgen.tmm.reluctance.coenergy_fit import read_map
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.export.files import normal_actuator_solids, scene_solids
@@ -149,7 +149,7 @@ def check_words(text, there, not_there):
 def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     """Words instead of a number wherever pull-in is shown, and no picture fails."""
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
-    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.map_grid", lambda _: small)
+    monkeypatch.setattr("tactgen.tmm.reluctance.coenergy_fit.map_grid", lambda _: small)
     html, _ = make(tmp_path, "reluctance", "models=network", "coil.current=40 mA")
     there = ("No current up to 60 mA draws the rod down", "not reached")
     check_words(words(html), there, ("snaps down",))

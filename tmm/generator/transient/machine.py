@@ -22,10 +22,15 @@ from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.contact import RoughContact
-from tactgen.tmm.generator.moving_mass import moving_rod
+from tactgen.tmm.generator.contact import (
+    Play,
+    RoughContact,
+    lateral_guide,
+    moving_rod,
+    stops_of,
+    tilt_guide,
+)
 from tactgen.tmm.generator.small_signal import Linearised
-from tactgen.tmm.generator.stops import Play, lateral_guide, stops_of, tilt_guide
 from tactgen.tmm.generator.transient.system import (
     Coil,
     Element,

@@ -7,7 +7,7 @@ from functools import cache, partial
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.tmm.generator.rocking import RockingHead
+from tactgen.tmm.generator.small_signal import RockingHead
 from tactgen.tmm.harmonic_balance.balance import Orbit
 from tactgen.tmm.harmonic_balance.continuation import Branch, folds, peaks
 from tactgen.validation.evidence.case import Check

@@ -21,8 +21,7 @@ from tactgen.fem.magnetics.scalar_potential import ScalarPotential
 from tactgen.fem.magnetics.vector_potential import VectorPotential
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.quadratic import unique_edges
+from tactgen.geometry.meshing.mesh import Mesh, unique_edges
 from tactgen.validation.evidence.case import Answer, Case, case
 from tactgen.validation.evidence.fineness import cached, counted, intervals
 

@@ -9,7 +9,7 @@ from tactgen.geometry.device.parameters import Display
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import drawn_units, levels
 from tactgen.geometry.reluctance.sector_tets import UNITS
-from tactgen.tmm.display.field import between_heads, network_forces
+from tactgen.tmm.display.array import between_heads, network_forces
 from tactgen.tmm.ports.multiport import Multiport, passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.quantities import CROSSTALK_LARGEST, SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.engine.model import make_model

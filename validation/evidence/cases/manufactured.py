@@ -21,8 +21,7 @@ from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Bools, Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.bricks import Axis
 from tactgen.geometry.device.material_library import LIBRARY
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.quadratic import TET_EDGES
+from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.validation.evidence.boxes import block, even, lowest_frequencies
 

@@ -17,9 +17,8 @@ from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
 from tactgen.tmm.generator.small_signal import Linearised
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples, closed_loop_work
-from tactgen.tmm.reluctance.coil_heat import largest_rms_current
 from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.tmm.reluctance.network import network_samples
+from tactgen.tmm.reluctance.network import largest_rms_current, network_samples
 from tactgen.tmm.reluctance.switching import spring_force
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.evidence.case import Check

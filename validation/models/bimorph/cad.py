@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.checks import check_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.mirror import whole_mesh
+from tactgen.geometry.meshing.structured_tets import whole_mesh
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph.lowest_modes import MeshModes
 from tactgen.validation.models.bimorph.solid import SolidModel, brick_pair

@@ -12,7 +12,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.row_shape import CentreLine
+from tactgen.geometry.bimorph.pieces import CentreLine
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import tip_stiffness
 from tactgen.tmm.ports.measured_load import OF_THE_TABLE, MeasuredLaw

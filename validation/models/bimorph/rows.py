@@ -10,9 +10,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.pieces import beam_pieces
-from tactgen.geometry.bimorph.row_shape import CentreLine
-from tactgen.tmm.beam import lumped, shapes, transfer_matrix
+from tactgen.geometry.bimorph.pieces import CentreLine, beam_pieces
+from tactgen.tmm.beam import lumped, transfer_matrix
+from tactgen.tmm.beam import port_quantities as shapes
 from tactgen.tmm.beam.modes import NaturalFrequencies, natural_frequencies
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.scattering import Element

@@ -55,7 +55,7 @@ class NeighbourField:
 
 def by_network(scene: Scene) -> NeighbourField:
     """Return the network's estimate."""
-    from tactgen.tmm.display.field import network_forces
+    from tactgen.tmm.display.array import network_forces
     from tactgen.tmm.reluctance.circuit import CELLS
 
     current, gap = scene.display.coil_current, scene.gap

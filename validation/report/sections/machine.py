@@ -15,9 +15,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.beam import transfer_matrix
-from tactgen.tmm.generator.moving_mass import moving_rod
+from tactgen.tmm.generator.contact import contact_of, moving_rod, stops_of
 from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_places
-from tactgen.tmm.generator.stops import contact_of, stops_of
 from tactgen.tmm.ports.elements import attach, outside_known_range
 from tactgen.tmm.ports.multiport import in_series, respond
 from tactgen.validation.catalogue.models import MODELS, ranked

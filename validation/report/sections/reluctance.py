@@ -12,7 +12,7 @@ import numpy as np
 from tactgen.geometry.device.layout import below_head
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.winding import winding
-from tactgen.tmm.reluctance.coil_heat import largest_rms_current, thermal_statement
+from tactgen.tmm.reluctance.network import largest_rms_current, thermal_statement
 from tactgen.tmm.reluctance.switching import Equilibrium, equilibria, finger_force, spring_force
 from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE, QUANTITIES
 from tactgen.validation.engine.results import Estimate

@@ -5,14 +5,14 @@ import pytest
 
 from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
 from tactgen.geometry.errors import MeshError
-from tactgen.geometry.meshing.mesh import TET_FACES
-from tactgen.geometry.meshing.mesh_check import check_conformity, check_shape
-from tactgen.geometry.meshing.quadratic import (
+from tactgen.geometry.meshing.mesh import (
+    TET_FACES,
     jacobian_coefficients,
     smallest_dihedral_angles,
     tet_volumes,
     unique_edges,
 )
+from tactgen.geometry.meshing.mesh_check import check_conformity, check_shape
 from tactgen.geometry.meshing.tetwild import conform as conforming
 from tactgen.geometry.meshing.tetwild.conform import NamedFace, bent_middles, conform, relaxed
 from tactgen.geometry.meshing.tetwild.mesher import _cubes_to_tets

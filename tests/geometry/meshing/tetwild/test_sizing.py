@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tactgen.geometry.meshing.quadratic import tet_volumes
+from tactgen.geometry.meshing.mesh import tet_volumes
 from tactgen.geometry.meshing.tetwild import mesher as run
 
 

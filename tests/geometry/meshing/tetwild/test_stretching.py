@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.meshing.tetwild.sizing import Stretching
+from tactgen.geometry.meshing.tetwild.mesher import Stretching
 
 
 def test_elements_grow_away_from_the_stops_up_to_the_most():

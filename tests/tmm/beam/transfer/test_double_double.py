@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tactgen.tmm.beam.double_double import DoubleDouble
+from tactgen.tmm.beam.span import DoubleDouble
 
 RANDOM = np.random.default_rng(1)
 A, B = (RANDOM.normal(size=200) * 10.0 ** RANDOM.uniform(-9, 9, 200) for _ in range(2))

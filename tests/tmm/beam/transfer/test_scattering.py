@@ -9,7 +9,7 @@ from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.scattering import change_along, element_stiffness, joined
 from tactgen.tmm.beam.sections import Joint
-from tactgen.tmm.beam.timoshenko import dynamic_stiffness
+from tactgen.tmm.beam.span import dynamic_stiffness
 from tactgen.tmm.ports.elements import attach, ends_of
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond
 

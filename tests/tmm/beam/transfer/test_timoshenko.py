@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from tactgen.geometry.bimorph.pieces import Piece
 from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.tmm.beam.sections import Section, section
-from tactgen.tmm.beam.span import error_bound
-from tactgen.tmm.beam.timoshenko import condition, dynamic_stiffness, wavenumbers
+from tactgen.tmm.beam.span import condition, dynamic_stiffness, error_bound, wavenumbers
 from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.evidence.stress_beam import CONDITION_LIMIT
 

@@ -12,11 +12,10 @@ from tactgen.geometry.bimorph.ends import TipLoad
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
-from tactgen.tmm.generator.moving_mass import moving_rod
+from tactgen.tmm.generator.contact import contact_of, moving_rod
 from tactgen.tmm.generator.positions import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import linearised
 from tactgen.tmm.generator.small_signal import machine as machine_of_ports
-from tactgen.tmm.generator.stops import contact_of
 from tactgen.tmm.generator.transient.machine import machine
 from tactgen.tmm.generator.transient.march import simulate_steps
 from tactgen.tmm.generator.transient.step import Stepper

@@ -51,7 +51,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.tmm.generator.transient.waveform import Sources
-    from tactgen.tmm.reluctance.coenergy_files import read_map
+    from tactgen.tmm.reluctance.coenergy_fit import read_map
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.models.generator.transient import run_scene, support_warnings
     from tactgen.validation.scene.scene import load_scene
