@@ -17,7 +17,7 @@ def blank_figures(patch):
     """Write every figure as an empty drawing, given a monkeypatch."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
-    from tactgen.validation.view import figures
+    from tactgen.validation.show import figures
 
     patch.setattr(figures, "lay_out", lambda _: None)
     patch.setattr(FigureCanvasSVG, "print_svg", lambda _, file, **__: file.write("<svg></svg>"))

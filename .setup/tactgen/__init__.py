@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from tactgen.geometry.errors import InputError
     from tactgen.validation.engine.solve import solve
-    from tactgen.validation.export.inline_view import show
     from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.show.view import show
 
 __all__ = ["InputError", "load_scene", "show", "solve"]
 
 _HOMES = {
     "InputError": "tactgen.geometry.errors",
     "load_scene": "tactgen.validation.scene.scene",
-    "show": "tactgen.validation.export.inline_view",
+    "show": "tactgen.validation.show.view",
     "solve": "tactgen.validation.engine.solve",
 }
 

@@ -33,10 +33,10 @@ from tactgen.validation.models import rocking as held_head
 from tactgen.validation.models.display.spread import spread
 from tactgen.validation.scene import frequencies
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show import browser
+from tactgen.validation.show import stills as films
 from tactgen.validation.studies.whatif import executor
 from tactgen.validation.studies.whatif.pictures import study_picture
-from tactgen.validation.view import browser
-from tactgen.validation.view import stills as films
 
 
 def scene(name="paper", *overrides):

@@ -19,9 +19,9 @@ from tactgen.geometry.store.values import from_bytes, storable, to_bytes
 from tactgen.tmm.generator.transient import step as newton
 from tactgen.validation.command_line.streams import _plainly
 from tactgen.validation.models import comparison as ladder
+from tactgen.validation.show import browser
 from tactgen.validation.studies import measured_data
 from tactgen.validation.studies.simulate import _film
-from tactgen.validation.view import browser
 
 #: A straight tetrahedron of ten nodes, its volume 1/6 and its slanted face.
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])

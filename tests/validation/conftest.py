@@ -14,7 +14,7 @@ from pages import blank_figures
 
 from tactgen.validation.evidence import stress_beam as beam
 from tactgen.validation.evidence.stress import Approach, ErrorMap, Point, Stress, judged
-from tactgen.validation.view.browser import find_browser, run_browser
+from tactgen.validation.show.browser import find_browser, run_browser
 
 #: What watches a page in a browser, and where in it a test's own steps go.
 DRIVER = Path(__file__).with_name("driver.js").read_text(encoding="utf-8")
@@ -34,7 +34,7 @@ def leave_unlaid():
     """Return what leaves figures as they come, given a monkeypatch: layout is half of drawing."""
 
     def leave(patch):
-        from tactgen.validation.view import figures
+        from tactgen.validation.show import figures
 
         lay_out = figures.lay_out
 
@@ -56,9 +56,9 @@ def make_plain(leave_unlaid):
     """
 
     def make(patch):
-        from tactgen.validation.export import files  # slow to import, as the next
         from tactgen.validation.report import study
-        from tactgen.validation.view import pictures
+        from tactgen.validation.show import export as files  # slow to import, as the next
+        from tactgen.validation.show import pictures
 
         leave_unlaid(patch)
         patch.setattr(files, "scene_solids", lambda _: {})
@@ -80,7 +80,7 @@ def unlaid(request, monkeypatch, leave_unlaid):
 @pytest.fixture(autouse=True)
 def no_curve_without_words(monkeypatch):
     """Let no figure be drawn whose curves run out of sight, or along an axis without a name."""
-    from tactgen.validation.view import figures
+    from tactgen.validation.show import figures
 
     in_words = figures._in_words
 
@@ -170,7 +170,7 @@ def made_up_stress(monkeypatch):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Write a report's figures blank, for tests of its words: drawing takes most of its time."""
-    from tactgen.validation.view import pictures
+    from tactgen.validation.show import pictures
 
     blank_figures(monkeypatch)
     monkeypatch.setattr(pictures, "solids_picture", lambda _: b"")

@@ -16,7 +16,7 @@ from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.evidence.case import Case
 from tactgen.validation.evidence.faults import kept_rows
 from tactgen.validation.evidence.verification import VERDICTS, Verified
-from tactgen.validation.view.page.html import page_templates
+from tactgen.validation.show.page import page_templates
 
 
 class Unanswered(NamedTuple):

@@ -19,7 +19,7 @@ from tactgen.validation.evidence.verification import (
     next_division,
     remembered,
 )
-from tactgen.validation.view.figures import BLUE, DARK, GREY, ORANGE, new_figure, panels, svg
+from tactgen.validation.show.figures import BLUE, DARK, GREY, ORANGE, new_figure, panels, svg
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,8 @@ from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.engine.solve import as_json, solve
 scene, _ = load_scene(asked["scene"], asked["overrides"])
 if asked["picture"]:
-    from tactgen.validation.export.files import scene_solids
-    from tactgen.validation.view.pictures import solids_picture
+    from tactgen.validation.show.export import scene_solids
+    from tactgen.validation.show.pictures import solids_picture
     size = len(solids_picture(scene_solids(scene)))
     found, keys, computed = [size], {}, []
 else:

@@ -18,7 +18,7 @@ from tactgen.geometry.store.values import storable
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_texts
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.view.figures import GREY, panels, svg
+from tactgen.validation.show.figures import GREY, panels, svg
 
 #: Share of the errors that a bar promises to cover.
 PROMISED = 0.95

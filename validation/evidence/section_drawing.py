@@ -33,7 +33,7 @@ def section(
 def _drawn(box: Box, unit: str, plane: tuple[str, str]) -> str:
     from matplotlib.patches import Patch, Rectangle
 
-    from tactgen.validation.view.figures import AMBER, DARK, GREEN, GREY, SKY, new_figure, svg
+    from tactgen.validation.show.figures import AMBER, DARK, GREEN, GREY, SKY, new_figure, svg
 
     scale = 1e3 if unit == "mm" else 1.0
     h, v = (np.asarray(getattr(box, axis).breaks) * scale for axis in plane)
@@ -72,7 +72,7 @@ def _drawn(box: Box, unit: str, plane: tuple[str, str]) -> str:
 
 def _support(axis: Any, held: Any, breaks: Any, plane: tuple[str, str], scale: float) -> None:
     """Draw a side of the section that is held or given a potential, or a hinge at its corner."""
-    from tactgen.validation.view.figures import BLUE, ORANGE
+    from tactgen.validation.show.figures import BLUE, ORANGE
 
     at = {name: getattr(held.where, name) for name in "xyz"}
     beyond = set("xyz") - set(plane)
@@ -91,7 +91,7 @@ def _support(axis: Any, held: Any, breaks: Any, plane: tuple[str, str], scale: f
 
 def _arrows(axis: Any, load: Any, breaks: Any, plane: tuple[str, str], scale: float) -> None:
     """Draw a load that acts in the plane of the section as arrows that end where it acts."""
-    from tactgen.validation.view.figures import ORANGE
+    from tactgen.validation.show.figures import ORANGE
 
     along = plane.index(load.component)
     places = []

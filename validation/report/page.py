@@ -20,8 +20,8 @@ from tactgen.validation.report.request import check_report, is_of_rest
 from tactgen.validation.report.sections.contents import APPENDIX, sections
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.view.browser import anchor_pages, print_pdf
-from tactgen.validation.view.page.html import assets, page_templates
+from tactgen.validation.show.browser import anchor_pages, print_pdf
+from tactgen.validation.show.page import assets, page_templates
 
 if TYPE_CHECKING:
     from jinja2 import Environment

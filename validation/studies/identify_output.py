@@ -22,10 +22,10 @@ from tactgen.validation.scene.files import scene_name
 from tactgen.validation.scene.nearby import SYMBOLS, value_of
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import FILE_KEYS
+from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, svg
 from tactgen.validation.studies.curve_fit import curve_model
 from tactgen.validation.studies.fit_parameters import FittedParameter
 from tactgen.validation.studies.identify import Assumption, Identification
-from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, svg
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

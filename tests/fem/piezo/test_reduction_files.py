@@ -13,8 +13,8 @@ from tactgen.fem.piezo.solid import assemble
 from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.device.parameters import Bimorph, Device, Piezo
 from tactgen.geometry.errors import InputError
-from tactgen.validation.export.files import export
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show.export import export
 
 MESHING = BrickMeshing((2, 2, 2), smallest=0.5)
 SWEEP = np.array([10.0, 1000.0, 5000.0])

@@ -11,8 +11,8 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import commands, main
-from tactgen.validation.export.files import export
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show.export import export
 
 
 def run(capsys, *arguments):
@@ -236,7 +236,7 @@ def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
         lambda _: SimpleNamespace(meshes=(SimpleNamespace(faces={}),) * 2),
     )
     monkeypatch.setattr(
-        "tactgen.validation.export.files._export_solids",
+        "tactgen.validation.show.export._export_solids",
         lambda _scene, files, _announce: files["step"].write_text("solid"),
     )
     targets = {"step": tmp_path / "a.step", "mesh": tmp_path / "a.vtu"}

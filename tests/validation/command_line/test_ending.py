@@ -13,7 +13,7 @@ from tactgen.validation.command_line import ending
 ENDED = """
 import os, signal, sys
 signal.signal(signal.Signals[sys.argv[2]], signal.SIG_DFL)
-from tactgen.validation.export import files
+from tactgen.validation.show import export as files
 from tactgen.validation.command_line.cli import main
 
 def half(scene, drafts, announce):

@@ -34,7 +34,7 @@ def small(tmp_path_factory, rough_fields, few_bricks):
     """Take few bricks, and few points of the actuator's map: what is kept is asked for."""
     few = partial(map_grid, currents=7, gaps=6)
     with rough_fields(tmp_path_factory.mktemp("store")) as patch:
-        patch.setattr("tactgen.tmm.reluctance.coenergy_fit.map_grid", few)
+        patch.setattr("tactgen.tmm.reluctance.map_range.map_grid", few)
         patch.setattr(solid, "LEVELS", few_bricks)
         yield
 

@@ -94,7 +94,7 @@ def test_keys_follow_the_load_of_the_contact_and_nothing_else():
 
 def test_without_current_nothing_magnetic_is_touched(monkeypatch):
     """The network is not asked."""
-    monkeypatch.setattr("tactgen.tmm.reluctance.coenergy_fit.network_pull", None)
+    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.network_pull", None)
     assert np.isfinite(frequency(*UP))
 
 

@@ -6,13 +6,13 @@ import re
 import numpy as np
 import pytest
 
-from tactgen.validation.export.display_view import swing, travelling_wave
-from tactgen.validation.export.view import Look, view
 from tactgen.validation.report.page import templates
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.sections.display import _numbers, display_section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show.display import swing, travelling_wave
+from tactgen.validation.show.view import Look, view
 
 SMALL = ("models=tmm,network", "frequency=10,100,439", "display.rows=1", "display.columns=2")
 

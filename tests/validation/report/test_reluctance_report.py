@@ -12,12 +12,12 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.coenergy_fit import read_map
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.export.files import normal_actuator_solids, scene_solids
 from tactgen.validation.report.normal_actuator import NormalActuator
 from tactgen.validation.report.page import write_report
 from tactgen.validation.report.sections.reluctance import _deviations
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show.export import normal_actuator_solids, scene_solids
 
 NORMAL = ["magnetic_models", "magnetic_field", "characteristics"]
 BOTH = "quantities=tip_displacement,magnetic_force"
@@ -149,7 +149,7 @@ def check_words(text, there, not_there):
 def test_a_current_that_is_not_reached_is_said(tmp_path, monkeypatch):
     """Words instead of a number wherever pull-in is shown, and no picture fails."""
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
-    monkeypatch.setattr("tactgen.tmm.reluctance.coenergy_fit.map_grid", lambda _: small)
+    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.map_grid", lambda _: small)
     html, _ = make(tmp_path, "reluctance", "models=network", "coil.current=40 mA")
     there = ("No current up to 60 mA draws the rod down", "not reached")
     check_words(words(html), there, ("snaps down",))
@@ -235,7 +235,7 @@ ALONE = """
 import os, sys
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 import tactgen.validation.report.study as study
-from tactgen.validation.view import figures
+from tactgen.validation.show import figures
 figures.lay_out = lambda _: None  # slow, of no concern here, as drawing is
 FigureCanvasSVG.print_svg = lambda _, file, **__: file.write("<svg></svg>")
 from tactgen.validation.report.sections.contents import sections

@@ -30,8 +30,8 @@ from tactgen.validation.report.sections import length as length_section
 from tactgen.validation.report.sections.bimorph_figures import response_values
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show.browser import anchor_pages, find_browser, run_browser
 from tactgen.validation.studies import parameter_uncertainty as propagation
-from tactgen.validation.view.browser import anchor_pages, find_browser, run_browser
 
 
 def make(tmp_path, name, *overrides):
@@ -270,7 +270,7 @@ def test_signed_numbers_are_written_in_one_place():
 def test_printing_without_a_browser_is_refused_before_any_work(tmp_path, monkeypatch, capsys):
     """One sentence, nothing written."""
     from tactgen.validation.command_line.cli import main
-    from tactgen.validation.view import browser
+    from tactgen.validation.show import browser
 
     monkeypatch.setattr(browser.shutil, "which", lambda _: None)
     assert main(["report", "j1", "--out", str(tmp_path / "out"), "--pdf"]) == 2

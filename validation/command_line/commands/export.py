@@ -50,8 +50,8 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.export.files import export
     from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.show.export import export
 
     scene, _ = load_scene(options.scene, options.overrides)
     kinds = ("step", "glb", "mesh", "map", "ports", "state_space", "fields", "animated_glb", "fmu",

@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.report.page import print_report, write_report
     from tactgen.validation.scene.scene import load_scene
-    from tactgen.validation.view.browser import need_browser
+    from tactgen.validation.show.browser import need_browser
 
     asked = overrides_of("model", "models", options.model, "tmm")
     scene, origins = load_scene(options.scene, [*options.overrides, *asked])

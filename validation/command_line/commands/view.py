@@ -58,8 +58,8 @@ def run(options: argparse.Namespace) -> int:
     _refuse_unused(options)
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.inputs import scene_warnings
-    from tactgen.validation.export.view import Look, harmonic_frequencies, view
     from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.show.view import Look, harmonic_frequencies, view
 
     asked = [] if options.frequency is None else [f"frequency={options.frequency}"]
     scene, origins = load_scene(options.scene, [*options.overrides, *asked])
@@ -97,7 +97,7 @@ def _refuse_unused(options: argparse.Namespace) -> None:
 
 def _show_run(options: argparse.Namespace) -> int:
     """Write the page of a run's file, which says itself what it is of."""
-    from tactgen.validation.export.files import check_place
+    from tactgen.validation.show.export import check_place
     from tactgen.validation.studies.simulate import write_film_page
 
     given = {name: getattr(options, name) for name in _OF_A_SCENE}

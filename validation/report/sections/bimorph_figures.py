@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.formats import percent
-from tactgen.validation.view.figures import AMBER, BLUE, GREEN, GREY, ORANGE, panels, svg
+from tactgen.validation.show.figures import AMBER, BLUE, GREEN, GREY, ORANGE, panels, svg
 
 if TYPE_CHECKING:
     from tactgen.validation.models.difference import Step

@@ -15,8 +15,8 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
-from tactgen.validation.view.figures import panels, plain_numbers, shades, svg
-from tactgen.validation.view.page.html import inline
+from tactgen.validation.show.figures import panels, plain_numbers, shades, svg
+from tactgen.validation.show.page import inline
 
 
 def crosstalk_plot(found: Sequence[Quantity]) -> str:
@@ -57,8 +57,8 @@ class Row:
 
 def display_section(study: Study) -> Context:
     """Return parts, clearances and leads, and what units do to each other and how they differ."""
-    from tactgen.validation.export.display_view import drawn_parts
-    from tactgen.validation.view.pictures import assembly_picture
+    from tactgen.validation.show.display import drawn_parts
+    from tactgen.validation.show.pictures import assembly_picture
 
     device, display = study.scene.device, study.scene.display
     study.announce("picture of the display")

@@ -16,7 +16,7 @@ from tactgen.tmm.ports.readout import ELECTRICAL
 from tactgen.validation.catalogue.quantities import REASONS, voltage_limits
 from tactgen.validation.report.sections.section import Context
 from tactgen.validation.report.study import Study
-from tactgen.validation.view.figures import BLUE, GREEN, ORANGE, panels, svg
+from tactgen.validation.show.figures import BLUE, GREEN, ORANGE, panels, svg
 
 
 def limits_plot(frequencies: Floats, limits: Mapping[str, Floats], voltage: float) -> str:

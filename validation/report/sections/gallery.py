@@ -10,11 +10,11 @@ from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.report.request import shown_model
 from tactgen.validation.report.study import Study
-from tactgen.validation.view.page.html import fragment, inline
+from tactgen.validation.show.page import fragment, inline
 
 if TYPE_CHECKING:
     from tactgen.validation.engine.solve import Solution
-    from tactgen.validation.fields.result import FieldResult
+    from tactgen.validation.show.fields.result import FieldResult
 
 #: Mode stills, and their size in pixels.
 _MODES = 4
@@ -37,9 +37,9 @@ def bimorph(study: Study) -> list[dict[str, str]]:
     """Return pictures of the bimorph; none of one that only the beam models know."""
     if beyond_plain_layers(study.scene.bimorph):
         return []
-    from tactgen.validation.export.files import scene_solids
     from tactgen.validation.models.bimorph.cad import cells_of
-    from tactgen.validation.view.pictures import mesh_picture, solids_picture
+    from tactgen.validation.show.export import scene_solids
+    from tactgen.validation.show.pictures import mesh_picture, solids_picture
 
     study.announce("picture of the geometry")
     solids = solids_picture(scene_solids(study.scene))
@@ -76,8 +76,8 @@ def tetrahedra(solution: Solution) -> dict[str, Any]:
 
 def _normal(study: Study) -> dict[str, str]:
     """Return a picture of rod, coil and sleeve."""
-    from tactgen.validation.export.files import normal_actuator_solids
-    from tactgen.validation.view.pictures import solids_picture
+    from tactgen.validation.show.export import normal_actuator_solids
+    from tactgen.validation.show.pictures import solids_picture
 
     study.announce("picture of the normal actuator")
     solids = solids_picture(normal_actuator_solids(study.scene.device))
@@ -87,7 +87,7 @@ def _normal(study: Study) -> dict[str, str]:
 
 def _close_up(mesh: Mesh) -> str:
     """Return a picture of a mesh at its held end."""
-    from tactgen.validation.view.pictures import mesh_picture
+    from tactgen.validation.show.pictures import mesh_picture
 
     return inline(mesh_picture(mesh, close_up=True))
 
@@ -99,9 +99,9 @@ def moving(study: Study) -> dict[str, Any]:
         SHORT_CIRCUIT_FREQUENCIES,
     )
     from tactgen.validation.engine.solve import solve
-    from tactgen.validation.fields.gather import Request, gather_from
-    from tactgen.validation.fields.moving import standing
-    from tactgen.validation.view.page.shown import payload
+    from tactgen.validation.show.fields.gather import Request, gather_from
+    from tactgen.validation.show.fields.moving import standing
+    from tactgen.validation.show.viewer import payload
 
     models = _moving_models(study)
     names = (SHORT_CIRCUIT_FREQUENCIES.name, OPEN_CIRCUIT_FREQUENCIES.name)
@@ -123,8 +123,8 @@ def _moving_models(study: Study) -> tuple[str, ...]:
 
 
 def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[dict[str, str]]:
-    from tactgen.validation.view.shading import SHADES, words_of
-    from tactgen.validation.view.stills import Picture, still
+    from tactgen.validation.show.shading import SHADES, words_of
+    from tactgen.validation.show.stills import Picture, still
 
     found = []
     for state in [s for s in result.states if s.circuit == "short"][:_MODES]:

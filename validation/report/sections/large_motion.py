@@ -27,17 +27,9 @@ from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.nearby import is_papers_bimorph
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.view.figures import (
-    BLUE,
-    DARK,
-    ORANGE,
-    panels,
-    plain_numbers,
-    shades,
-    svg,
-)
-from tactgen.validation.view.page.html import inline
-from tactgen.validation.view.run.page import fragment
+from tactgen.validation.show.figures import BLUE, DARK, ORANGE, panels, plain_numbers, shades, svg
+from tactgen.validation.show.page import inline
+from tactgen.validation.show.run_page import fragment
 
 if TYPE_CHECKING:
     from tactgen.validation.models.generator.transient import Simulation
@@ -233,8 +225,8 @@ def run_in_time(study: Study) -> Simulation | str:
 def _time(study: Study) -> Context:
     """Return the run of the paper's Fig 16, as a film and as pictures for paper."""
     from tactgen.validation.evidence.cases.motion import SOURCES
-    from tactgen.validation.export.run_motion import still_of_run
     from tactgen.validation.models.generator.transient import phases
+    from tactgen.validation.show.run_film import still_of_run
     from tactgen.validation.studies.simulate import film_of, time_plot
 
     scene = study.scene

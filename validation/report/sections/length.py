@@ -17,6 +17,15 @@ from tactgen.validation.catalogue.detection import (
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.scene.nearby import is_papers_bimorph
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.show.figures import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    new_figure,
+    plain_numbers,
+    shades,
+    svg,
+)
 from tactgen.validation.studies.design import (
     CURVES,
     Aim,
@@ -35,15 +44,6 @@ from tactgen.validation.studies.design_statements import (
     statements,
 )
 from tactgen.validation.studies.length_map import LengthMap, actuator, length_map
-from tactgen.validation.view.figures import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    new_figure,
-    plain_numbers,
-    shades,
-    svg,
-)
 
 #: Lengths that span more than this factor are drawn over a logarithmic axis.
 _WIDE = 5.0

@@ -15,7 +15,7 @@ from tactgen.validation.catalogue.quantities import LOAD_FORCE, LOAD_POWER
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.sections.section import Context
 from tactgen.validation.report.study import Study
-from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, svg
+from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, svg
 
 
 def load_plot(

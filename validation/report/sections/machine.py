@@ -32,7 +32,7 @@ from tactgen.validation.models.reluctance.model import NetworkModel, RodLoop, ro
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
+from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
 
 #: Line of each further model.
 _LINES = ("-", (0, (4, 2)), ":")

@@ -10,7 +10,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
-from tactgen.validation.view.figures import BLUE, DARK, new_figure, svg
+from tactgen.validation.show.figures import BLUE, DARK, new_figure, svg
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint

@@ -94,9 +94,9 @@ def _field(actuator: NormalActuator) -> Context | None:
 
 def _viewer(actuator: NormalActuator) -> str:
     """Return the field at the scene's current and gap, revolved, in a frame of its own."""
-    from tactgen.validation.fields.magnetic import gather_magnetic
-    from tactgen.validation.view.page.html import fragment
-    from tactgen.validation.view.page.shown import payload
+    from tactgen.validation.show.fields.magnetic import gather_magnetic
+    from tactgen.validation.show.page import fragment
+    from tactgen.validation.show.viewer import payload
 
     actuator.announce("field in the round")
     solution = actuator.solution

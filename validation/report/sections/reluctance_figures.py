@@ -23,7 +23,7 @@ from tactgen.tmm.reluctance.switching import (
     spring_force,
 )
 from tactgen.validation.models.reluctance.switching import SwitchingCurrents
-from tactgen.validation.view.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
+from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint

@@ -12,6 +12,7 @@ from tactgen.validation.catalogue.models import MODELS, gives, ranked
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.show.figures import GREY, SKY, panels, svg
 from tactgen.validation.studies.parameter_uncertainty import (
     Target,
     Uncertainty,
@@ -20,7 +21,6 @@ from tactgen.validation.studies.parameter_uncertainty import (
     uncertain_parameters,
 )
 from tactgen.validation.studies.sensitivity import left_out
-from tactgen.validation.view.figures import GREY, SKY, panels, svg
 
 #: Contributors shown per number, and panels per row.
 _SHOWN, _COLUMNS = 5, 3

@@ -16,6 +16,7 @@ from tactgen.validation.catalogue.detection import (
 )
 from tactgen.validation.report.sections.length import drawn
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.show.figures import BLUE, GREY, ORANGE, new_figure
 from tactgen.validation.studies.design_statements import LOADS
 from tactgen.validation.studies.excitation_voltage import (
     CASES,
@@ -26,7 +27,6 @@ from tactgen.validation.studies.excitation_voltage import (
     loaded,
     voltage_study,
 )
-from tactgen.validation.view.figures import BLUE, GREY, ORANGE, new_figure
 
 #: One style per wiring and load, in every plot of voltages.
 VOLTAGE_STYLE: dict[Case, dict[str, Any]] = {

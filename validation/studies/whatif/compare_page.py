@@ -13,6 +13,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import percent, prefixed
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.show.figures import BLUE, ORANGE, panels, plain_numbers, svg
+from tactgen.validation.show.page import inline, plain_page, table
 from tactgen.validation.studies.whatif.compare import (
     NOTHING_SHARED,
     AnswerDifference,
@@ -22,8 +24,6 @@ from tactgen.validation.studies.whatif.compare import (
     place,
     shown,
 )
-from tactgen.validation.view.figures import BLUE, ORANGE, panels, plain_numbers, svg
-from tactgen.validation.view.page.html import inline, plain_page, table
 
 #: File of the page.
 FILE = "compare.html"
@@ -150,7 +150,7 @@ def _devices(
 
     They have one scale: what is longer looks longer.
     """
-    from tactgen.validation.view.pictures import solids_pictures
+    from tactgen.validation.show.pictures import solids_pictures
 
     shapes = ("bimorph.", "rod.", "coil.", "sleeve.", "support.kind", "gap", "glue.")
     if not any(i.key.startswith(shapes) for i in inputs):

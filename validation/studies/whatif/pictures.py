@@ -15,11 +15,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import prefixed
 from tactgen.validation.engine.answers import representative
-from tactgen.validation.studies.whatif.axes import Axis
-from tactgen.validation.studies.whatif.run import Study
-from tactgen.validation.studies.whatif.scene_field import scene_field
-from tactgen.validation.studies.whatif.tables import heading
-from tactgen.validation.view.figures import (
+from tactgen.validation.show.figures import (
     AMBER,
     BLUE,
     DARK,
@@ -32,6 +28,10 @@ from tactgen.validation.view.figures import (
     shades,
     svg,
 )
+from tactgen.validation.studies.whatif.axes import Axis
+from tactgen.validation.studies.whatif.run import Study
+from tactgen.validation.studies.whatif.scene_field import scene_field
+from tactgen.validation.studies.whatif.tables import heading
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

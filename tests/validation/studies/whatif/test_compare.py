@@ -11,6 +11,7 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import COLUMNS
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show import pictures
 from tactgen.validation.studies.whatif import compare as sides
 from tactgen.validation.studies.whatif import compare_page as page
 from tactgen.validation.studies.whatif.compare import (
@@ -23,7 +24,6 @@ from tactgen.validation.studies.whatif.compare import (
 )
 from tactgen.validation.studies.whatif.statement import Statement
 from tactgen.validation.studies.whatif.tables import TABLE
-from tactgen.validation.view import pictures
 
 KEY = Key((), "capacitance_free", "solid", "", "")
 SCENE = load_scene("prototype")[0]

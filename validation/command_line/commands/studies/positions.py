@@ -48,9 +48,9 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.command_line.progress import announcer
     from tactgen.validation.engine.solve import solve
-    from tactgen.validation.export.files import check_place
     from tactgen.validation.models.reluctance.model import MagneticModel, rod_loop
     from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.show.export import check_place
 
     for option, path, suffix in (("plot", options.plot, ".svg"), ("csv", options.csv, ".csv")):
         if path:

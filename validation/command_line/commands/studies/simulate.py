@@ -183,14 +183,14 @@ def _print(result: Simulation) -> None:
 
 def _check_files(options: argparse.Namespace) -> None:
     """Refuse what would fail only after the run."""
-    from tactgen.validation.export.files import check_place
+    from tactgen.validation.show.export import check_place
 
     for option in ("out", "plot", "gif", "mp4", "fields"):
         if path := getattr(options, option):
             suffix = {"out": ".nc", "plot": ".svg", "fields": ".pvd"}.get(option, f".{option}")
             check_place(f"--{option}", Path(path), (suffix,))
     if options.mp4:
-        from tactgen.validation.view.stills import check_ffmpeg
+        from tactgen.validation.show.stills import check_ffmpeg
 
         check_ffmpeg(Path(options.mp4))
 
@@ -207,7 +207,7 @@ def _write(
     if options.plot:
         write_text(Path(options.plot), time_plot(result))
     if options.fields or options.gif or options.mp4:
-        from tactgen.validation.export.run_motion import write_run_film, write_run_steps
+        from tactgen.validation.show.run_film import write_run_film, write_run_steps
 
         if options.fields:
             announce("time steps for ParaView")

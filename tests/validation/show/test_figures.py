@@ -1,0 +1,82 @@
+"""What all line plots share: marks without a number are drawn, and cost no artists of their own."""
+
+import numpy as np
+import pytest
+
+from tactgen.validation.show.figures import lay_out, panels, plain_numbers, shades
+
+
+def test_marks_between_numbers_are_lines_of_the_grid():
+    """On every axis of a shared logarithmic scale, at each mark inside the range."""
+    figure, axes = panels(4.0, 3.0, nrows=2, sharex=True)
+    for axis in axes:
+        axis.plot([2.0, 300.0], [1.0, 2.0])
+        axis.set_xscale("log")
+        axis.set_xlim(2.0, 300.0)
+        axis.set_title("one")
+    lay_out(figure)
+    wanted = [m * d for d in (1.0, 10.0, 100.0) for m in range(2, 10) if 2.0 < m * d < 300.0]
+    for axis in axes:
+        (grid,) = axis.collections
+        found = sorted(segment[0, 0] for segment in grid.get_segments())
+        np.testing.assert_allclose(found, wanted, rtol=1e-12)  # rounding of 10**x
+        assert grid.get_alpha() == axis.xaxis.get_gridlines()[0].get_alpha()
+        assert not axis.xaxis.get_minorticklocs().size
+        assert axis.get_xlim() == (2.0, 300.0)
+        assert axis.get_title() == "one"
+
+
+def test_a_short_scale_keeps_its_marks():
+    """Within a decade they have numbers; a scale without logarithms has none to draw."""
+    figure, axis = panels(4.0, 3.0)
+    axis.plot([2.0, 9.0], [1.0, 2.0])
+    axis.set_xscale("log")
+    lay_out(figure)
+    assert not axis.collections
+    assert axis.xaxis.get_minorticklocs().size
+
+
+@pytest.mark.parametrize(
+    ("ends", "scale", "numbers"),
+    [
+        ((1.0, 20.0), "log", ["1", "2", "5", "10", "20"]),
+        ((1.0, 100.0), "log", ["1", "10", "100"]),
+        ((1.0, 30.0), "log", ["1", "10"]),
+        ((0.0, 2000.0), "linear", ["0", "1000", "2000"]),
+    ],
+)
+def test_numbers_are_plain(ends, scale, numbers):
+    """At 1, 2 and 5 where little over a decade is shown, at decades beyond; else as usual."""
+    _, axis = panels(4.0, 3.0)
+    for side, set_scale in ((axis.xaxis, axis.set_xscale), (axis.yaxis, axis.set_yscale)):
+        set_scale(scale)
+        side.set_view_interval(*ends, ignore=True)
+        if scale == "linear":
+            side.set_ticks([0.0, 1000.0, 2000.0])
+    plain_numbers(axis.xaxis, axis.yaxis)
+    for side in (axis.xaxis, axis.yaxis):
+        low, high = ends
+        shown = [v for v in side.get_majorticklocs() if low <= v <= high]
+        assert side.get_major_formatter().format_ticks(shown) == numbers
+        if scale == "log":
+            assert set(side.get_minor_formatter().format_ticks(side.get_minorticklocs())) <= {""}
+
+
+def test_a_family_of_colours_goes_from_dark_to_light():
+    light = shades(5)[:, :3].mean(axis=1)
+    assert (np.diff(light) > 0.0).all()
+
+
+def test_marks_of_both_sides_and_none_without_a_grid():
+    """Across for the x axis, along for the y axis; where no grid is drawn there is none."""
+    figure, (first, second) = panels(4.0, 3.0, ncols=2)
+    second.grid(visible=False, which="both")
+    for axis in (first, second):
+        axis.set(xscale="log", yscale="log", xlim=(1.0, 30.0), ylim=(2.0, 50.0))
+    lay_out(figure)
+    assert not second.collections
+    across, along = (grid.get_segments() for grid in first.collections)
+    assert all(a[0] == b[0] and (a[1], b[1]) == (0.0, 1.0) for a, b in across)
+    assert all(a[1] == b[1] and (a[0], b[0]) == (0.0, 1.0) for a, b in along)
+    transforms = [grid.get_transform() for grid in first.collections]
+    assert transforms == [first.get_xaxis_transform(), first.get_yaxis_transform()]

@@ -1,0 +1,193 @@
+"""The co-simulation unit: the same motion as the steps in Python, the balance, what it holds."""
+
+import ctypes
+import math
+import shutil
+import xml.etree.ElementTree as ET
+import zipfile
+
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+from fmpy.validation import validate_fmu
+
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.step import Stepper
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.models.generator.transient import scene_machine
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show.fmu import write_fmu
+
+COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler on the path")
+#: Two stops that differ, so that a mistaken one is seen.
+OWN = ("contact.lower_decay_ratio=0.6", "contact.lower_relaxation_ratio=0.5")
+SCENE = load_scene("paper", ["load.kind=none", *OWN])[0]
+
+
+class Slave:
+    """A unit's binary by its C functions, variables by name."""
+
+    def __init__(self, path, folder):
+        with zipfile.ZipFile(path) as unit:
+            unit.extractall(folder)
+        root = ET.parse(folder / "modelDescription.xml").getroot()
+        self.references = {
+            v.get("name"): int(v.get("valueReference")) for v in root.iter("ScalarVariable")
+        }
+        self.library = ctypes.CDLL(str(folder / "binaries" / "linux64" / "generator.so"))
+        self.library.fmi2Instantiate.restype = ctypes.c_void_p
+        made = self.library.fmi2Instantiate(b"one", 1, root.get("guid").encode(), b"", None, 0, 0)
+        self.component = ctypes.c_void_p(made)
+
+    def set(self, name, value):
+        one = (ctypes.c_uint * 1)(self.references[name]), ctypes.c_size_t(1)
+        return self.library.fmi2SetReal(self.component, *one, (ctypes.c_double * 1)(value))
+
+    def get(self, name):
+        one, value = (ctypes.c_uint * 1)(self.references[name]), (ctypes.c_double * 1)()
+        assert self.library.fmi2GetReal(self.component, one, ctypes.c_size_t(1), value) == 0
+        return value[0]
+
+    def step(self, time, size):
+        return self.library.fmi2DoStep(
+            self.component, ctypes.c_double(time), ctypes.c_double(size), 0
+        )
+
+
+@pytest.fixture(scope="module")
+def machine():
+    return scene_machine(SCENE, coil="current", volts=10.0)
+
+
+@needs_compiler
+def test_it_moves_like_the_steps_in_python(machine, tmp_path):
+    """The rod leaves its stop under 150 mA, the bimorph bends under a sine held piecewise."""
+    path = tmp_path / "generator.fmu"
+    assert write_fmu(path, machine, "paper")
+    assert path.stat().st_size < 200_000
+    slave = Slave(path, tmp_path / "unit")
+    stepper = Stepper(machine.system)
+    state = stepper.start(machine.rest, 0.0 * machine.rest, 0.0, 0.0)
+    size, pieces = 4e-6, 4
+    for k in range(25):
+        voltage = 10.0 * math.sin(2.0 * math.pi * 1000.0 * k * size)
+        assert slave.set("voltage", voltage) == 0
+        assert slave.set("coil", 0.15) == 0
+        assert slave.step(k * size, size) == 0
+        state, _ = stepper.jump(state, voltage, 0.15)
+        for _ in range(pieces):
+            state, _ = stepper.step(state, size / pieces, voltage, (0.15, 0.15))
+    row = machine.system.outputs["lateral_tip"].row
+    # both iterate to 1e-9 of a step, which the stiff contact amplifies on the way
+    for name, value in (
+        ("rod_lift", state.position[0]),
+        ("lateral_tip", row @ state.position),
+        ("head_tilt", state.position[2]),
+        ("coil_current", state.current),
+        ("flux_linkage", state.field.flux_linkage),
+        ("magnetic_pull", state.field.force),
+        ("charge", stepper.charge(state)),
+    ):
+        assert slave.get(name) == pytest.approx(float(value), rel=1e-5), name
+    assert slave.get("rod_lift") < -1e-7
+    assert abs(slave.get("imbalance")) < 1e-12 * abs(slave.get("energy"))
+
+
+@needs_compiler
+def test_the_balance_holds_through_pull_in_and_release(tmp_path):
+    """20 ms on and off, driven by voltage: stops hit at both ends, and energy is kept."""
+    path = tmp_path / "generator.fmu"
+    write_fmu(path, scene_machine(SCENE, coil="voltage", volts=10.0), "paper")
+    slave = Slave(path, tmp_path / "unit")
+    resistance = scene_machine(SCENE, coil="voltage", volts=10.0).system.coil.resistance
+    stroke = SCENE.gap - SCENE.spring.stop_gap
+    lifts, energies = [], []
+    for k in range(2000):
+        slave.set("coil", 0.15 * resistance if k < 1000 else 0.0)
+        slave.set("voltage", 10.0 * math.sin(2.0 * math.pi * 200.0 * k * 1e-5))
+        assert slave.step(k * 1e-5, 1e-5) == 0
+        lifts.append(slave.get("rod_lift"))
+        energies.append(slave.get("energy"))
+    lifts = np.array(lifts)
+    # the contact gives way by less than 1 um
+    assert lifts[999] == pytest.approx(-stroke, abs=2e-6)
+    assert lifts[-1] == pytest.approx(0.0, abs=2e-6)
+    assert abs(slave.get("imbalance")) < 1e-10 * np.ptp(energies)
+
+
+def test_a_bore_with_play_is_refused(tmp_path):
+    """Its sources know no bore; nothing is written."""
+    scene, _ = load_scene("paper", ["load.kind=none", "guide.clearance=5um"])
+    with pytest.raises(InputError, match=r"set guide\.clearance = 0 mm"):
+        write_fmu(tmp_path / "x.fmu", scene_machine(scene, coil="current", volts=1.0), "paper")
+    assert not list(tmp_path.iterdir())
+
+
+@needs_compiler
+def test_it_refuses_what_is_no_number(machine, tmp_path):
+    path = tmp_path / "generator.fmu"
+    write_fmu(path, machine, "paper")
+    slave = Slave(path, tmp_path / "unit")
+    assert slave.set("voltage", math.nan) != 0
+    assert slave.set("rod_lift", 1.0) != 0  # an output
+    assert slave.step(0.0, -1.0) != 0
+
+
+def test_a_compiler_that_fails_is_quoted(machine, tmp_path, monkeypatch):
+    """In one sentence, and nothing is written."""
+    compiler = tmp_path / "cc"
+    compiler.write_text(f"#!/bin/sh\necho no such flag {300 * 'x'} >&2\nexit 1\n", encoding="utf-8")
+    compiler.chmod(0o755)
+    monkeypatch.setattr(shutil, "which", lambda _: str(compiler))
+    with pytest.raises(InputError, match=r"cc fails \(no such flag x{187}\); mend it, or take it"):
+        write_fmu(tmp_path / "x.fmu", machine, "paper")
+    assert list(tmp_path.iterdir()) == [compiler]
+
+
+@needs_compiler
+def test_fmpy_finds_no_fault_and_runs_it(machine, tmp_path):
+    """The program that the standard's makers test with moves it as its own C functions do."""
+    path = tmp_path / "generator.fmu"
+    write_fmu(path, machine, "paper")
+    assert validate_fmu(str(path)) == []
+    size, count = 4e-6, 50
+    inputs = np.zeros(2, dtype=[("time", float), ("voltage", float), ("coil", float)])
+    inputs["time"], inputs["voltage"], inputs["coil"] = (0.0, 1.0), 10.0, 0.15
+    found = simulate_fmu(
+        str(path), stop_time=count * size, step_size=size, output_interval=size, input=inputs,
+        output=["rod_lift", "lateral_tip"],
+    )  # fmt: skip
+    slave = Slave(path, tmp_path / "unit")
+    slave.set("voltage", 10.0)
+    slave.set("coil", 0.15)
+    for k in range(count):
+        assert slave.step(k * size, size) == 0
+    for name in ("rod_lift", "lateral_tip"):
+        assert found[name][-1] == pytest.approx(slave.get(name), rel=1e-9), name
+
+
+def test_a_failing_compiler_leaves_nothing(machine, tmp_path, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: "/bin/false")
+    path = tmp_path / "generator.fmu"
+    with pytest.raises(InputError, match="C compiler"):
+        write_fmu(path, machine, "paper")
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_writes_it(capsys, tmp_path):
+    path = tmp_path / "generator.fmu"
+    assert main(["export", "paper", "--set", "load.kind=none", "--fmu", str(path)]) == 0
+    assert capsys.readouterr().out.strip() == str(path)
+    # with the finger it moves more coordinates than without
+    other = tmp_path / "other.fmu"
+    assert main(["export", "paper", "--fmu", str(other)]) == 0
+    assert _coordinates(other) > _coordinates(path)
+
+
+def _coordinates(path):
+    with zipfile.ZipFile(path) as unit:
+        header = unit.read("sources/model.h").decode()
+    return next(
+        int(line.split()[2]) for line in header.splitlines() if line.startswith("#define N ")
+    )

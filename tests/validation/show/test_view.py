@@ -1,0 +1,104 @@
+"""``tactgen view``: files as asked for, and one sentence for what cannot be shown."""
+
+import html
+
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show import browser
+from tactgen.validation.show import view as export_view
+from tactgen.validation.show.fields import lengths
+from tactgen.validation.show.view import Look, _models, harmonic_frequencies, show, view
+
+QUICK = ["j1", "--set", "models=tmm", "--set", "modes=2"]
+
+
+def test_a_slider_of_the_length_moves_the_bimorph_alone(tmp_path, monkeypatch):
+    """Else the rod below it is there too, as a rigid body; the range is each model's own."""
+    contact, _ = load_scene("generator", ["models=tmm", "modes=1", "quantities=tip_displacement"])
+    written, ends = [], (18e-3, 22e-3)
+    monkeypatch.setattr(lengths, "length_range", lambda _, name, *given: (name, given[0]))
+    monkeypatch.setattr(export_view, "write_page", lambda *given: written.append(given))
+    for look in (Look(lengths=ends, frequencies=()), Look(frequencies=())):
+        view(contact, look, {"out": tmp_path / "v.html"}, str)
+    (_, (moved,), _, ranges), (_, (stood,), _, none) = written
+    assert ranges == [("tmm", ends)]
+    assert none == []
+    assert {"rod", "coil"}.isdisjoint(moved.mesh.regions)
+    assert {"rod", "coil"} < set(stood.mesh.regions)
+
+
+def test_a_notebook_holds_the_page():
+    """In a frame that asks for no other file."""
+    scene, _ = load_scene("j1", ["modes=2"])
+    shown = show(scene, ["tmm"], [500.0])
+    frame = shown._repr_html_()
+    assert '"name":"500 Hz"' in shown.page
+    assert html.unescape(frame.partition('srcdoc="')[2].partition('"')[0]) == shown.page
+    assert ' src="' not in frame
+    assert "height:720px" in frame
+
+
+@pytest.mark.parametrize(
+    ("look", "files", "words"),
+    [
+        (Look(state="mode 9"), {"png": "a.png"}, r'state "mode 9" is unknown to the model tmm'),
+        (Look(shade="stress_zz"), {"png": "a.png"}, "not a field of the model tmm, which has size"),
+        (Look(models=("network",)), {"out": "a.html"}, "network has no motion or field to show"),
+        (Look(), {"out": "a.txt"}, r"--out .* must end in .html"),
+        (Look(lengths=(2e-2, 1e-2)), {"out": "a.html"}, "20 mm to 10 mm; begin below"),
+        (Look(lengths=(1e-2, 2e-2)), {"png": "a.png"}, "slider in the page; give --out"),
+        (Look(), {"gif": "none/a.gif"}, "its folder does not exist"),
+    ],
+)
+def test_what_cannot_be_shown_is_one_sentence(look, files, words, tmp_path):
+    scene, _ = load_scene("j1", ["models=tmm", "modes=1"])
+    with pytest.raises(InputError, match=words):
+        view(scene, look, {k: tmp_path / v for k, v in files.items()}, lambda _: None)
+    assert not list(tmp_path.iterdir())
+
+
+def test_frequencies_of_driven_states():
+    """Above 0 Hz, and not more than a page can hold."""
+    for given, words in (("0", "has no vibration to show"), ("10:100:50", "give at most 12")):
+        scene, _ = load_scene("j1", [f"frequency={given}"])
+        with pytest.raises(InputError, match=words):
+            harmonic_frequencies(scene)
+
+
+def test_a_scene_with_nothing_that_moves_ends_with_2(capsys):
+    assert main(["view", "reluctance", "--set", "models=network"]) == 2
+    assert "neither a bimorph that moves nor a field" in capsys.readouterr().err
+
+
+def test_lengths_that_no_scene_has_end_with_2(capsys):
+    """No range, no unit, no length of a bimorph."""
+    for given, words in (
+        ("20mm", "--lengths 20mm is no range"),
+        ("1:2mm", 'bimorph.length = "1" has no unit'),
+        ("-1mm:9mm", "bimorph.length"),
+    ):
+        assert main(["view", *QUICK, f"--lengths={given}"]) == 2
+        assert words in capsys.readouterr().err
+
+
+def test_a_browser_that_is_not_there_is_said(monkeypatch):
+    monkeypatch.setattr(browser.shutil, "which", lambda _: None)
+    with pytest.raises(InputError, match=r"--pdf needs a Chromium .* install one"):
+        browser.need_browser("--pdf")
+
+
+@pytest.mark.parametrize(
+    ("models", "shown"),
+    [
+        ("lumped,tmm,solid,cad", ("solid", "tmm")), ("cad,tmm", ("cad", "tmm")),
+        ("beam,solid", ("solid",)), ("lumped,beam,tmm", ("tmm",)), ("lumped,beam", ("beam",)),
+        ("lumped", ("lumped",)), ("network,axisymmetric", ("axisymmetric",)),
+        ("tmm,axisymmetric", ("tmm",)),
+    ],
+)  # fmt: skip
+def test_the_fastest_solid_is_shown_with_transfer_matrices_beside_it(models, shown):
+    """As far as the scene asks for them; else a row of beams, else the field."""
+    assert _models(load_scene("paper", [f"models={models}"])[0]) == shown

@@ -1,0 +1,1 @@
+"""What is seen of a scene and written of it: fields, pages, stills, films, files."""

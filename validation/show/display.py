@@ -1,0 +1,406 @@
+"""The page of the display: each distinct part once, placed as often as it stands, tips swinging."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from tactgen.geometry.arrays import Complex, Floats, Ints
+from tactgen.validation.show.page import Still, asset, document, inline
+from tactgen.validation.show.pictures import Assembled, off_screen
+from tactgen.validation.show.stills import typeface
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tactgen.geometry.device.layout import MM
+from tactgen.geometry.display.layout import as_built, display_parts, unit_names
+from tactgen.geometry.files import write_text, written_whole
+from tactgen.geometry.formats import engineering
+from tactgen.tmm.display.array import tip_motions
+from tactgen.tmm.ports.multiport import Multiport
+from tactgen.validation.engine.model import make_model
+from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.stages import Stages
+from tactgen.validation.models.display.crosstalk import display_ports
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.show.pictures import assembly_picture
+from tactgen.validation.show.stills import check_ffmpeg, save_film
+
+
+@dataclass(frozen=True)
+class DrawnPart:
+    """One distinct part as triangles.
+
+    Attributes
+    ----------
+    name : str
+        The region's.
+    colour : (float, float, float)
+        Red, green, blue; 0 to 1.
+    points, triangles : (n, 3) float, (m, 3) int
+        In its own frame (mm).
+    places : (k, 3) float
+        Where its frame stands (mm), one for each copy.
+    moves : bool
+        Whether it swings with its unit's tip.
+    """
+
+    name: str
+    colour: tuple[float, float, float]
+    points: Floats
+    triangles: Ints
+    places: Floats
+    moves: bool
+
+
+@dataclass(frozen=True)
+class Swing:
+    """How the tips move.
+
+    Attributes
+    ----------
+    units : tuple of str
+        The generators' names, in the order of the parts' places.
+    driven : int
+        Which of them is driven.
+    voltage : float
+        With which (V, peak).
+    frequencies : (n,) array
+        Hz.
+    tips : (n, units) complex array
+        Lateral motion (m).
+    base, reach : float
+        Height of the ceramic's lower edge in a unit's frame, and its length (mm).
+    pitch : float
+        mm.
+    """
+
+    units: tuple[str, ...]
+    driven: int
+    voltage: float
+    frequencies: Floats
+    tips: Complex
+    base: float
+    reach: float
+    pitch: float
+
+
+def display_page(scene: str, parts: Sequence[DrawnPart], swing: Swing, still: Still) -> str:
+    """Return the page: HTML that holds all it needs."""
+    text = json.dumps(_payload(parts, swing), separators=(",", ":")).replace("</", "<\\/")
+    name, last = html.escape(scene), len(swing.frequencies) - 1
+    low, high = (f"{end:.3f}" for end in _across(parts))
+    body = (
+        f'<script type="application/json" id="td-data">{text}</script>\n'
+        '<div class="td"><div class="td-stage"><figure class="td-still" hidden>'
+        f'<img alt="{html.escape(still.caption)}" src="{inline(still.png)}">'
+        f"<figcaption>{html.escape(still.caption)}; WebGL 2 is not available, so nothing moves"
+        "</figcaption></figure></div>\n"
+        f'<div class="td-panel"><h1>{name}: {len(swing.units)} generators</h1>'
+        '<p class="td-words" aria-live="polite"></p>'
+        '<button class="td-play" type="button">stop</button>'
+        f'<label>frequency <input class="td-frequency" type="range" min="0" max="{last}" '
+        f'value="{last // 2}"></label>'
+        '<label>enlarged <input class="td-enlarge" type="range" min="0" max="1" step="0.01" '
+        'value="0.5"></label>'
+        f'<label>cut across x <input class="td-cut" type="range" min="{low}" max="{high}" '
+        f'step="0.05" value="{high}"></label>'
+        '<div class="td-parts"></div><p class="td-note">Drag or arrow keys turn, wheel zooms, '
+        "right button shifts, space stops and moves. The tips' amplitudes and phases are solved; "
+        "between base and tip a bimorph is drawn as a parabola.</p></div></div>\n"
+        f"<script>{asset('three.min.js')}</script>\n<script>{asset('display.js')}</script>\n"
+    )
+    head = f"<style>html,body{{margin:0;height:100%}}\n{asset('display.css')}</style>\n"
+    return document(f"{scene}: the display", head, body)
+
+
+def _across(parts: Sequence[DrawnPart]) -> tuple[float, float]:
+    """Return the least and the largest x of all parts (mm), with a margin."""
+    low = min(float(p.points[:, 0].min() + p.places[:, 0].min()) for p in parts)
+    high = max(float(p.points[:, 0].max() + p.places[:, 0].max()) for p in parts)
+    return low - 1.0, high + 1.0
+
+
+def _payload(parts: Sequence[DrawnPart], swing: Swing) -> dict[str, object]:
+    corners = np.array(
+        [
+            [pick(part.points, axis=0) + pick(part.places, axis=0) for part in parts]
+            for pick in (np.min, np.max)
+        ]
+    )
+    low, high = corners[0].min(axis=0), corners[1].max(axis=0)
+    tips = np.stack([swing.tips.real, swing.tips.imag], axis=-1)
+    return {
+        "parts": [
+            {
+                "title": part.name.replace("_", " "),
+                "colour": list(part.colour),
+                "points": _packed(part.points, "<f4"),
+                "triangles": _packed(part.triangles, "<u4"),
+                "places": part.places.round(6).tolist(),
+                "moves": part.moves,
+            }
+            for part in parts
+        ],
+        "units": list(swing.units),
+        "driven": swing.driven,
+        "voltage": swing.voltage,
+        "frequency": swing.frequencies.tolist(),
+        "motions": [[[float(f"{v:.5g}") for v in unit] for unit in row] for row in tips],
+        "base": swing.base,
+        "reach": swing.reach,
+        "pitch": swing.pitch,
+        "centre": (0.5 * (low + high)).tolist(),
+        "size": float(np.linalg.norm(high - low)),
+    }
+
+
+def _packed(values: Floats | Ints, kind: str) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
+
+
+#: Size in pixels, and where the eye is: far enough up that all tips are seen.
+_SIZE = 640, 720
+_VIEW = (2.2, -3.0, 2.0)
+#: Half the picture's height over the size of what moves.
+_ROOM = 0.62
+#: Share of the pitch that the largest deflection is drawn as.
+_REACH = 0.3
+
+
+class Swinging(Assembled, Protocol):
+    """A part that may swing with its unit's tip."""
+
+    @property
+    def moves(self) -> bool:
+        """Whether it does."""
+
+
+def enlargement(tips: Complex, pitch: float) -> float:
+    """Return by how much tips' motions (units,) in m are drawn enlarged at a pitch (mm)."""
+    largest = 1e3 * float(np.abs(tips).max(initial=0.0))
+    return _REACH * pitch / largest if largest > 0.0 else 0.0
+
+
+def assembly_frames(
+    parts: Sequence[Swinging],
+    tips: Complex,
+    ceramic: tuple[float, float],
+    enlarge: float,
+    words: str,
+    phases: Sequence[float],
+    announce: Callable[[str], None] = lambda _: None,
+) -> list[Image]:
+    """Return an image for each phase (rad).
+
+    Parameters
+    ----------
+    parts : sequence of Swinging
+        Lengths in mm.  Places of what moves are in the order of the tips.
+    tips : (units,) complex array
+        Lateral motion, along x (m, peak).
+    ceramic : (float, float)
+        Height of its lower edge in a unit's frame, and its length (mm); between base and tip
+        a bimorph is drawn as a parabola.
+    enlarge : float
+        By how much motion is drawn enlarged.
+    words : str
+        Written into the pictures.
+    """
+    from PIL import Image, ImageDraw, ImageFont
+
+    pv = off_screen()
+    plotter = pv.Plotter(off_screen=True, window_size=_SIZE, lighting="three lights")
+    plotter.set_background("white")
+    plotter.enable_anti_aliasing("ssaa")
+    moving = [_placed(pv, plotter, part, ceramic) for part in parts]
+    plotter.camera_position = [_VIEW, (0.0, 0.0, 0.0), (0, 0, 1)]
+    plotter.camera.parallel_projection = True
+    plotter.reset_camera()
+    swinging = [rest.reshape(-1, 3) for _, rest, shares in moving if shares is not None]
+    _look_at(plotter, np.concatenate(swinging))
+    font = ImageFont.truetype(typeface(), 15)
+    images = []
+    for number, phase in enumerate(phases, start=1):
+        announce(f"picture {number} of {len(phases)}")
+        swing = 1e3 * enlarge * np.real(tips * np.exp(1j * phase))
+        for surface, rest, shares in moving:
+            if shares is not None:
+                points = rest.copy()
+                points[..., 0] += swing[:, None] * shares
+                surface.points = points.reshape(-1, 3)
+        plotter.render()
+        image = Image.fromarray(plotter.screenshot(return_img=True))
+        ImageDraw.Draw(image).text((14, 12), words, fill=(29, 39, 51), font=font)
+        images.append(image)
+    plotter.close()
+    return images
+
+
+def _look_at(plotter: Any, points: Floats) -> None:
+    """Fill the picture with what moves (mm); what stands round it may be cut off."""
+    camera = plotter.camera
+    shift = 0.5 * (points.min(axis=0) + points.max(axis=0)) - np.array(camera.focal_point)
+    for name in ("focal_point", "position"):
+        setattr(camera, name, tuple(np.array(getattr(camera, name)) + shift))
+    camera.parallel_scale = _ROOM * float(np.linalg.norm(np.ptp(points, axis=0)))
+    plotter.renderer.ResetCameraClippingRange()
+
+
+def _placed(
+    pv: Any, plotter: Any, part: Swinging, ceramic: tuple[float, float]
+) -> tuple[Any, Floats, Floats | None]:
+    """Add a part to a picture; return its surface, points (copies, n, 3), shares of the tip's."""
+    count, copies = len(part.points), len(part.places)
+    points = np.asarray(part.places[:, None, :] + part.points[None], dtype=float)
+    numbers = (part.triangles[None] + count * np.arange(copies)[:, None, None]).reshape(-1, 3)
+    faces = np.column_stack([np.full(len(numbers), 3), numbers])
+    surface = pv.PolyData(points.reshape(-1, 3), faces.ravel())
+    plotter.add_mesh(surface, color=part.colour, smooth_shading=False)
+    if not part.moves:
+        return surface, points, None
+    base, reach = ceramic
+    height = np.clip((part.points[:, 2] - base) / reach, 0.0, 1.0)
+    return surface, points, height[None] ** 2
+
+
+#: Pictures of a film's one period, milliseconds that each is shown, and periods in an .mp4.
+_FRAMES, _SHOWN, _REPEATS = 24, 80, 4
+#: What a film leaves out, since it stands round the bimorphs.
+_HIDES = ("support_plate", "support_spacer", "adjusting_spring")
+#: What swings with a unit's tip.
+_SWINGS = ("piezo_top", "piezo_bottom", "shim")
+#: Largest distance of a curved face from its triangles (mm), and their angle (rad).
+_DEFLECTION = 0.02, 0.4
+#: Which model says how tips move, and the quantity whose stages that takes.
+_MODEL = "tmm"
+
+
+def view_display(
+    scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
+) -> list[Path]:
+    """Write the display's page, a still, and films of a travelling wave; return their paths.
+
+    Parameters
+    ----------
+    files : dict of {"out", "png", "gif", "mp4"} to Path
+        What to write where.
+
+    Raises
+    ------
+    InputError
+        If parts do not fit, a film cannot be made, or a file cannot be written.
+    """
+    for path in files.values():
+        check_ffmpeg(path)
+    announce("solids of the display")
+    parts = drawn_parts(scene)
+    films = [path for kind, path in files.items() if kind in ("gif", "mp4")]
+    if films:
+        images = _film(scene, parts, announce)
+        for path in films:
+            save_film(path, images, _SHOWN, _REPEATS)
+    if "out" in files or "png" in files:
+        announce("still")
+        still = Still(assembly_picture(parts), f"{scene.name}: the display")
+        if "png" in files:
+            with written_whole(files["png"]) as temporary:
+                temporary.write_bytes(still.png)
+        if "out" in files:
+            announce("page")
+            write_text(files["out"], display_page(scene.name, parts, swing(scene), still))
+    return list(files.values())
+
+
+def _film(
+    scene: Scene, parts: tuple[DrawnPart, ...], announce: Callable[[str], None]
+) -> list[Image]:
+    """Return one period of a wave that runs along x, each column a quarter period after the last.
+
+    Drawn once, whatever films it is saved as.
+    """
+    announce("motions of the display")
+    frequency, tips = travelling_wave(scene)
+    built = as_built(scene.device, scene.display)
+    ceramic = MM * built.ceramic_base, MM * built.bimorph.length
+    times = enlargement(tips, MM * scene.display.pitch)
+    largest = engineering(float(np.abs(tips).max()), "m", 3)
+    words = (
+        f"{scene.name}: {frequency:.4g} Hz, {scene.drive.voltage:g} V peak at every unit, each "
+        f"column\na quarter period later, tips up to {largest}, drawn × {times:.3g},\n"
+        "the support plate left out"
+    )
+    phases = [2.0 * np.pi * k / _FRAMES for k in range(_FRAMES)]
+    seen = [part for part in parts if part.name not in _HIDES]
+    return assembly_frames(seen, tips, ceramic, times, words, phases, announce)
+
+
+def travelling_wave(scene: Scene) -> tuple[float, Complex]:
+    """Return the tips' motions (units,) in m with all units driven, and at what frequency (Hz).
+
+    Each column lags a quarter period behind the one before it; of the scene's frequencies that at
+    which the tips move most.
+    """
+    units = unit_names(scene.display)
+    whole = _whole(scene)
+    column = np.arange(len(units)) % scene.display.columns
+    drives = scene.drive.voltage * (-1j) ** column
+    motions = sum(
+        drive * tip_motions(whole, unit, units)
+        for unit, drive in zip(units, drives.tolist(), strict=True)
+    )
+    at = int(np.abs(motions).max(axis=1).argmax())
+    return float(scene.frequency[at]), np.asarray(motions[at])
+
+
+def drawn_parts(scene: Scene) -> tuple[DrawnPart, ...]:
+    """Return every distinct part of the display as triangles, with its places."""
+    from tactgen.geometry.cad.display import DISPLAY_COLOURS, display_solids
+
+    solids = display_solids(scene.device, scene.display)
+    found = []
+    for placed in display_parts(scene.device, scene.display):
+        vertices, triangles = solids[placed.name].tessellate(*_DEFLECTION)
+        found.append(
+            DrawnPart(
+                placed.name,
+                DISPLAY_COLOURS[placed.name],
+                np.array([vertex.toTuple() for vertex in vertices]),
+                np.array(triangles),
+                np.array(placed.places),
+                placed.name in _SWINGS,
+            )
+        )
+    return tuple(found)
+
+
+def swing(scene: Scene) -> Swing:
+    """Return how the tips move where one unit is driven, by transfer matrices."""
+    units = unit_names(scene.display)
+    row, column = (scene.display.rows - 1) // 2, (scene.display.columns - 1) // 2
+    driven = row * scene.display.columns + column
+    motions = tip_motions(_whole(scene), units[driven], units)
+    built = as_built(scene.device, scene.display)
+    return Swing(
+        units, driven, scene.drive.voltage, np.asarray(scene.frequency, dtype=float),
+        scene.drive.voltage * motions, MM * built.ceramic_base, MM * built.bimorph.length,
+        MM * scene.display.pitch,
+    )  # fmt: skip
+
+
+def _whole(scene: Scene) -> Multiport:
+    """Return the display over each unit's tip and voltage, by transfer matrices."""
+    from tactgen.validation.catalogue.quantities import CROSSTALK_LARGEST
+
+    plan = make_plan(scene, (_MODEL,), (CROSSTALK_LARGEST.name,))
+    ports = make_model(_MODEL, scene, Stages(plan.keys)).answer("crosstalk").ports
+    return display_ports(scene, ports.fine)

@@ -1,0 +1,265 @@
+"""CAD, mesh, co-energy map and reduced solid files of a scene."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.display.clearances import check_display
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
+from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.plan import asks_display
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.show.ports import check_state_space, write_port_files
+
+if TYPE_CHECKING:
+    from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
+
+
+def check_place(option: str, path: Path, suffixes: tuple[str, ...]) -> None:
+    """Refuse a file with another ending, or in a place that cannot be written.
+
+    Raises
+    ------
+    InputError
+        With the option and the remedy.
+    """
+    if path.suffix not in suffixes:
+        raise InputError(f"{option} {path} must end in {' or '.join(suffixes)}; name the file so")
+    reason = _obstacle(path)
+    if reason:
+        raise InputError(f"{option} {path} cannot be written ({reason}); choose another place")
+
+
+def _obstacle(path: Path) -> str:
+    try:
+        if path.is_dir():
+            return "it is a folder"
+        if not path.parent.is_dir():
+            return "its folder does not exist"
+    except OSError as error:  # such as a name that is too long
+        return (error.strerror or str(error)).lower()
+    return "" if os.access(path.parent, os.W_OK | os.X_OK) else "its folder is read-only"
+
+
+#: Endings that each kind of file may have.
+_SUFFIXES = {
+    "step": (".step", ".stp"), "glb": (".glb",), "mesh": (".vtu", ".msh"), "map": (".nc",),
+    "ports": (".npz",), "state_space": (".npz",), "fields": (".vtu", ".vtkhdf", ".pvd"),
+    "animated_glb": (".glb",), "fmu": (".fmu",), "machine": (".npz",),
+}  # fmt: skip
+
+
+def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> list[Path]:
+    """Write the wanted files, all or none, and return their paths.
+
+    Parameters
+    ----------
+    targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space", "fields", \
+"animated_glb", "fmu", "machine"} to Path
+        What to write where.
+
+    Raises
+    ------
+    InputError
+        If a place cannot be written, has the wrong ending or is named twice, or a map is
+        wanted of a scene without a model of the normal actuator, or the solid model cannot
+        take the scene.
+    """
+    _check_targets(targets)
+    if asks_display(scene.quantities):
+        check_display(scene.device, scene.display)
+    if "map" in targets and _magnetic_model(scene) == "magnetic3d":
+        from tactgen.validation.models.reluctance.field import check_solid_map
+
+        check_solid_map(scene)
+    if {"ports", "state_space"} & set(targets):
+        _refuse_without_lateral(scene, "to reduce to its ports")
+    if "mesh" in targets and scene.support.kind != "rod":
+        _refuse_without_lateral(scene, "to divide into a mesh")
+    if "state_space" in targets:
+        check_state_space(scene)
+    if "machine" in targets:
+        from tactgen.validation.show.ports import check_machine
+
+        check_machine(scene)
+    if {"fields", "animated_glb"} & set(targets):
+        _refuse_without_motion(scene, targets)
+    with ExitStack() as stack:
+        # the files take their names together, when all of them have been written
+        drafts = {kind: stack.enter_context(written_whole(p)) for kind, p in targets.items()}
+        try:
+            _write(scene, drafts, announce)
+            _write_motion(scene, drafts, targets, announce)
+        except InputError as error:
+            text = str(error)
+            for kind, draft in drafts.items():
+                text = text.replace(str(draft), str(targets[kind]))
+            raise InputError(text) from error
+    return list(targets.values())
+
+
+def _refuse_without_lateral(scene: Scene, purpose: str) -> None:
+    """Refuse files of the bimorph from a scene that is about the normal actuator alone.
+
+    The bimorph of such a scene is the default one, of which nobody spoke.
+    """
+    if set(scene.models) <= set(models_of("reluctance")):
+        raise InputError(
+            f"models = {','.join(scene.models)} have no bimorph {purpose}; "
+            'name another scene, such as "paper", or set models=solid'
+        )
+
+
+def _refuse_without_motion(scene: Scene, targets: dict[str, Path]) -> None:
+    """Refuse fields of a scene that has none, and movement of one in which nothing moves."""
+    from tactgen.validation.show.fields.gather import MAGNETIC, default_models
+
+    if default_models(scene) != (MAGNETIC,):
+        return
+    still = [k for k, path in targets.items() if k == "animated_glb" or path.suffix == ".pvd"]
+    if still:
+        option = "--" + still[0].replace("_", "-")
+        raise InputError(
+            f"{option} {targets[still[0]]} is for what moves, and the model {MAGNETIC} has a field "
+            "at rest; write --fields FILE.vtu"
+        )
+
+
+def _check_targets(targets: dict[str, Path]) -> None:
+    """Refuse what would fail only after minutes of work."""
+    taken: dict[Path, str] = {}
+    for kind, path in targets.items():
+        option = "--" + kind.replace("_", "-")
+        check_place(option, path, _SUFFIXES[kind])
+        place = path.resolve()
+        if place in taken:
+            raise InputError(
+                f"{option} {path} is also the file of {taken[place]}; give each its own name"
+            )
+        taken[place] = option
+
+
+def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]) -> None:
+    if "step" in files or "glb" in files:
+        _export_solids(scene, files, announce)
+    if "mesh" in files:
+        from tactgen.geometry.meshing.mesh_files import write_mesh
+        from tactgen.validation.models.bimorph.cad import cells_of, mesh_pair
+
+        announce("mesh")
+        write_mesh(cells_of(mesh_pair(scene).meshes[0]), files["mesh"])
+    reductions = {kind: file for kind, file in files.items() if kind in ("ports", "state_space")}
+    if reductions:
+        announce("ports of the solid")
+        write_port_files(scene, reductions)
+    if "fmu" in files:
+        from tactgen.validation.models.generator.transient import scene_machine
+        from tactgen.validation.show.fmu import write_fmu
+
+        announce("co-simulation unit")
+        machine = scene_machine(scene, coil=scene.coil.supply, volts=scene.drive.voltage)
+        write_fmu(files["fmu"], machine, scene.name)
+    if "machine" in files:
+        from tactgen.validation.show.ports import write_machine
+
+        announce("machine")
+        write_machine(files["machine"], scene)
+    if "map" in files:
+        from tactgen.tmm.reluctance.coenergy_fit import write_map
+
+        write_map(files["map"], _map(scene, announce))
+
+
+def _write_motion(
+    scene: Scene, drafts: dict[str, Path], targets: dict[str, Path], announce: Callable[[str], None]
+) -> None:
+    """Write what moves: fields, and an animation of them."""
+    if not {"fields", "animated_glb"} & set(drafts):
+        return
+    from tactgen.validation.show.fields.gather import Request, default_models, gather
+
+    (result,) = gather(scene, default_models(scene), Request(), announce)
+    if "fields" in drafts:
+        from tactgen.validation.show.field_files import write_fields
+
+        write_fields(drafts["fields"], result, targets["fields"].stem)
+    if "animated_glb" in drafts:
+        from tactgen.geometry.cad.solids import COLOURS
+        from tactgen.validation.show.field_files import write_animated_glb
+
+        write_animated_glb(drafts["animated_glb"], result, COLOURS)
+
+
+def _magnetic_model(scene: Scene) -> str:
+    """Return the scene's most detailed model that has a co-energy map."""
+    able = [name for name, row in MODELS.items() if "magnetic_map" in row.gives]
+    found = [name for name in able if name in scene.models]
+    if not found:
+        raise InputError(
+            f"--map needs one of the models {', '.join(able)}, and the scene asks for "
+            f"{', '.join(scene.models)}; add --set models={able[0]}"
+        )
+    return found[-1]
+
+
+def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
+    from tactgen.validation.engine.model import make_model
+    from tactgen.validation.engine.plan import make_plan
+    from tactgen.validation.engine.stages import Stages
+    from tactgen.validation.models.reluctance.model import MagneticModel
+
+    name = _magnetic_model(scene)
+    quantities = [q for q, row in QUANTITIES.items() if "magnetic_map" in row.needs]
+    plan = make_plan(scene, (name,), quantities)
+    model = make_model(name, scene, Stages(plan.keys, announce))
+    assert isinstance(model, MagneticModel)
+    return model.map()
+
+
+def scene_solids(scene: Scene) -> dict[str, Any]:
+    """Return the CAD solids of a scene (mm): the whole generator, or the actuator asked about."""
+    from tactgen.geometry.cad.solids import build_solids
+    from tactgen.geometry.device.layout import BIMORPH
+
+    if scene.support.kind == "rod":
+        return build_solids(scene.device, None, "rod")
+    if set(scene.models) <= set(models_of("reluctance")):
+        return normal_actuator_solids(scene.device)
+    return build_solids(scene.device, BIMORPH, "alone")
+
+
+def normal_actuator_solids(device: Device) -> dict[str, Any]:
+    """Return the CAD solids of rod, coil and sleeve (mm), the rod with its slot.
+
+    The bimorph matters by its cross-section only; the tab that goes into the slot fits.
+    """
+    from tactgen.geometry.cad.solids import build_solids
+    from tactgen.geometry.reluctance.tets import with_fitting_tab
+
+    return build_solids(with_fitting_tab(device, device.gap), ("rod", "coil", "sleeve"), "rod")
+
+
+def _export_solids(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> None:
+    if asks_display(scene.quantities):
+        from tactgen.geometry.cad.display import export_display
+
+        announce("CAD solids of the display")
+        export_display(
+            scene.device, scene.display, step=targets.get("step"), glb=targets.get("glb")
+        )
+        return
+    from tactgen.geometry.cad.solids import export_glb, export_step
+
+    announce("CAD solids")
+    solids = scene_solids(scene)
+    if "step" in targets:
+        export_step(solids, targets["step"])
+    if "glb" in targets:
+        export_glb(solids, targets["glb"])

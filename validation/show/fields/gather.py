@@ -1,0 +1,231 @@
+"""Ask models of a scene for their fields; every number beside a picture is a quantity."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.validation.catalogue.quantities import (
+    OPEN_CIRCUIT_FREQUENCIES,
+    SHORT_CIRCUIT_FREQUENCIES,
+)
+from tactgen.validation.engine.model import Model
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.models.generator.transient import Simulation, scene_beam
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.show.fields.moving import MovingBody, moving_body
+from tactgen.validation.show.fields.result import Circuit, FieldResult, State
+from tactgen.validation.show.fields.solid_fields import Detail, Found, SolidFields
+
+#: The model of the normal actuator whose field is shown.
+MAGNETIC = "axisymmetric"
+#: Circuits that modes are shown in.
+_CIRCUITS: tuple[tuple[Circuit, str], ...] = (
+    ("short", SHORT_CIRCUIT_FREQUENCIES.name), ("open", OPEN_CIRCUIT_FREQUENCIES.name),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is wanted of every model.
+
+    Attributes
+    ----------
+    frequencies : tuple of float or None
+        Of harmonic states (Hz); None takes half the first frequency of bending and that itself.
+    detail : {"nodes", "edges"}
+        Every node of bricks, or those that a picture needs.
+    """
+
+    frequencies: tuple[float, ...] | None = None
+    detail: Detail = "nodes"
+
+    @property
+    def to_look_at(self) -> bool:
+        """Whether it is for pictures rather than files."""
+        return self.detail == "edges"
+
+
+class Fields(Protocol):
+    """One model's states with their fields, at the points of one mesh."""
+
+    @property
+    def mesh(self) -> Mesh:
+        """The points and cells."""
+
+    def modes(self, count: int, *, open_circuit: bool) -> list[tuple[str, Found]]:
+        """Return class and fields of the lowest `count` modes, ascending."""
+
+    def static(self, voltage: float) -> Found:
+        """Return the lossless fields at rest under a voltage (V) across each layer."""
+
+    def harmonic(self, frequency: float, voltage: float) -> Found:
+        """Return the fields with losses at a frequency (Hz) and voltage (V) across each layer."""
+
+
+def with_fields(scene: Scene) -> tuple[str, ...]:
+    """Return the scene's models of the lateral actuator: all of them have fields."""
+    lateral = models_of("bimorph")
+    return tuple(name for name in scene.models if name in lateral)
+
+
+def default_models(scene: Scene) -> tuple[str, ...]:
+    """Return the model to look at: the fastest solid that the scene asks for, else a row."""
+    known = with_fields(scene)
+    for name in ("solid", "cad", "tmm", "beam", "lumped"):
+        if name in known:
+            return (name,)
+    if MAGNETIC in scene.models:
+        return (MAGNETIC,)
+    raise InputError(
+        f"models = {', '.join(scene.models)} in scene {scene.name} have neither a bimorph that "
+        f'moves nor a field to show; name another scene, such as "paper", or set models={MAGNETIC}'
+    )
+
+
+def gather(
+    scene: Scene,
+    models: Sequence[str],
+    request: Request,
+    announce: Callable[[str], None] = lambda _: None,
+) -> list[FieldResult]:
+    """Return the fields of a scene by each of the models, in their order.
+
+    Raises
+    ------
+    InputError
+        If a model has no field in space, or both actuators are asked for at once.
+    """
+    able = (*models_of("bimorph"), MAGNETIC)
+    for name in models:
+        if name not in able:
+            raise InputError(
+                f"the model {name} has no motion or field to show; models that have are "
+                f"{', '.join(able)}"
+            )
+    if MAGNETIC in models:
+        if set(models) != {MAGNETIC}:
+            raise InputError(
+                f"the model {MAGNETIC} shows the normal actuator and {models[0]} the lateral one; "
+                "ask for them one after the other"
+            )
+        from tactgen.validation.show.fields.magnetic import gather_magnetic
+
+        return [gather_magnetic(scene, announce, opened=request.to_look_at)]
+    solution = solve(scene, tuple(models), [name for _, name in _CIRCUITS], announce)
+    return [gather_from(solution, name, request, announce) for name in models]
+
+
+def gather_from(
+    solution: Solution,
+    name: str,
+    request: Request,
+    announce: Callable[[str], None] = lambda _: None,
+) -> FieldResult:
+    """Return the fields of one model of a solution that has its natural frequencies.
+
+    The models of the solution are asked, so that nothing is solved twice.
+    """
+    model, scene = solution.models[name], solution.scene
+    announce(f"fields of {name}")
+    fields = _fields(model, request.detail)
+    layer = 0.5 if scene.bimorph.wiring == "series" else 1.0
+    voltage = layer * scene.drive.voltage
+    states = _modes(solution, name, fields)
+    states.append(_state("static", "static", 0.0, fields.static(voltage), layer))
+    for frequency in _frequencies(scene, states, request):
+        announce(f"fields of {name} at {frequency:.5g} Hz")
+        found = fields.harmonic(frequency, voltage)
+        states.append(_state(f"{frequency:.5g} Hz", "harmonic", frequency, found, layer))
+    return FieldResult(
+        scene.name, name, fields.mesh, tuple(states), scene.drive.voltage, MODELS[name].theory
+    )
+
+
+def _fields(model: Model, detail: Detail) -> Fields:
+    from tactgen.validation.models.bimorph.model import BeamTheoryModel
+    from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+
+    if isinstance(model, TwoMeshModel):
+        return SolidFields(model, detail)
+    assert isinstance(model, BeamTheoryModel)
+    from tactgen.validation.show.fields.beam_fields import RowFields
+
+    return RowFields(model)
+
+
+def _modes(solution: Solution, name: str, fields: Fields) -> list[State]:
+    by_circuit = {c: solution.get(quantity, name) for c, quantity in _CIRCUITS}
+    states: list[State] = []
+    for circuit, quantity in by_circuit.items():
+        count = quantity.value.size
+        found = fields.modes(count, open_circuit=circuit == "open")
+        assert quantity.classes is not None
+        for number, (_, (values, tip, charge)) in enumerate(found):
+            states.append(
+                State(
+                    name=f"mode {number + 1}, {circuit} circuit",
+                    kind="mode",
+                    circuit=circuit,
+                    frequency=float(quantity.value[number]),
+                    error=float(quantity.error[number]),
+                    fields=values,
+                    tip=tip,
+                    charge=charge,
+                    motion=quantity.classes[number],
+                    coupling=_coupling(by_circuit, circuit, number),
+                )
+            )
+    return states
+
+
+def _coupling(by_circuit: dict[Circuit, Quantity], circuit: Circuit, number: int) -> float:
+    """Return √(1 − (f_short / f_open)²) of a bending mode in x and its partner; nan of others."""
+    this, other = by_circuit[circuit], by_circuit["open" if circuit == "short" else "short"]
+    assert this.classes is not None
+    assert other.classes is not None
+    if this.classes[number] != "bending_x":
+        return float("nan")
+    place = this.classes[:number].count("bending_x")
+    partners = np.flatnonzero(np.array(other.classes) == "bending_x")
+    if place >= partners.size:
+        return float("nan")
+    low, high = sorted((float(this.value[number]), float(other.value[partners[place]])))
+    return float(np.sqrt(1.0 - (low / high) ** 2))
+
+
+def _state(name: str, kind: str, frequency: float, found: Found, layer: float) -> State:
+    """Return a driven state; in series the terminals see half the charge of both layers."""
+    values, tip, charge = found
+    return State(
+        name=name,
+        kind="static" if kind == "static" else "harmonic",
+        circuit="driven",
+        frequency=frequency,
+        error=float("nan"),
+        fields=values,
+        tip=tip,
+        charge=layer * charge,
+    )
+
+
+def _frequencies(scene: Scene, states: Sequence[State], request: Request) -> tuple[float, ...]:
+    if request.frequencies is not None:
+        return request.frequencies
+    first = next(
+        (s.frequency for s in states if s.motion == "bending_x" and s.circuit == "short"), None
+    )
+    return () if first is None else (0.5 * first, first)
+
+
+def body_of(found: Simulation) -> MovingBody:
+    """Return what moves in a run."""
+    device, beam = scene_beam(found.scene)
+    return moving_body(device, beam, found.machine.modes)

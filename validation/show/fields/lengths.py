@@ -1,0 +1,221 @@
+"""A bimorph's modes at any length of a range: frequencies with bars, shapes between solved ones.
+
+Frequencies are known at many lengths: by a surrogate of the solid, by a beam model at each.
+Shapes are solved at a few lengths, on a coarser division, and between these are the polynomials
+in the length through them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.quantities import (
+    OPEN_CIRCUIT_FREQUENCIES,
+    SHORT_CIRCUIT_FREQUENCIES,
+)
+from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.surrogate import build_surrogate, design_size
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.show.fields.gather import Request, gather
+from tactgen.validation.show.fields.over_length import (
+    LengthRange,
+    ModeKey,
+    ModeOverLength,
+    lagrange_weights,
+)
+from tactgen.validation.show.fields.result import Circuit, FieldResult
+
+#: Lengths at which frequencies are known, and at which shapes are solved.
+KNOWN, _SOLVED = 31, 5
+#: Accuracy of shapes: what is drawn is not read to more than a percent.
+_SHAPES = 1e-2
+#: Modes more than the scene asks for that are solved, since their order changes with the length.
+_MORE = 2
+_NAMES: dict[Circuit, str] = {
+    "short": SHORT_CIRCUIT_FREQUENCIES.name,
+    "open": OPEN_CIRCUIT_FREQUENCIES.name,
+}
+
+
+def length_range(
+    scene: Scene,
+    model: str,
+    ends: tuple[float, float],
+    announce: Callable[[str], None] = lambda _: None,
+    known: int = KNOWN,
+) -> LengthRange | None:
+    """Return modes over a range of lengths (m); None of a model that has no fast way to them.
+
+    `known` is the number of lengths at which frequencies are worked out.
+
+    Raises
+    ------
+    InputError
+        If the range is empty or reversed, or the model cannot take a length in it.
+    """
+    low, high = ends
+    if not low < high:
+        raise InputError(
+            f"--lengths runs from {1e3 * low:g} mm to {1e3 * high:g} mm; begin below where it ends"
+        )
+    lengths = np.linspace(low, high, known)
+    tables = _tables(scene, model, lengths, announce)
+    if tables is None:
+        return None
+    solved = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(
+        np.pi * (np.arange(_SOLVED) + 0.5) / _SOLVED
+    )
+    # beside the middle node, where such a polynomial strays about as far as anywhere
+    judge = 0.5 * (solved[_SOLVED // 2] + solved[_SOLVED // 2 + 1])
+    results = []
+    for number, length in enumerate((*solved, judge), start=1):
+        announce(f"shapes of {model}: length {number} of {_SOLVED + 1}")
+        results.append(_fields(scene, model, float(length)))
+    base = results[_SOLVED // 2]
+    lattices = [_Lattice(base.mesh, result.mesh) for result in results]
+    points = np.stack([lattice.points for lattice in lattices])
+    by_key = [_shapes(result, lattice) for result, lattice in zip(results, lattices, strict=True)]
+    weights = lagrange_weights(solved, judge)
+    modes, missed = [], 0.0
+    for key, first in by_key[0].items():
+        if key in tables and all(key in found for found in by_key):
+            shapes = np.stack([_turned_like(first, found[key]) for found in by_key])
+            apart = np.abs(np.tensordot(weights, shapes[:-1], 1) - shapes[-1]).max()
+            missed = max(missed, float(apart / np.abs(shapes[-1]).max()))
+            modes.append(ModeOverLength(*key, *tables[key], shapes[:-1]))
+    return LengthRange(
+        model, scene.bimorph.length, base.mesh, lengths, solved, points[:-1], tuple(modes), missed,
+        _method(scene, model),
+    )  # fmt: skip
+
+
+def _at(scene: Scene, length: float) -> Scene:
+    bimorph = scene.bimorph.model_copy(update={"length": length})
+    return scene.model_copy(update={"bimorph": bimorph})
+
+
+def _fields(scene: Scene, model: str, length: float) -> FieldResult:
+    coarse = _at(scene, length).model_copy(
+        update={
+            "accuracy": max(scene.accuracy, _SHAPES),
+            "modes": scene.modes + _MORE,
+            "models": (model,),
+        }
+    )
+    return gather(coarse, [model], Request((), "edges"))[0]
+
+
+def _tables(
+    scene: Scene, model: str, lengths: Floats, announce: Callable[[str], None]
+) -> dict[ModeKey, tuple[Floats, Floats]] | None:
+    """Return frequency and bar (n,) of each mode over the lengths."""
+    scenes = [_at(scene, float(length)) for length in lengths]
+    names = tuple(_NAMES.values())
+    answers: Sequence[Sequence[Quantity]]
+    if MODELS[model].quick:
+        announce(f"frequencies of {model} at {lengths.size} lengths")
+        answers = [solve(one, (model,), names).quantities for one in scenes]
+    elif model == "solid":  # meshes of the others do not correspond
+        ranges = {"bimorph.length": (float(lengths[0]), float(lengths[-1]))}
+        surrogate = build_surrogate(scene, model, names, ranges, announce)
+        answers = surrogate.answers({"bimorph.length": lengths})
+    else:
+        return None
+    tables: dict[ModeKey, tuple[Floats, Floats]] = {}
+    for n, found in enumerate(answers):
+        by_name = {q.name: q for q in found}
+        for circuit, name in _NAMES.items():
+            for key, place in _keys(circuit, by_name[name].classes or ()):
+                if key not in tables:
+                    tables[key] = np.full(lengths.size, np.nan), np.full(lengths.size, np.nan)
+                tables[key][0][n] = by_name[name].value[place]
+                tables[key][1][n] = by_name[name].error[place]
+    return tables
+
+
+def _keys(circuit: Circuit, classes: Sequence[str]) -> list[tuple[ModeKey, int]]:
+    """Return the modes of a list of classes, each with its place in the list."""
+    return [
+        ((circuit, motion, classes[:place].count(motion)), place)
+        for place, motion in enumerate(classes)
+    ]
+
+
+def _shapes(result: FieldResult, lattice: _Lattice) -> dict[ModeKey, Floats]:
+    found: dict[ModeKey, Floats] = {}
+    for circuit in _NAMES:
+        states = [s for s in result.states if s.kind == "mode" and s.circuit == circuit]
+        for key, place in _keys(circuit, [s.motion for s in states]):
+            found[key] = lattice.of(np.real(states[place].fields["displacement"]))
+    return found
+
+
+def _turned_like(first: Floats, shape: Floats) -> Floats:
+    """Return a shape with the sign that makes it most like another."""
+    return shape if float(np.vdot(first, shape)) >= 0.0 else -shape
+
+
+class _Lattice:
+    """How values at the points of one length come to points that correspond to another's.
+
+    Points of one part that lie above each other form a column; columns of both meshes are the
+    same, and stations along them correspond by their share of the column's height.  Meshes of
+    the same cells correspond point by point.
+    """
+
+    def __init__(self, base: Mesh, mesh: Mesh) -> None:
+        self._pairs: list[tuple[Ints, Ints, Floats, Floats]] = []
+        self._same = np.array_equal(base.cells, mesh.cells)
+        if self._same:
+            self.points = mesh.points
+            return
+        own, theirs = _columns(mesh), _columns(base)
+        for region, (at, z) in theirs.items():
+            here, z_here = own[region]
+            share = (z - z[0]) / (z[-1] - z[0])
+            self._pairs.append((at, here, z_here, z_here[0] + share * np.ptp(z_here)))
+        self._size = len(base.points)
+        self.points = self.of(mesh.points)
+
+    def of(self, values: Floats) -> Floats:
+        """Return values (n, 3) of the mesh at the base's points (m, 3)."""
+        if self._same:
+            return np.asarray(values)
+        from scipy.interpolate import make_interp_spline
+
+        out = np.empty((self._size, 3))
+        for at, here, z, wanted in self._pairs:
+            order = min(3, z.size - 1)
+            out[at] = make_interp_spline(z, values[here], k=order, axis=1)(wanted)
+        return out
+
+
+def _columns(mesh: Mesh) -> dict[int, tuple[Ints, Floats]]:
+    """Return by region its points as columns (c, nz), ascending, and their heights (nz,)."""
+    region = np.zeros(len(mesh.points), dtype=np.int64)
+    region[mesh.cells] = mesh.region_of_cell[:, None]
+    found: dict[int, tuple[Ints, Floats]] = {}
+    for number in range(len(mesh.regions)):
+        chosen = np.flatnonzero(region == number)
+        x, y, z = (np.round(mesh.points[chosen, k] / 1e-12) for k in range(3))
+        ordered = chosen[np.lexsort((z, y, x))]
+        heights = np.unique(z).size
+        columns = ordered.reshape(-1, heights)
+        found[number] = columns, mesh.points[columns[0], 2]
+    return found
+
+
+def _method(scene: Scene, model: str) -> str:
+    if MODELS[model].quick:
+        return "closed form at each length"
+    return (
+        f"interpolated between {design_size(1)} lengths, accuracy {100 * scene.accuracy:g} %; the "
+        "bar holds what left-out lengths are missed by"
+    )

@@ -1,0 +1,199 @@
+"""What a picture can be coloured by, how far displacements are drawn, and what is said beside it.
+
+The page, stills and films read the same rows, so that they show the same.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.cad.solids import COLOURS
+from tactgen.geometry.formats import engineering, with_bar
+from tactgen.validation.show.fields.result import Array, FieldResult, State, at_phase, von_mises
+
+#: A tip whose middle moves by less than this part of the largest displacement is twisted.
+_TWISTS = 0.3
+#: Phases at which the largest von Mises stress of a period is looked for.
+_PHASES = 24
+#: Classes of modes in words.
+MOTIONS = {
+    "bending_x": "bending in x", "bending_y": "bending in y", "torsion": "torsion",
+    "axial": "axial", "mixed": "mixed",
+}  # fmt: skip
+#: Models in words.
+MODELS = {
+    "solid": "solid (bricks)", "cad": "solid (tetrahedra)", "tmm": "transfer matrix",
+    "beam": "beam elements", "lumped": "lumped", "axisymmetric": "axisymmetric field",
+}  # fmt: skip
+#: Regions in words.
+REGIONS = {
+    "piezo_top": "ceramic, x > 0", "piezo_bottom": "ceramic, x < 0", "shim": "shim",
+    "glue": "glue", "rod": "rod", "coil": "coil", "sleeve": "sleeve",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Shade:
+    """A quantity that colours a picture.
+
+    Attributes
+    ----------
+    key, title, unit : str
+        Name, words, SI unit.
+    field : str
+        The field that it is read off.
+    component : int
+        Of a vector or tensor in Voigt's order; −1 takes the size, of stress von Mises'.
+    signed : bool
+        Whether it swings about zero.
+    """
+
+    key: str
+    title: str
+    unit: str
+    field: str
+    component: int = -1
+    signed: bool = True
+
+    def amplitude(self, state: State) -> Array | None:
+        """Return what swings with the phase (n,); of sizes the largest in a period; or None."""
+        values = state.fields.get(self.field)
+        if values is None:
+            return None
+        values = np.asarray(values)
+        if values.ndim == 1:
+            return values
+        if self.component >= 0:
+            return values[:, self.component]
+        if self.field == "stress":
+            return _largest_von_mises(values)
+        return np.asarray(np.linalg.norm(values, axis=1))
+
+    def at(self, state: State, phase: float) -> Floats:
+        """Return the values (n,) at a phase (rad)."""
+        if self.key == "size":
+            moved = at_phase(np.asarray(state.fields["displacement"]), phase)
+            return np.asarray(np.linalg.norm(moved, axis=1))
+        amplitude = self.amplitude(state)
+        assert amplitude is not None
+        if self.signed:
+            return at_phase(amplitude, phase)
+        return np.asarray(np.real(amplitude), dtype=float)
+
+    def top(self, state: State) -> float:
+        """Return the end of the colour scale: the largest amplitude."""
+        amplitude = self.amplitude(state)
+        return 0.0 if amplitude is None else float(np.abs(amplitude).max())
+
+
+SHADES: tuple[Shade, ...] = (
+    Shade("size", "|u|", "m", "displacement", signed=False),
+    Shade("u_x", "displacement u_x", "m", "displacement", 0),
+    Shade("u_y", "displacement u_y", "m", "displacement", 1),
+    Shade("u_z", "displacement u_z", "m", "displacement", 2),
+    Shade("potential", "electric potential", "V", "potential"),
+    Shade("strain_zz", "strain S_zz", "1", "strain", 2),
+    Shade("stress_zz", "stress T_zz", "Pa", "stress", 2),
+    Shade("von_mises", "von Mises stress, largest in a period", "Pa", "stress", signed=False),
+    Shade("flux_density", "|B|", "T", "flux_density", signed=False),
+)
+
+
+def shades_of(result: FieldResult) -> tuple[Shade, ...]:
+    """Return what pictures of a result can be coloured by."""
+    return tuple(shade for shade in SHADES if shade.field in result.has)
+
+
+def _largest_von_mises(stress: Array) -> Floats:
+    if np.isrealobj(stress):
+        return von_mises(stress)
+    phases = np.pi * np.arange(_PHASES) / _PHASES  # the other half period is the same
+    return np.asarray(np.max([von_mises(at_phase(stress, p)) for p in phases], axis=0))
+
+
+def drawn_size(points: Floats, displacement: Array) -> float:
+    """Return how far (m) the largest of displacements (n, 3) is drawn at points (n, 3).
+
+    Linear displacements of a twist are a stretch if drawn large, so a tip that turns about its
+    own middle is turned by half a radian at most.
+    """
+    moved = np.abs(displacement)
+    z = points[:, 2]
+    tip = z > z.max() - 0.02 * np.ptp(z)
+    middle = float(np.linalg.norm(np.abs(displacement[tip].mean(axis=0))))
+    far = 0.12 * float(np.ptp(z))
+    if middle > _TWISTS * float(np.linalg.norm(moved, axis=1).max()):
+        return far
+    across = points[tip, :2] - points[tip, :2].mean(axis=0)
+    return min(far, 0.5 * float(np.linalg.norm(across, axis=1).max()))
+
+
+def enlargement(result: FieldResult, state: State) -> float:
+    """Return by how much displacements are drawn enlarged; 0 where nothing moves."""
+    values = state.fields.get("displacement")
+    if values is None:
+        return 0.0
+    values = np.asarray(values)
+    largest = float(np.linalg.norm(np.abs(values), axis=1).max())
+    return drawn_size(result.mesh.points, values) / largest if largest > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class Words:
+    """What is said of a state: its short name, its number, more, a title, and at what size."""
+
+    short: str
+    number: str
+    detail: str
+    title: str
+    note: str
+
+
+def words_of(result: FieldResult, state: State) -> Words:
+    """Return what is said of a state; every number is the quantity's."""
+    name = state.name[:1].upper() + state.name[1:]
+    driven = f"at {engineering(result.voltage, 'V', 3)} peak"
+    if state.kind == "mode":
+        coupling = "" if math.isnan(state.coupling) else f" · k = {state.coupling:.3g}"
+        short = state.name.split(",")[0]
+        number = with_bar(state.frequency, state.error, "Hz")
+        detail = MOTIONS[state.motion] + coupling
+        return Words(short, number, detail, name, "at a largest displacement of 1 µm")
+    if "displacement" not in state.fields:
+        pull = "" if state.pull is None else f"pull {with_bar(*state.pull, 'N')}"
+        return Words("field", pull, state.name, name, "")
+    tip = f"tip {engineering(abs(state.tip), 'm', 4)}"
+    if state.kind == "static":
+        return Words("static", tip, driven.removesuffix(" peak"), "Static", driven[:-5])
+    degrees = math.degrees(math.atan2(state.tip.imag, state.tip.real))
+    number = f"{tip}, {degrees:.0f}°".replace("-", "−")
+    return Words(state.name, number, driven, f"Driven at {state.name}", driven)
+
+
+__all__ = ["COLOURS", "MAGNITUDE", "SIGNED", "magnitude_stops", "signed_stops"]
+
+#: Matplotlib's maps: perceptually even for sizes, ColorBrewer's red and blue for what swings.
+MAGNITUDE, SIGNED = "viridis", "RdBu_r"
+_STOPS = 33
+
+
+def magnitude_stops() -> list[list[int]]:
+    """Return the scale of sizes as (red, green, blue), 0 to 255, from low to high."""
+    return _stops(MAGNITUDE)
+
+
+def signed_stops() -> list[list[int]]:
+    """Return the scale of what swings about zero, from negative to positive."""
+    return _stops(SIGNED)
+
+
+def _stops(name: str) -> list[list[int]]:
+    import matplotlib as mpl
+
+    colours = np.rint(255.0 * mpl.colormaps[name](np.linspace(0.0, 1.0, _STOPS))[:, :3])
+    return cast("list[list[int]]", colours.astype(int).tolist())

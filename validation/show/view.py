@@ -1,0 +1,276 @@
+"""What can be seen of a scene, as files: the moving page, stills, films."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import write_text, written_whole
+from tactgen.validation.engine.plan import asks_display
+from tactgen.validation.scene.scene import Scene
+from tactgen.validation.show.export import check_place
+from tactgen.validation.show.fields.gather import (
+    MAGNETIC,
+    Request,
+    default_models,
+    gather,
+    with_fields,
+)
+from tactgen.validation.show.fields.moving import standing
+from tactgen.validation.show.fields.result import FieldResult, State
+from tactgen.validation.show.shading import Shade, shades_of, words_of
+
+if TYPE_CHECKING:
+    from tactgen.validation.show.fields.over_length import LengthRange
+    from tactgen.validation.show.page import Still
+import html
+
+#: Endings of each kind of file.
+SUFFIXES = {"out": (".html",), "png": (".png",), "gif": (".gif",), "mp4": (".mp4",)}
+#: Most harmonic states of a page.
+_MOST = 12
+#: Stills for those who see no movement: their size in pixels.
+_STILL = 480, 400
+
+
+@dataclass(frozen=True)
+class Look:
+    """What is wanted: models (none: the fastest solid, and TMM beside it), state and colour.
+
+    `lengths` (m) are the ends of the page's length slider; None leaves it out.
+    """
+
+    models: tuple[str, ...] = ()
+    frequencies: tuple[float, ...] | None = None
+    state: str = ""
+    shade: str = ""
+    lengths: tuple[float, float] | None = None
+
+
+def view(
+    scene: Scene, look: Look, files: dict[str, Path], announce: Callable[[str], None]
+) -> list[Path]:
+    """Write a page, a still and films of a scene, and return their paths.
+
+    Parameters
+    ----------
+    files : dict of {"out", "png", "gif", "mp4"} to Path
+        What to write where.
+
+    Raises
+    ------
+    InputError
+        If the scene has nothing to show, a model, state or field is not there, or a file
+        cannot be written.
+    """
+    for kind, path in files.items():
+        check_place(f"--{kind}", path, SUFFIXES[kind])
+    if asks_display(scene.quantities) and not look.models:
+        from tactgen.validation.show.display import view_display
+
+        return view_display(scene, files, announce)
+    ranges = _ranges(scene, look, files, announce)
+    results = looked_at(scene, look, announce)
+    pictured = results[0], _state(results[0], look), _shade(results[0], look)
+    _check_films(files, pictured[1])
+    for kind, path in files.items():
+        if kind == "out":
+            announce("page")
+            write_page(path, results, announce, ranges)
+        else:
+            _write_picture(kind, path, *pictured, announce)
+    return list(files.values())
+
+
+def looked_at(scene: Scene, look: Look, announce: Callable[[str], None]) -> list[FieldResult]:
+    """Return what a look shows: the fields of a scene by the models that it names, or the usual."""
+    found = gather(
+        scene, look.models or _models(scene), Request(look.frequencies, "edges"), announce
+    )
+    # a slider of the length moves the bimorph's points only
+    return found if look.lengths else [standing(scene, result) for result in found]
+
+
+def _ranges(
+    scene: Scene, look: Look, files: dict[str, Path], announce: Callable[[str], None]
+) -> list[LengthRange | None]:
+    """Return the modes over the lengths that the page's slider has, by model."""
+    if look.lengths is None:
+        return []
+    from tactgen.validation.show.fields.lengths import length_range
+
+    if "out" not in files:
+        raise InputError("--lengths makes a slider in the page; give --out FILE.html too")
+    models = look.models or _models(scene)
+    if MAGNETIC in models:
+        raise InputError(
+            f"--lengths is about the bimorph, which the model {MAGNETIC} does not know; name a "
+            "model of the lateral actuator"
+        )
+    found = [length_range(scene, name, look.lengths, announce) for name in models]
+    if not any(found):
+        raise InputError(
+            f"--lengths needs a model with a fast way to many lengths, which {', '.join(models)} "
+            "has not in this scene; add --model tmm"
+        )
+    return found
+
+
+def _models(scene: Scene) -> tuple[str, ...]:
+    """Return the fastest solid of a scene, and transfer matrices beside it."""
+    first = default_models(scene)
+    alone = first in {("tmm",), (MAGNETIC,)} or "tmm" not in with_fields(scene)
+    return first if alone else (*first, "tmm")
+
+
+def _state(result: FieldResult, look: Look) -> State:
+    return result.state(look.state) if look.state else result.states[0]
+
+
+def _shade(result: FieldResult, look: Look) -> Shade | None:
+    if not look.shade:
+        return None
+    known = shades_of(result)
+    for shade in known:
+        if shade.key == look.shade:
+            return shade
+    raise InputError(
+        f"--field {look.shade} is not a field of the model {result.model}, which has "
+        f"{', '.join(shade.key for shade in known)}"
+    )
+
+
+def _check_films(files: dict[str, Path], state: State) -> None:
+    from tactgen.validation.show.stills import check_film
+
+    for kind in ("gif", "mp4"):
+        if kind in files:
+            check_film(files[kind], state)
+
+
+def _write_picture(
+    kind: str,
+    path: Path,
+    result: FieldResult,
+    state: State,
+    shade: Shade | None,
+    announce: Callable[[str], None],
+) -> None:
+    from tactgen.validation.show.stills import Picture, still, write_film
+
+    if kind == "png":
+        announce("still")
+        with written_whole(path) as temporary:
+            temporary.write_bytes(still(result, state, Picture(shade=shade)))
+        return
+    write_film(path, result, state, Picture(800, 480, shade), announce)
+
+
+def write_page(
+    path: Path,
+    results: Sequence[FieldResult],
+    announce: Callable[[str], None],
+    ranges: Sequence[LengthRange | None] = (),
+) -> Path:
+    """Write the page in which the results move."""
+    return write_text(path, page_of(results, announce, ranges))
+
+
+def page_of(
+    results: Sequence[FieldResult],
+    announce: Callable[[str], None],
+    ranges: Sequence[LengthRange | None] = (),
+) -> str:
+    """Return the page in which the results move: HTML that holds all it needs."""
+    from tactgen.validation.show.page import page
+    from tactgen.validation.show.viewer import payload
+
+    stills = page_stills(results[0], announce)
+    title = f"{results[0].scene}: modes and fields"
+    return page(title, payload(results, ranges), stills)
+
+
+def page_stills(result: FieldResult, announce: Callable[[str], None]) -> list[Still]:
+    """Return stills of the first modes, for those who see no movement."""
+    from tactgen.validation.show.page import Still
+    from tactgen.validation.show.stills import Picture, still
+
+    found = []
+    chosen = [s for s in result.states if s.circuit == "short"] or list(result.states)
+    for state in chosen[:2]:
+        announce(f"still of {state.name}")
+        picture = Picture(*_STILL, shade=shades_of(result)[0])
+        words = words_of(result, state)
+        caption = f"{words.title}: {words.number}, {words.detail}".removesuffix(", ")
+        found.append(Still(still(result, state, picture), caption))
+    return found
+
+
+def harmonic_frequencies(scene: Scene) -> tuple[float, ...]:
+    """Return the scene's frequencies (Hz) as those of harmonic states.
+
+    Raises
+    ------
+    InputError
+        If one is not above 0 Hz, or there are more than a page can hold.
+    """
+    if min(scene.frequency) <= 0.0:
+        raise InputError(
+            f"frequency = {min(scene.frequency):g} Hz has no vibration to show; give one above "
+            "0 Hz (the static state is always there)"
+        )
+    if len(scene.frequency) > _MOST:
+        raise InputError(
+            f"frequency has {len(scene.frequency)} values, each a solution and a state of its own; "
+            f"give at most {_MOST}"
+        )
+    return scene.frequency
+
+
+@dataclass(frozen=True)
+class InlineView:
+    """A page that notebooks show in a frame of its own.
+
+    Attributes
+    ----------
+    page : str
+        HTML that holds all it needs.
+    height : int
+        Of the frame (pixels).
+    """
+
+    page: str
+    height: int = 720
+
+    def _repr_html_(self) -> str:
+        """Return the frame; the page is inside it, so that a copied notebook still shows it."""
+        return (
+            f'<iframe srcdoc="{html.escape(self.page)}" loading="lazy" title="modes and fields" '
+            f'style="width:100%;height:{self.height}px;border:0"></iframe>'
+        )
+
+
+def show(scene: Scene, models: Sequence[str] = (), frequencies: Sequence[float] = ()) -> InlineView:
+    """Return modes and fields of a scene as what a notebook shows when it is a cell's last value.
+
+    Parameters
+    ----------
+    models : sequence of str
+        One, or two to stand side by side; none: the fastest solid, and TMM beside it.
+    frequencies : sequence of float
+        Of driven states (Hz); none: half the first natural frequency, and that.
+
+    Raises
+    ------
+    InputError
+        If the scene has nothing to show, or a model is not there.
+    """
+    look = Look(models=tuple(models), frequencies=tuple(frequencies) or None)
+
+    def quiet(stage: str) -> None:
+        """Say nothing of a stage."""
+
+    return InlineView(page_of(looked_at(scene, look, quiet), quiet))

@@ -1,1 +1,0 @@
-"""Pictures, figures and numbers as people see them."""

@@ -1,1 +1,0 @@
-"""The page in which modes and fields move: data, script and style in one file."""
