@@ -30,7 +30,7 @@ ELEMENTS = 64
 def mode_lines(
     matrices: BeamMatrices, ends: Ends, count: int, *, open_circuit: bool
 ) -> list[CentreLine]:
-    """Return the lowest `count` elastic modes of lossless matrices, of unit tip displacement."""
+    """Lowest `count` elastic modes of lossless matrices, of unit tip displacement."""
     from scipy.linalg import eigh
 
     coupling, capacitance = matrices.coupling.real, matrices.capacitance.real
@@ -65,7 +65,7 @@ def mode_lines(
 def driven_line(
     matrices: BeamMatrices, ends: Ends, frequency: float, voltage: complex
 ) -> CentreLine:
-    """Return the motion at a voltage (V) across each layer."""
+    """Motion at a voltage (V) across each layer."""
     omega2, at = (2.0 * np.pi * frequency) ** 2, np.array([frequency])
     dynamic = matrices.stiffness - omega2 * matrices.mass
     w0, psi0, w1, _ = matrices.ports
@@ -89,7 +89,7 @@ def _line(
 
 
 def thinnest(piece: Piece, bimorph: Bimorph) -> float:
-    """Return the least thickness (m) of a piece in the direction in which it bends."""
+    """Least thickness (m) of a piece in the direction in which it bends."""
     if piece.section == "cylinder":
         return 2.0 * piece.radius
     ends = [piece.layers(bimorph, end) for end in (0.0, 1.0)]
@@ -104,7 +104,7 @@ def row_mesh(
     halvings: int = 0,
     shift: float = 0.0,
 ) -> tuple[Any, Ints, list[tuple[int, float]]]:
-    """Return the line mesh from base to tip, the beam of each element, and the joints.
+    """Line mesh from base to tip, the beam of each element, and the joints.
 
     Bending waves are the shorter the thinner a piece is: their number goes as its length over
     the root of its thickness, and so does its share of the elements.
@@ -173,7 +173,7 @@ def multiport(
     elements: int = 8,
     lossy: bool = True,
 ) -> Multiport:
-    """Return the beam-element model over its five ports (parallel wiring).
+    """Beam-element model over its five ports (parallel wiring).
 
     Parameters
     ----------
@@ -185,20 +185,17 @@ def multiport(
 
 
 def condense(matrices: BeamMatrices, frequencies: Floats) -> Multiport:
-    """Return the matrices over the five ports at frequencies (n,) in Hz."""
+    """Matrices over the five ports at frequencies (n,) in Hz."""
     stiffness = _condense(matrices, 2.0 * np.pi * frequencies) / matrices.unit
     return Multiport(frequencies, stiffness, BIMORPH)
 
 
 def elements_for(device: Device, highest: float) -> int:
-    """Return a number of elements that resolves waves up to `highest` Hz along the row.
+    """Number of elements that resolves waves up to `highest` Hz along the row.
 
     One radian of the slowest wave per element of order five; even, at least 8.
 
-    Raises
-    ------
-    InputError
-        If that is more than dense matrices bear.
+    Raises InputError if that is more than dense matrices bear.
     """
     piezo, bimorph = device.piezo, device.bimorph
     slowest = math.sqrt(min(1.0 / piezo.s55, device.shim.shear_modulus) / piezo.density)
@@ -289,7 +286,7 @@ def assemble(
 
 
 def _shares(space: Any, piece_of: Ints) -> Floats:
-    """Return where each quadrature point lies in its beam (n_elements, n_points), 0 to 1."""
+    """Where each quadrature point lies in its beam (n_elements, n_points), 0 to 1."""
     z = np.asarray(space.global_coordinates())[0]
     low, high = space.mesh.p[0][space.mesh.t]
     lower = np.array([low[piece_of == k].min() for k in piece_of])[:, None]
@@ -327,7 +324,7 @@ def bonded_tab(
     lossy: bool = False,
     unit: float = 1.0,
 ) -> Numbers:
-    """Return the stiffness (2, 2) of the tab in the slot at the slot's edge, to the head.
+    """Stiffness (2, 2) of the tab in the slot at the slot's edge, to the head.
 
     Weak form of a beam on its bond lines, its end on the glue below it:
     ∫ EI θ' φ' + GA (v' + θ)(ν' + φ) + k_w v ν + k_r θ φ dz + end springs, with the glue's
@@ -368,7 +365,7 @@ def bonded_tab(
 def bending_frequencies(
     matrices: BeamMatrices, ends: Ends, count: int, *, open_circuit: bool
 ) -> Floats:
-    """Return the lowest elastic natural frequencies (count,) in Hz of lossless matrices.
+    """Lowest elastic natural frequencies (count,) in Hz of lossless matrices.
 
     Damping at the ends is left out.
     """
@@ -406,7 +403,7 @@ def _top(size: int, count: int) -> list[int]:
 
 
 def _condense(matrices: BeamMatrices, omega: Floats) -> Complex:
-    """Return D (n, 5, 5): interior dofs, a band when numbered along z, eliminated."""
+    """D (n, 5, 5): interior dofs, a band when numbered along z, eliminated."""
     from scipy.linalg import solve_banded
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import reverse_cuthill_mckee
@@ -434,7 +431,7 @@ def _condense(matrices: BeamMatrices, omega: Floats) -> Complex:
 
 
 def _bands(k: Complex, m: Floats) -> tuple[int, Complex, Floats]:
-    """Return the half bandwidth and both matrices in LAPACK's band storage."""
+    """Half bandwidth and both matrices in LAPACK's band storage."""
     rows, columns = np.nonzero(abs(k) + abs(m))
     width = int(np.abs(rows - columns).max())
     k_band = np.zeros((2 * width + 1, k.shape[0]), dtype=complex)

@@ -22,7 +22,7 @@ from tactgen.geometry.device.parameters import Beam, Device
 def section_constants(
     piece: Piece, device: Device, beam: Beam, share: Floats, *, lossy: bool
 ) -> Complex:
-    """Return EI, GA, m, rhoI, K, C (6, n) at n shares of a piece's length.
+    """EI, GA, m, rhoI, K, C (6, n) at n shares of a piece's length.
 
     By integration over the layers.  Where the ceramic has no electrode each layer takes the
     uniform field that leaves it without charge, which adds k²/c to EI.
@@ -88,7 +88,7 @@ def _layers(piece: Piece, device: Device, share: Floats, *, lossy: bool) -> list
 
 
 def _layer_integrals(layer: _Layer, width: Any, beam: Beam) -> Complex:
-    """Return one layer's share of EI, GA, m, rhoI, K, C (6, n)."""
+    """One layer's share of EI, GA, m, rhoI, K, C (6, n)."""
     out = np.zeros((6, layer.low.size), dtype=complex)
     e, d31, field = layer.modulus, layer.d31, layer.field
     for x, weight in gauss(layer.low, layer.high):
@@ -126,13 +126,13 @@ def _cylinder_section(radius: float, device: Device, *, lossy: bool) -> Numbers:
 
 
 def gauss(low: Any, high: Any, points: int = 3) -> list[tuple[Any, Any]]:
-    """Return points and weights between two ends, numbers or arrays."""
+    """Points and weights between two ends, numbers or arrays."""
     centre, half = 0.5 * (low + high), 0.5 * (high - low)
     return [(centre + half * a, half * b) for a, b in _rule(points)]
 
 
 @cache
 def _rule(points: int) -> list[tuple[float, float]]:
-    """Return points and weights of Gauss' rule on −1 to 1."""
+    """Points and weights of Gauss' rule on −1 to 1."""
     x, weights = np.polynomial.legendre.leggauss(points)
     return list(zip(x.tolist(), weights.tolist(), strict=True))

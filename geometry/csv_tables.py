@@ -29,7 +29,7 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?", re.IGNORECAS
 
 
 def csv_rows(path: str | Path, name: str, remedy: str) -> list[Row]:
-    """Return the lines that are not empty, the header first, each split into stripped cells.
+    """Lines that are not empty, the header first, each split into stripped cells.
 
     Separated by comma, semicolon or tab, whichever the first line has most of; comments go
     from ``#`` to the end of the line; a byte order mark is skipped.
@@ -43,10 +43,7 @@ def csv_rows(path: str | Path, name: str, remedy: str) -> list[Row]:
     remedy : str
         What to give instead of a file that cannot be read or is empty.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is empty, or a line is not CSV.
+    Raises InputError if the file cannot be read, is empty, or a line is not CSV.
     """
     try:
         text = read_text(path)  # spreadsheets begin with a byte order mark
@@ -71,7 +68,7 @@ def csv_rows(path: str | Path, name: str, remedy: str) -> list[Row]:
 
 
 def plain_number(cell: str) -> float | None:
-    """Return the finite number that a cell holds, None if it holds anything else."""
+    """Finite number that a cell holds, None if it holds anything else."""
     value = float(cell) if _NUMBER.fullmatch(cell) else math.nan
     return value if math.isfinite(value) else None
 
@@ -81,10 +78,7 @@ def check_widths(rows: list[Row], name: str, *, short: bool = False) -> None:
 
     `short` lines, with fewer, are let pass where the last columns are not needed.
 
-    Raises
-    ------
-    InputError
-        Naming the line.
+    Raises InputError naming the line.
     """
     (_, header), *others = rows
     for number, cells in others:
@@ -96,7 +90,7 @@ def check_widths(rows: list[Row], name: str, *, short: bool = False) -> None:
 
 
 def _without_comment(line: str) -> str:
-    """Return a line up to the first ``#`` outside quotes."""
+    """Line up to the first ``#`` outside quotes."""
     for at, character in enumerate(line):
         if character == "#" and line.count('"', 0, at) % 2 == 0:
             return line[:at]
@@ -138,7 +132,7 @@ class Column(NamedTuple):
 
 
 def heading(text: str) -> Heading:
-    """Return what a heading says; no name if it cannot be read."""
+    """What a heading says; no name if it cannot be read."""
     parts = _HEADING.fullmatch(text)
     if parts is None:
         return Heading("", "")
@@ -147,12 +141,9 @@ def heading(text: str) -> Heading:
 
 
 def scale_to_si(name: str, text: str, unit: Unit, where: str) -> float:
-    """Return the factor from the unit that a heading states to SI.
+    """Factor from the unit that a heading states to SI.
 
-    Raises
-    ------
-    InputError
-        If the unit is missing or not one of that kind.
+    Raises InputError if the unit is missing or not one of that kind.
     """
     example = unit.example.split(" ", 1)[-1]
     if not text:
@@ -170,12 +161,9 @@ def scale_to_si(name: str, text: str, unit: Unit, where: str) -> float:
 
 
 def numbers(rows: list[Row], column: Column, names: list[str], source: str) -> Floats:
-    """Return a column's numbers in SI units, (rows,).
+    """Column's numbers in SI units, (rows,).
 
-    Raises
-    ------
-    InputError
-        Naming line, column and value of the first that is no possible number.
+    Raises InputError naming line, column and value of the first that is no possible number.
     """
     return np.array([_cell(row, column, names, source) for row in rows])
 
@@ -203,10 +191,7 @@ def _cell(row: Row, column: Column, names: list[str], source: str) -> float:
 def check_ascending(frequencies: Floats, lines: list[int], source: str) -> None:
     """Refuse frequencies (n,) in Hz that are not above 0 and ascending.
 
-    Raises
-    ------
-    InputError
-        Naming the line.
+    Raises InputError naming the line.
     """
     for i, f in enumerate(frequencies):
         if f <= 0.0:
@@ -233,7 +218,7 @@ class Table(NamedTuple):
 
 
 def read_table(path: str | Path, name: str, known: Mapping[str, Unit], example: str) -> Table:
-    """Return the columns of a file whose headings are all among the known ones.
+    """Columns of a file whose headings are all among the known ones.
 
     Parameters
     ----------
@@ -246,10 +231,7 @@ def read_table(path: str | Path, name: str, known: Mapping[str, Unit], example: 
     example : str
         A header that would do.
 
-    Raises
-    ------
-    InputError
-        In one sentence with file, line, column, value and remedy.
+    Raises InputError in one sentence with file, line, column, value and remedy.
     """
     (number, names), *rows = csv_rows(path, name, f"give a CSV file with the columns {example}")
     where = f"{name} line {number}"

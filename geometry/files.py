@@ -36,7 +36,7 @@ class NotWritten(InputError):
 
 
 def read_text(path: str | Path) -> str:
-    """Return a text file's content, UTF-8 with or without a byte order mark.
+    """Text file's content, UTF-8 with or without a byte order mark.
 
     Pipes and devices are not read: they may have no end, or nobody at the other one.
 
@@ -63,7 +63,7 @@ def read_text(path: str | Path) -> str:
 
 
 def special(path: Path) -> str:
-    """Return what stands at a path that no file may replace, such as a device; "" if nothing."""
+    """What stands at a path that no file may replace, such as a device; "" if nothing."""
     try:
         return _no_file(path.stat().st_mode)
     except (OSError, ValueError):
@@ -71,7 +71,7 @@ def special(path: Path) -> str:
 
 
 def _no_file(mode: int) -> str:
-    """Return what it is instead, of something that is no regular file."""
+    """What it is instead, of something that is no regular file."""
     if stat.S_ISDIR(mode):
         return "it is a folder"
     return "" if stat.S_ISREG(mode) else "it is a pipe or a device, not a file"
@@ -83,11 +83,8 @@ def written_whole(path: str | Path) -> Iterator[Path]:
 
     The temporary file has the same suffix, since writers choose the format by it.
 
-    Raises
-    ------
-    NotWritten
-        If the folder does not exist, is full or cannot be written, or the name is that of a
-        folder, pipe or device.
+    Raises NotWritten if the folder does not exist, is full or cannot be written, or the name is
+    that of a folder, pipe or device.
     """
     path = Path(path)
     obstacle = special(path)
@@ -116,7 +113,7 @@ def written_whole(path: str | Path) -> Iterator[Path]:
 
 
 def _own_prefix() -> str:
-    """Return how the names of this machine's drafts begin; a folder may be many machines'."""
+    """How the names of this machine's drafts begin; a folder may be many machines'."""
     return f".tactgen-{hashlib.sha256(platform.node().encode()).hexdigest()[:8]}-"
 
 
@@ -144,10 +141,7 @@ def _runs(process: int) -> bool:
 def writable_folder(path: Path) -> Path:
     """Create a folder if need be and make sure that files can be written there.
 
-    Raises
-    ------
-    InputError
-        If not.
+    Raises InputError if not.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)

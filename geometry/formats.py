@@ -15,7 +15,7 @@ _PLAIN = frozenset({"in", "psi", "bars", "folds", "peaks"})
 
 
 def engineering(value: float, unit: str, digits: int = 5) -> str:
-    """Return a value with an SI prefix, e.g. ``49.56 µm``; plain for pure numbers."""
+    """Value with an SI prefix, e.g. ``49.56 µm``; plain for pure numbers."""
     value += 0.0  # no -0
     if unit in ("", "1"):
         return f"{value:.{digits}g}"
@@ -34,7 +34,7 @@ def engineering(value: float, unit: str, digits: int = 5) -> str:
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """Return a unit with the SI prefix that suits a magnitude, and how many of it make one unit."""
+    """Unit with the SI prefix that suits a magnitude, and how many of it make one unit."""
     if unit in ("", "1") or not math.isfinite(largest) or largest == 0.0:
         return 1.0, unit
     exponent = max(-15, min(9, 3 * math.floor(math.log10(abs(largest)) / 3.0)))
@@ -42,7 +42,7 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
 
 
 def with_bar(value: float, bar: float, unit: str) -> str:
-    """Return value ± bar in one unit, with two digits of the bar.
+    """Value ± bar in one unit, with two digits of the bar.
 
     Bars below 1e-7 of the value are shown as a power of ten, since the digits before them say
     nothing to a reader.
@@ -67,13 +67,13 @@ def with_bar(value: float, bar: float, unit: str) -> str:
 
 
 def signed(value: float, decimals: int) -> str:
-    """Return a number with its sign and so many decimals; what rounds to zero has no sign."""
+    """Number with its sign and so many decimals; what rounds to zero has no sign."""
     text = f"{value:+.{decimals}f}"
     return text if float(text) else text[1:]
 
 
 def percent(value: float, decimals: int | None = None) -> str:
-    """Return a signed fraction in percent, to so many decimals or to what is above rounding."""
+    """Signed fraction in percent, to so many decimals or to what is above rounding."""
     if not math.isfinite(value):
         return "n/a"
     if decimals is not None:
@@ -86,14 +86,14 @@ def percent(value: float, decimals: int | None = None) -> str:
 
 
 def share(value: float) -> str:
-    """Return a fraction without a sign in percent, two digits: an error bar, a size."""
+    """Fraction without a sign in percent, two digits: an error bar, a size."""
     if not math.isfinite(value):
         return "n/a"
     return f"{100.0 * value:.2g} %"
 
 
 def filters() -> dict[str, Callable[..., Any]]:
-    """Return the template filters."""
+    """Template filters."""
     return {
         "eng": engineering,
         "bar": with_bar,

@@ -15,12 +15,12 @@ _SHOWN = 3
 
 
 def folded(name: str) -> str:
-    """Return a name without case, hyphens, underscores and spaces, to compare it with others."""
+    """Name without case, hyphens, underscores and spaces, to compare it with others."""
     return "".join(c for c in name.casefold() if c not in " -_")
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return `` (did you mean "…"?)`` for a misspelt name, or nothing.
+    """`` (did you mean "…"?)`` for a misspelt name, or nothing.
 
     Of dotted names the last part may be all that was written; several may end in it.
     """
@@ -43,7 +43,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def _of_ending(ending: str, known: tuple[str, ...], *, cutoff: float) -> list[str]:
-    """Return the dotted names that end in what is nearest to `ending`."""
+    """Dotted names that end in what is nearest to `ending`."""
     dotted = [(k, k.rsplit(".", 1)[-1]) for k in known if "." in k]
     close = difflib.get_close_matches(ending, [last for _, last in dotted], n=1, cutoff=cutoff)
     return [k for k, last in dotted if last in close]

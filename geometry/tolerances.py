@@ -52,19 +52,16 @@ class Toleranced:
 
 
 def has_tolerance(text: str) -> bool:
-    """Return whether a text is meant as a number with a tolerance."""
+    """Whether a text is meant as a number with a tolerance."""
     return len(text) <= _LONGEST and re.search(rf"{_SIGN}|\(.*\.\.", text) is not None
 
 
 def read_tolerance(text: str, unit: Unit) -> Toleranced:
-    """Return what a number with a tolerance says.
+    """What a number with a tolerance says.
 
     A unit that stands once holds for all numbers.
 
-    Raises
-    ------
-    ValueError
-        With a sentence that names the remedy, to follow the text.
+    Raises ValueError with a sentence that names the remedy, to follow the text.
     """
     found = _PLUS_MINUS.fullmatch(text)
     if found:
@@ -121,7 +118,7 @@ def _range(found: re.Match[str], unit: Unit) -> Toleranced:
 
 
 def _inside(found: Toleranced, value: float, unit: Unit) -> Toleranced:
-    """Return `found` if both ends are possible; a value that is not says so by itself."""
+    """`found` if both ends are possible; a value that is not says so by itself."""
     unit.check(value)
     for end in (found.low, found.high):
         try:

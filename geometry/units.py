@@ -45,7 +45,7 @@ _LONGEST = 60
 
 
 def quoted(value: Any) -> str:
-    """Return a refused value as a message repeats it: on one line and not too long."""
+    """Refused value as a message repeats it: on one line and not too long."""
     try:
         text = f'"{value}"' if isinstance(value, str) else str(value)
     except (ValueError, RecursionError):  # Python does not write out integers of any length
@@ -72,7 +72,7 @@ class OutOfRange(ValueError):
 
 @cache
 def unit_registry() -> pint.UnitRegistry[Any]:
-    """Return the one registry of units."""
+    """One registry of units."""
     import pint  # costs 0.2 s with its definitions: only when text has to be read
 
     return pint.UnitRegistry()
@@ -114,17 +114,14 @@ class Unit:
         return f"{'an' if self.kind[0] in 'aeiou' else 'a'} {self.kind}"
 
     def show(self, value: float) -> str:
-        """Return an SI value as text in the unit that people write it in."""
+        """SI value as text in the unit that people write it in."""
         unit = self.shown or self.si
         return f"{value * self.per_si:.10g} {unit}".rstrip()
 
     def __call__(self, value: Any, info: ValidationInfo) -> float:
-        """Return `value` in SI units.
+        """`value` in SI units.
 
-        Raises
-        ------
-        ValueError
-            With a sentence that names the remedy.
+        Raises ValueError with a sentence that names the remedy.
         """
         if isinstance(value, str):
             number = self.parse(value)
@@ -149,12 +146,9 @@ class Unit:
             raise
 
     def parse(self, text: str, *, bare: bool = False) -> float:
-        """Return what a text says in SI units; `bare` takes a number without a unit for SI.
+        """What a text says in SI units; `bare` takes a number without a unit for SI.
 
-        Raises
-        ------
-        ValueError
-            With a sentence that names the remedy.
+        Raises ValueError with a sentence that names the remedy.
         """
         unreadable = f'cannot be read as {self._a_kind}; write for example "{self.example}"'
         if "±" in text or "+/-" in text:
@@ -208,7 +202,7 @@ class Unit:
         self._in_range(number, limited=True)
 
     def _takes(self, number: float) -> bool:
-        """Return whether a number is within the bounds that the quantity has by its nature."""
+        """Whether a number is within the bounds that the quantity has by its nature."""
         return (
             (self.above is None or number > self.above)
             and (self.at_least is None or number >= self.at_least)
@@ -378,12 +372,9 @@ class WholeNumber:
     example: str
 
     def __call__(self, value: Any) -> int:
-        """Return `value` as an integer.
+        """`value` as an integer.
 
-        Raises
-        ------
-        ValueError
-            With a sentence that names the range.
+        Raises ValueError with a sentence that names the range.
         """
         text = str(value).strip() if isinstance(value, str | int | float) else ""
         # 3.0 is what some programs write for 3

@@ -35,7 +35,7 @@ class LineMatrices:
 
 @cache
 def gauss_values(degree: int, *, hierarchic: bool = False) -> tuple[Floats, Floats]:
-    """Return the polynomials and their slopes at the degree + 1 Gauss points of [−1, 1].
+    """Polynomials and their slopes at the degree + 1 Gauss points of [−1, 1].
 
     In a hierarchy the bubbles are integrals of Legendre's polynomials, of unit ∫ N'².
 
@@ -54,7 +54,7 @@ def gauss_values(degree: int, *, hierarchic: bool = False) -> tuple[Floats, Floa
 
 @cache
 def _legendre_coefficients(degree: int, *, hierarchic: bool) -> Floats:
-    """Return each polynomial (column) in those of Legendre."""
+    """Each polynomial (column) in those of Legendre."""
     if not hierarchic:
         return np.asarray(np.linalg.inv(legendre.legvander(lobatto_points(degree), degree)))
     found = np.zeros((degree + 1, degree + 1))
@@ -66,13 +66,13 @@ def _legendre_coefficients(degree: int, *, hierarchic: bool) -> Floats:
 
 @cache
 def _reference(degree: int, *, hierarchic: bool) -> Floats:
-    """Return ∫ ∂^a N_i ∂^b N_j over [−1, 1], (2, 2, degree + 1, degree + 1)."""
+    """∫ ∂^a N_i ∂^b N_j over [−1, 1], (2, 2, degree + 1, degree + 1)."""
     weights, both = gauss_values(degree, hierarchic=hierarchic)
     return np.asarray(np.einsum("aqi,q,bqj->abij", both, weights, both))
 
 
 def nodal_values(axis: Axis) -> Floats:
-    """Return the values (nodes, functions) of an axis' functions at its nodes."""
+    """Values (nodes, functions) of an axis' functions at its nodes."""
     if not axis.hierarchic:
         return np.eye(axis.nodes.size)
     p = axis.degree
@@ -86,7 +86,7 @@ def nodal_values(axis: Axis) -> Floats:
 
 @lru_cache(maxsize=64)
 def line_matrices(axis: Axis, first: int = 0, last: int | None = None) -> LineMatrices:
-    """Return the matrices of an axis, integrated over the intervals first … last − 1."""
+    """Matrices of an axis, integrated over the intervals first … last − 1."""
     n, p = axis.nodes.size, axis.degree
     lengths = np.diff(axis.breaks)
     nodes = p * np.arange(axis.intervals)[:, None] + np.arange(p + 1)
@@ -123,7 +123,7 @@ def _without_row_sums(stiffness: Floats, moved: Bools) -> Floats:
 
 
 def line_weights(axis: Axis, first: int = 0, last: int | None = None) -> tuple[Floats, Floats]:
-    """Return ∫ N_i and ∫ s N_i (n_nodes,) along an axis s, over the intervals first … last − 1."""
+    """∫ N_i and ∫ s N_i (n_nodes,) along an axis s, over the intervals first … last − 1."""
     matrices = line_matrices(axis, first, last)
     mass = matrices.integrals[0, 0]
     n = axis.nodes.size

@@ -47,7 +47,7 @@ class ElementTetEdge2(ElementHcurl):  # type: ignore[misc]
     refdom = RefTet
 
     def lbasis(self, X: Floats, i: int) -> tuple[Floats, Floats]:
-        """Return function `i` and its curl, each (3, ...), at reference points X (3, ...)."""
+        """Function `i` and its curl, each (3, ...), at reference points X (3, ...)."""
         if i < 6:
             return _whitney(X, *RefTet.edges[i])
         if i >= 14:
@@ -60,12 +60,9 @@ class ElementTetEdge2(ElementHcurl):  # type: ignore[misc]
         return lam * value, lam * curl + np.cross(slope, value, axis=0)
 
     def gbasis(self, mapping: Any, X: Floats, i: int, tind: Any = None) -> tuple[Any]:
-        """Return function `i` on the cells: covariant values, contravariant curls.
+        """Function `i` on the cells: covariant values, contravariant curls.
 
-        Raises
-        ------
-        ValueError
-            If the corners of the mesh's cells are not in increasing order.
+        Raises ValueError if the corners of the mesh's cells are not in increasing order.
         """
         if np.any(np.diff(mapping.mesh.t, axis=0) < 0):
             raise ValueError("edge elements need cells whose corners are in increasing order")
@@ -86,7 +83,7 @@ def _barycentric(X: Floats, corner: int) -> Floats:
 
 
 def _whitney(X: Floats, i: int, j: int) -> tuple[Floats, Floats]:
-    """Return λi ∇λj − λj ∇λi and its curl 2 ∇λi × ∇λj."""
+    """Λi ∇λj − λj ∇λi and its curl 2 ∇λi × ∇λj."""
     shape = (3,) + (1,) * (X.ndim - 1)
     a, b = _SLOPES[i].reshape(shape), _SLOPES[j].reshape(shape)
     value = _barycentric(X, i) * b - _barycentric(X, j) * a

@@ -46,30 +46,30 @@ class Pattern:
         self._parts: dict[bytes, Pattern] = {}
 
     def local(self, x: Floats) -> Floats:
-        """Return the cells' values (n_cells, n_local) of the free unknowns x."""
+        """Cells' values (n_cells, n_local) of the free unknowns x."""
         return np.asarray(np.append(x, 0.0)[self._dofs])  # index -1: an unknown held at 0
 
     def vector(self, local: Floats) -> Floats:
-        """Return the sum (n_free,) of the cells' vectors (n_cells, n_local)."""
+        """Sum (n_free,) of the cells' vectors (n_cells, n_local)."""
         whole = np.bincount(self._dofs.ravel() + 1, local.ravel(), minlength=self.size + 1)
         return np.asarray(whole[1:])
 
     def matrix(self, local: Floats) -> Sparse:
-        """Return the sum of the cells' matrices, n_local² entries each."""
+        """Sum of the cells' matrices, n_local² entries each."""
         return self.of_entries(self.entries(local))
 
     def entries(self, local: Floats) -> Floats:
-        """Return the stored entries of the sum of the cells' matrices."""
+        """Stored entries of the sum of the cells' matrices."""
         weights = local.ravel()[self._kept]
         return np.bincount(self._slot, weights, minlength=self._columns.size).astype(float)
 
     def of_entries(self, entries: Floats) -> Sparse:
-        """Return the matrix of these stored entries."""
+        """Matrix of these stored entries."""
         shape = (self.size, self.size)
         return sparse.csr_matrix((entries, self._columns, self._starts), shape=shape)
 
     def part(self, cells: Ints) -> Pattern:
-        """Return the same pattern for the matrices of some of the cells alone; kept."""
+        """Same pattern for the matrices of some of the cells alone; kept."""
         key = cells.tobytes()
         if key not in self._parts:
             self._parts[key] = self._part(cells)
@@ -119,19 +119,19 @@ class FieldKernel:
         return self._pattern.size
 
     def field(self, x: Floats) -> Floats:
-        """Return F (n_cells, n_points, 3) from the free unknowns x."""
+        """F (n_cells, n_points, 3) from the free unknowns x."""
         local = self._pattern.local(x) @ self._linear
         on_reference = local.reshape(local.shape[0], self._n_points, 3)
         return np.asarray(np.einsum("cqab,cqb->cqa", self._transform, on_reference))
 
     def functional(self, dual: Floats) -> Floats:
-        """Return ∫ dual · F_i dV (n_free,) for every free unknown i, dual (cells, points, 3)."""
+        """∫ dual · F_i dV (n_free,) for every free unknown i, dual (cells, points, 3)."""
         pulled = np.einsum("cqab,cqa->cqb", self._transform, dual * self._weights[..., None])
         local = pulled.reshape(pulled.shape[0], -1) @ self._linear.T
         return self._pattern.vector(local)
 
     def matrix(self, tensor: Floats) -> Sparse:
-        """Return ∫ F_i · tensor F_j dV, tensor (cells, points, 3, 3) symmetric."""
+        """∫ F_i · tensor F_j dV, tensor (cells, points, 3, 3) symmetric."""
         s = self._transform
         pulled = np.swapaxes(s, -1, -2) @ (tensor * self._weights[..., None, None]) @ s
         local = pulled.reshape(pulled.shape[0], -1) @ self._products
@@ -158,14 +158,14 @@ class BlockPattern:
         self._starts = np.searchsorted(unique, np.arange(size + 1) * np.int64(size))
 
     def upper(self) -> tuple[Ints, Ints]:
-        """Return starts (n + 1,) and columns of the upper triangle's compressed rows of blocks."""
+        """Starts (n + 1,) and columns of the upper triangle's compressed rows of blocks."""
         rows = np.repeat(np.arange(self._size), np.diff(self._starts))
         upper = self.columns >= rows
         counts = np.bincount(rows[upper], minlength=self._size)
         return np.concatenate([[0], np.cumsum(counts)]), self.columns[upper]
 
     def places(self, cells: Ints) -> Sparse:
-        """Return the matrix of ones that adds the entries of some cells to those of the whole."""
+        """Matrix of ones that adds the entries of some cells to those of the whole."""
         slot = self._slot[cells].ravel()
         ones = np.ones(slot.size)
         return sparse.csr_matrix(
@@ -173,7 +173,7 @@ class BlockPattern:
         )
 
     def matrix(self, entries: Numbers) -> Sparse:
-        """Return the matrix in compressed rows, `entries` (n, k²) being blocks of k by k."""
+        """Matrix in compressed rows, `entries` (n, k²) being blocks of k by k."""
         k = round(float(np.sqrt(entries.shape[1])))
         blocks = entries.reshape(-1, k, k)
         shape = (k * self._size, k * self._size)

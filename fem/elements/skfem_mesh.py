@@ -18,7 +18,7 @@ _HEX_ORDER = [0, 4, 3, 1, 7, 5, 2, 6]
 
 
 def to_skfem(mesh: Mesh) -> Any:
-    """Return the scikit-fem mesh with `mesh.regions` as subdomains and `mesh.faces` as boundaries.
+    """Scikit-fem mesh with `mesh.regions` as subdomains and `mesh.faces` as boundaries.
 
     Curved tetrahedra become MeshTet2 with their mid-edge nodes kept.
     """
@@ -44,7 +44,7 @@ def to_skfem(mesh: Mesh) -> Any:
 
 
 def _facets(plain: Any, faces: Ints) -> Ints:
-    """Return the facet number of each face given by its corners."""
+    """Facet number of each face given by its corners."""
     if faces.size == 0:
         return np.zeros(0, dtype=np.int64)
     facets = np.sort(plain.facets, axis=0).T
@@ -81,7 +81,7 @@ def _curved(named: Any, mesh: Mesh) -> Any:
 
 
 def _edge_dof(quadratic: Any, dofs: Ints, a: Ints, b: Ints) -> Ints:
-    """Return the mid-edge dof between global vertices a and b of each element."""
+    """Mid-edge dof between global vertices a and b of each element."""
     found = np.full(a.size, -1, dtype=np.int64)
     for local, (i, j) in enumerate(quadratic.elem.refdom.edges):
         ends = np.sort(quadratic.t[[i, j]], axis=0)
@@ -101,7 +101,7 @@ _TWO_ALIKE = (0.045503704125649649492, 0.042546020777081466438)
 
 
 def tet_rule() -> tuple[Floats, Floats]:
-    """Return points (3, 14) on the reference tetrahedron and weights (14,), their sum 1/6."""
+    """Points (3, 14) on the reference tetrahedron and weights (14,), their sum 1/6."""
     barycentric, weights = [], []
     for shared, weight in _THREE_ALIKE:
         for corner in range(4):

@@ -131,7 +131,7 @@ class SolidPoint:
 
 
 def actuator_problem(device: Device, gap: float, mesh: Mesh, copies: int) -> MagneticSolid:
-    """Return the field problem on a mesh with :data:`geometry.reluctance.tets.REGIONS`."""
+    """Field problem on a mesh with :data:`geometry.reluctance.tets.REGIONS`."""
     steel = magnetisation_curve(device.steel)
     return MagneticSolid(
         mesh, {"rod": steel, "sleeve": steel}, winding_source(device, gap), copies=copies
@@ -139,7 +139,7 @@ def actuator_problem(device: Device, gap: float, mesh: Mesh, copies: int) -> Mag
 
 
 def winding_source(device: Device, gap: float) -> SourceField:
-    """Return T0 of the winding (A/m) for one ampere-turn; z = 0 is the sleeve's top face."""
+    """T0 of the winding (A/m) for one ampere-turn; z = 0 is the sleeve's top face."""
     coil = next(part for part in actuator_regions(device, gap) if part.turns)
     (inner, outer), (low, high) = coil.radii, coil.heights
 
@@ -268,7 +268,7 @@ def _values(
 
 
 def _beyond_table(field: MagneticField) -> float:
-    """Return the share of the iron's volume beyond the end of a curve that ends early."""
+    """Share of the iron's volume beyond the end of a curve that ends early."""
     solid = field.solid
     size = np.linalg.norm(field.flux_density, axis=-1)
     beyond = total = 0.0
@@ -279,7 +279,7 @@ def _beyond_table(field: MagneticField) -> float:
 
 
 def _flux_per_current(potential: VectorPotential | ScalarPotential, field: MagneticField) -> float:
-    """Return the change of the flux per turn with the ampere-turns (H), by a central difference."""
+    """Change of the flux per turn with the ampere-turns (H), by a central difference."""
     step = _STEP * abs(field.current) or _FIRST_STEP
     ahead, behind = (
         potential.solve(field.current + change, start=field).flux_linkage

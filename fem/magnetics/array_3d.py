@@ -56,7 +56,7 @@ class ArrayForces:
 def array_forces(
     device: Device, current: float, gap: float, pitch: float, cell: Cell | None = None
 ) -> ArrayForces:
-    """Return the pull with all actuators of a square array driven; current in A, lengths in m.
+    """Pull with all actuators of a square array driven; current in A, lengths in m.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def nine_forces(
     pitch: float,
     cell: Cell | None = None,
 ) -> tuple[NineForces, ...]:
-    """Return the pulls for each choice of currents (A), which are by unit of `UNITS`.
+    """Pulls for each choice of currents (A), which are by unit of `UNITS`.
 
     Raises
     ------
@@ -144,7 +144,7 @@ def _read(vector: dict[str, float], scalar: dict[str, float]) -> NineForces:
 def nine_solids(
     device: Device, currents: Sequence[Mapping[str, float]], gap: float, pitch: float, cell: Cell
 ) -> list[SampledSolid]:
-    """Return the eighth of nine units with each choice of currents (A) as one ampere-turn.
+    """Eighth of nine units with each choice of currents (A) as one ampere-turn.
 
     Raises as :func:`nine_forces`.
     """
@@ -160,7 +160,7 @@ def nine_solids(
 
 
 def _placed(own: SourceField, currents: Mapping[str, float], pitch: float) -> SourceField:
-    """Return T0 (A/m) per turn of windings with these currents (A), each at its unit's place."""
+    """T0 (A/m) per turn of windings with these currents (A), each at its unit's place."""
 
     def source(points: Floats) -> Floats:
         field = np.zeros(points.shape)
@@ -172,7 +172,7 @@ def _placed(own: SourceField, currents: Mapping[str, float], pitch: float) -> So
 
 
 def motion_weights(solid: SampledSolid) -> dict[str, MotionWeight]:
-    """Return the weights of all bodies: by unit its rod with the winding, and its sleeve."""
+    """Weights of all bodies: by unit its rod with the winding, and its sleeve."""
     weights = {}
     for unit in UNITS:
         rod, coil, sleeve = (part_of(unit, part) for part in PARTS)
@@ -184,6 +184,6 @@ def motion_weights(solid: SampledSolid) -> dict[str, MotionWeight]:
 def vertical_forces(
     potential: VectorPotential | ScalarPotential, weights: Mapping[str, MotionWeight]
 ) -> dict[str, float]:
-    """Return the forces (N) downwards at the stated currents, of all units of a kind together."""
+    """Forces (N) downwards at the stated currents, of all units of a kind together."""
     field = potential.solve(1.0)
     return {name: eggshell_force(field, weight, _DOWN) for name, weight in weights.items()}

@@ -182,12 +182,9 @@ def solve_map(
 def field_point(
     model: TwoOrders, pair: Pair, *, keep: bool = False, any_grid: bool = False
 ) -> FieldPoint:
-    """Return what a solved field says, with error bars; `keep` keeps the field itself.
+    """What a solved field says, with error bars; `keep` keeps the field itself.
 
-    Raises
-    ------
-    InputError
-        If the grid is too coarse for error bars, unless `any_grid`.
+    Raises InputError if the grid is too coarse for error bars, unless `any_grid`.
     """
     fine = pair.fine
     values, lower = _values(model, fine), _values(model, pair.coarse)
@@ -213,7 +210,7 @@ def field_point(
 
 
 def _beyond_table(field: MagneticField) -> float:
-    """Return the share of the iron's volume beyond the end of a curve that ends early."""
+    """Share of the iron's volume beyond the end of a curve that ends early."""
     d, size = field.discretisation, size_of(field.flux_density)
     beyond = total = 0.0
     for cells, curve in d.iron:
@@ -223,7 +220,7 @@ def _beyond_table(field: MagneticField) -> float:
 
 
 def _errors(fine: MagneticField, values: dict[str, float], lower: dict[str, float]) -> FieldErrors:
-    """Return error bars: the change from the lower order, never less than the coenergy's.
+    """Error bars: the change from the lower order, never less than the coenergy's.
 
     The coenergy rises with the order towards its exact value, so its change cannot vanish
     by accident, as that of a force can.  The force counts with no less than what its two routes

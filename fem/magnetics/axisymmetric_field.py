@@ -99,7 +99,7 @@ class MagneticField:
         return np.asarray(self.discretisation.linkage @ self.tangent)
 
     def predicted(self, currents: Floats) -> Floats:
-        """Return the potential at other currents to first order, to start Newton from."""
+        """Potential at other currents to first order, to start Newton from."""
         return np.asarray(self.potential + self.tangent @ (np.asarray(currents) - self.currents))
 
 
@@ -126,10 +126,7 @@ def solve_field(
     tolerance : float
         As of :func:`fem.solvers.newton.minimise`.
 
-    Raises
-    ------
-    SolverError
-        If Newton's method does not arrive.
+    Raises SolverError if Newton's method does not arrive.
     """
     d = discretisation
     currents = np.asarray(currents, dtype=float)
@@ -189,7 +186,7 @@ class _Energy:
 
 
 def truncation_error(solution: MagneticField) -> float:
-    """Return the coenergy (J) lost by closing the open space at the outer radius.
+    """Coenergy (J) lost by closing the open space at the outer radius.
 
     A dipole m in the middle of a sphere of radius R that no flux leaves feels the uniform
     field −µ0 m / (2π R³) of the sphere's currents, so µ0 m² / (4π R³) is missing (from

@@ -55,7 +55,7 @@ class Eggshell:
         self._factors = Factors()
 
     def weight(self, discretisation: Discretisation) -> EggshellWeight:
-        """Return the weight on one of these grids, at the quadrature points of the field."""
+        """Weight on one of these grids, at the quadrature points of the field."""
         d, reference = discretisation, self._reference
         widths, heights = np.diff(d.grid.r)[:, None], d.heights[:, None]
         radii = d.grid.r[:-1, None] + widths * reference.across
@@ -76,12 +76,12 @@ class Eggshell:
 
 
 def eggshell_weight(discretisation: Discretisation) -> EggshellWeight:
-    """Return the harmonic weight on one grid."""
+    """Harmonic weight on one grid."""
     return Eggshell(discretisation).weight(discretisation)
 
 
 def _rigid(grid: Grid) -> Floats:
-    """Return 1 for cells that move, 0 for those at rest, nan in the air between, (n_e,)."""
+    """1 for cells that move, 0 for those at rest, nan in the air between, (n_e,)."""
     state = np.full(grid.labels.shape, np.nan)
     for index, region in enumerate(grid.regions):
         state[grid.labels == index] = 1.0 if region.moves else 0.0
@@ -89,7 +89,7 @@ def _rigid(grid: Grid) -> Floats:
 
 
 def eggshell_force(field: MagneticField, weight: EggshellWeight) -> float:
-    """Return the force on the moving regions along +z (N)."""
+    """Force on the moving regions along +z (N)."""
     b_r, b_z = np.moveaxis(field.flux_density, -1, 0)
     # T = (B Bᵀ − B²/2) / µ0; ∇g vanishes in every part, so T is needed in air only
     along = b_r * b_z * weight.slope_r + 0.5 * (b_z**2 - b_r**2) * weight.slope_z
@@ -97,7 +97,7 @@ def eggshell_force(field: MagneticField, weight: EggshellWeight) -> float:
 
 
 def virtual_work_force(field: MagneticField) -> float:
-    """Return the force on the moving regions along +z (N), ∂W'/∂(displacement) at fixed currents.
+    """Force on the moving regions along +z (N), ∂W'/∂(displacement) at fixed currents.
 
     Π is stationary in u, so only the motion counts.  The grid moves at the rate V(z), 1
     on moving and 0 on fixed iron edges: stretching a cell by ∂V/∂z makes its volume grow

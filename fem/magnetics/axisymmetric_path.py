@@ -44,10 +44,7 @@ class FieldPath:
     order, refinement, outer_radius
         As of :func:`fem.magnetics.axisymmetric.solve_point`.
 
-    Raises
-    ------
-    InputError
-        As there.
+    Raises InputError as there.
     """
 
     def __init__(
@@ -64,15 +61,15 @@ class FieldPath:
         self._solved: list[Start] = []  # potentials alone: the tables of a field are large
 
     def reaches(self, device: Device, gap: float) -> bool:
-        """Return whether the grid fits another device or gap."""
+        """Whether the grid fits another device or gap."""
         return self.fitted(device, gap) is not None
 
     def fitted(self, device: Device, gap: float) -> TwoOrders | None:
-        """Return a device at a gap (m) on the grid; None if that does not reach."""
+        """Device at a gap (m) on the grid; None if that does not reach."""
         return fitted(self._home, device, gap)
 
     def at(self, device: Device, current: float, gap: float, place: Floats) -> FieldPoint:
-        """Return the point of a device at a current (A) and gap (m).
+        """Point of a device at a current (A) and gap (m).
 
         Parameters
         ----------
@@ -95,7 +92,7 @@ class FieldPath:
         return self.solved(model, current, place)
 
     def solved(self, model: TwoOrders, current: float, place: Floats) -> FieldPoint:
-        """Return the point of what :meth:`fitted` gave; as :meth:`at`."""
+        """Point of what :meth:`fitted` gave; as :meth:`at`."""
         pair = solve_pair(model, current, self._start(place))
         del self._places[:-_HELD], self._solved[:-_HELD]
         self._places.append(np.asarray(place, dtype=float))
@@ -116,7 +113,7 @@ class FieldPath:
 
 
 def _weights(places: Floats, place: Floats) -> Floats:
-    """Return weights (n,) of values at places (n, k) that give polynomials at `place` exactly.
+    """Weights (n,) of values at places (n, k) that give polynomials at `place` exactly.
 
     Of the highest degree that n places, nearest first, determine.
     """
@@ -158,7 +155,7 @@ class FieldWalk:
         self._enough: list[int] = []
 
     def at(self, device: Device, current: float, gap: float, place: Floats) -> FieldPoint:
-        """Return the point of a device at a current (A) and gap (m).
+        """Point of a device at a current (A) and gap (m).
 
         The first grid tried is the one that was fine enough at the nearest place.
 

@@ -56,7 +56,7 @@ class ReferenceCell:
         return np.asarray(both.reshape(both.shape[0], -1))
 
     def of_functions(self, chosen: Sequence[int]) -> ReferenceCell:
-        """Return the same with some of the functions only."""
+        """Same with some of the functions only."""
         tables = (table[:, chosen] for table in (self.shape, self.slope_r, self.slope_z))
         return ReferenceCell(self.across, self.levels, self.weights, *tables)
 
@@ -133,7 +133,7 @@ class Discretisation:
         return self.pattern.part(empty).entries(local)
 
     def of_columns(self, over: Floats, times: Floats, cells: Ints) -> Floats:
-        """Return matrices of some cells, over / height + times × height of those of their columns.
+        """Matrices of some cells, over / height + times × height of those of their columns.
 
         What is the same over a column of cells but for their heights is integrated once a column.
         """
@@ -168,20 +168,20 @@ class Discretisation:
         return self.radii / widths[:, None], self.radii / self.heights[:, None]
 
     def flux_density(self, local: Floats) -> Floats:
-        """Return B (n_e, n_q, 2) from the cells' unknowns (n_e, n_b)."""
+        """B (n_e, n_q, 2) from the cells' unknowns (n_e, n_b)."""
         u, slope_r, slope_z = np.split(local @ self.reference.values, 3, axis=1)
         over_width, over_height = self._over_sides
         return np.stack([-over_height * slope_z, 2.0 * u + over_width * slope_r], axis=-1)
 
     def functional(self, field: Floats) -> Floats:
-        """Return ∫ H·B_i dV (n_e, n_b) of each cell and function, field (n_e, n_q, 2)."""
+        """∫ H·B_i dV (n_e, n_b) of each cell and function, field (n_e, n_q, 2)."""
         over_width, over_height = self._over_sides
         along, across = field[..., 1] * self.volumes, field[..., 0] * self.volumes
         parts = [2.0 * along, over_width * along, -over_height * across]
         return np.asarray(np.concatenate(parts, axis=1) @ self.reference.values.T)
 
     def matrices(self, tensor: Floats, cells: Ints) -> Floats:
-        """Return ∫ B_i·tensor B_j dV (n, n_b²) of some cells, tensor (n, n_q, 2, 2) symmetric."""
+        """∫ B_i·tensor B_j dV (n, n_b²) of some cells, tensor (n, n_q, 2, 2) symmetric."""
         width, height = (over[cells] for over in self._over_sides)
         weighted = tensor * self.volumes[cells][..., None, None]
         rr, rz, zz = weighted[..., 0, 0], weighted[..., 0, 1], weighted[..., 1, 1]
@@ -190,12 +190,12 @@ class Discretisation:
         return np.asarray(np.concatenate(parts, axis=1) @ self.reference.products)
 
     def on(self, grid: Grid) -> Discretisation:
-        """Return the same functions on a grid of the same cells, whose lines lie elsewhere."""
+        """Same functions on a grid of the same cells, whose lines lie elsewhere."""
         return replace(self, grid=grid, **_tables(grid, self.reference))
 
 
 def _tables(grid: Grid, reference: ReferenceCell) -> dict[str, Any]:
-    """Return what of a discretisation depends on where the lines are."""
+    """What of a discretisation depends on where the lines are."""
     widths, heights = np.diff(grid.r), np.diff(grid.z)
     radii = grid.r[:-1, None] + widths[:, None] * reference.across
     section = widths[:, None] * heights
@@ -255,7 +255,7 @@ def discretise(
 
 
 def _reference_cell(basis: Any) -> ReferenceCell:
-    """Return the functions of a basis with one cell, as of a cell of size 1."""
+    """Functions of a basis with one cell, as of a cell of size 1."""
     corners = basis.mesh.p[:, basis.mesh.t[:, 0]]
     low, size = corners.min(axis=1), np.ptp(corners, axis=1)
     places = (np.asarray(basis.global_coordinates())[:, 0] - low[:, None]) / size[:, None]
@@ -268,14 +268,14 @@ def _reference_cell(basis: Any) -> ReferenceCell:
 
 
 def cells_in_order(grid: Grid, mesh: Any) -> Ints:
-    """Return the mesh's cells sorted by r, then z."""
+    """Mesh's cells sorted by r, then z."""
     low = mesh.p[:, mesh.t].min(axis=1)
     columns, rows = np.searchsorted(grid.r, low[0]), np.searchsorted(grid.z, low[1])
     return np.asarray(np.lexsort((rows, columns)))
 
 
 def quadrature_order(order: int) -> int:
-    """Return the degree to integrate exactly: r³ × (order p)² along r for linear material."""
+    """Degree to integrate exactly: r³ × (order p)² along r for linear material."""
     return 2 * order + 3
 
 
@@ -293,13 +293,13 @@ def _held(basis: Any, grid: Grid, closed: tuple[str, ...]) -> Ints:
 
 
 def gathered(cell_dofs: Ints, values: Floats, size: int) -> Floats:
-    """Return the sum (size,) of the cells' vectors (n_e, n_b)."""
+    """Sum (size,) of the cells' vectors (n_e, n_b)."""
     summed = np.bincount(cell_dofs.ravel(), values.ravel(), minlength=size)
     return np.asarray(summed, dtype=float)
 
 
 def lowered(fine: Discretisation) -> tuple[Discretisation, Ints]:
-    """Return the functions one order lower, and which unknowns of `fine` theirs are.
+    """Functions one order lower, and which unknowns of `fine` theirs are.
 
     The tables are parts of the finer ones, at the same quadrature points.
     """
@@ -318,7 +318,7 @@ def lowered(fine: Discretisation) -> tuple[Discretisation, Ints]:
 
 
 def functions_of_order(fine: Discretisation, order: int) -> tuple[list[int], Ints, Ints]:
-    """Return which of a cell's functions are of an order, their unknowns, and those in `fine`."""
+    """Which of a cell's functions are of an order, their unknowns, and those in `fine`."""
     place = {mode: i for i, mode in enumerate(_modes(fine.order))}
     local = [place[mode] for mode in _modes(order)]
     kept, cell_dofs = np.unique(fine.cell_dofs[:, local], return_inverse=True)
@@ -326,7 +326,7 @@ def functions_of_order(fine: Discretisation, order: int) -> tuple[list[int], Int
 
 
 def _modes(order: int) -> list[tuple[int, ...]]:
-    """Return what tells the functions of a cell apart, in scikit-fem's order."""
+    """What tells the functions of a cell apart, in scikit-fem's order."""
     inner = range(2, order + 1)
     corners = [(corner,) for corner in range(4)]
     sides = [(side, degree) for side in range(4) for degree in inner]

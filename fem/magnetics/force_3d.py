@@ -64,7 +64,7 @@ class MotionWeight:
 def harmonic_weight(
     solid: SampledSolid, body: tuple[str, ...], shell: tuple[str, ...]
 ) -> MotionWeight:
-    """Return the weight that is 1 on `body`, harmonic in `shell` and 0 elsewhere.
+    """Weight that is 1 on `body`, harmonic in `shell` and 0 elsewhere.
 
     Parameters
     ----------
@@ -76,10 +76,7 @@ def harmonic_weight(
         Regions around the body with neither iron nor current.  They may touch the outer
         boundary at symmetry planes along which the body moves, and nowhere else.
 
-    Raises
-    ------
-    InputError
-        If the mesh lacks a region, or iron is in the shell.
+    Raises InputError if the mesh lacks a region, or iron is in the shell.
     """
     from skfem import Dofs, ElementTetP2
 
@@ -124,7 +121,7 @@ def _check(solid: SampledSolid, body: tuple[str, ...], shell: tuple[str, ...]) -
 
 
 def _at_mesh_points(mesh: Mesh, value: Floats, dofs: Ints) -> Floats:
-    """Return quadratic nodal values at the mesh's points, straight cells having corners only."""
+    """Quadratic nodal values at the mesh's points, straight cells having corners only."""
     cells = with_sorted_corners(mesh).cells
     nodal = np.zeros(mesh.points.shape[0])
     # corners first, then edges in the order that VTK's mid-edge nodes have too
@@ -133,7 +130,7 @@ def _at_mesh_points(mesh: Mesh, value: Floats, dofs: Ints) -> Floats:
 
 
 def _touched(solid: SampledSolid, numbering: Any, value: Floats) -> Floats:
-    """Return unit normals (n, 3) of the outer faces where the quadratic `value` is not zero."""
+    """Unit normals (n, 3) of the outer faces where the quadratic `value` is not zero."""
     domain = solid.domain
     faces = domain.boundary_facets()
     corners = domain.facets[:, faces]
@@ -145,13 +142,10 @@ def _touched(solid: SampledSolid, numbering: Any, value: Floats) -> Floats:
 
 
 def eggshell_force(field: MagneticField, weight: MotionWeight, direction: Floats) -> float:
-    """Return the force (N) on the body along the unit vector `direction` (3,).
+    """Force (N) on the body along the unit vector `direction` (3,).
 
-    Raises
-    ------
-    InputError
-        If the shell touches an outer face that is not parallel to the direction: stress
-        on that face would be missed.
+    Raises InputError if the shell touches an outer face that is not parallel to the direction:
+    stress on that face would be missed.
     """
     h, slope = field.field_strength, weight.gradient
     along = np.asarray(direction, dtype=float)
@@ -166,7 +160,7 @@ def eggshell_force(field: MagneticField, weight: MotionWeight, direction: Floats
 
 
 def moved(problem: MagneticSolid, weight: MotionWeight, shift: Floats) -> MagneticSolid:
-    """Return the problem with the body displaced by `shift` (3,) in m, the shell deformed.
+    """Problem with the body displaced by `shift` (3,) in m, the shell deformed.
 
     The source stays where it is.  A jump of T0 on the mesh's planes would be torn off
     them, so in body and shell T0 must be smooth; zero is.
@@ -183,7 +177,7 @@ def virtual_work_force(
     step: float,
     coenergy: Callable[[MagneticSolid], float],
 ) -> float:
-    """Return the force (N) along `direction` (3,) from two co-energies.
+    """Force (N) along `direction` (3,) from two co-energies.
 
     Parameters
     ----------

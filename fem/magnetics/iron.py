@@ -19,12 +19,12 @@ Iron = Sequence[tuple[Ints, MagnetisationCurve]]
 
 
 def size_of(vectors: Floats) -> Floats:
-    """Return the sizes (...) of vectors (..., k) of few components, in a tenth of norm's time."""
+    """Sizes (...) of vectors (..., k) of few components, in a tenth of norm's time."""
     return np.asarray(np.sqrt(sum(part * part for part in np.moveaxis(vectors, -1, 0))))
 
 
 def energy_density(iron: Iron, flux_density: Floats) -> Floats:
-    """Return ∫ H·dB (n_cells, n_points) in J/m³ from B (n_cells, n_points, 3) in T."""
+    """∫ H·dB (n_cells, n_points) in J/m³ from B (n_cells, n_points, 3) in T."""
     b = size_of(flux_density)
     density = 0.5 * b**2 / MU0
     for cells, curve in iron:
@@ -33,7 +33,7 @@ def energy_density(iron: Iron, flux_density: Floats) -> Floats:
 
 
 def coenergy_density(iron: Iron, field_strength: Floats) -> Floats:
-    """Return ∫ B·dH (n_cells, n_points) in J/m³ from H (n_cells, n_points, 3) in A/m."""
+    """∫ B·dH (n_cells, n_points) in J/m³ from H (n_cells, n_points, 3) in A/m."""
     h = size_of(field_strength)
     density = 0.5 * MU0 * h**2
     for cells, curve in iron:
@@ -42,7 +42,7 @@ def coenergy_density(iron: Iron, field_strength: Floats) -> Floats:
 
 
 def field_from_flux(iron: Iron, flux_density: Floats) -> Floats:
-    """Return H (n_cells, n_points, 3) in A/m from B in T."""
+    """H (n_cells, n_points, 3) in A/m from B in T."""
     field = flux_density / MU0
     for cells, curve in iron:
         b = size_of(flux_density[cells])
@@ -51,7 +51,7 @@ def field_from_flux(iron: Iron, flux_density: Floats) -> Floats:
 
 
 def flux_from_field(iron: Iron, field_strength: Floats) -> Floats:
-    """Return B (n_cells, n_points, 3) in T from H in A/m."""
+    """B (n_cells, n_points, 3) in T from H in A/m."""
     flux = MU0 * field_strength
     for cells, curve in iron:
         b = curve.flux_density_at(size_of(field_strength[cells]))
@@ -60,7 +60,7 @@ def flux_from_field(iron: Iron, field_strength: Floats) -> Floats:
 
 
 def reluctivity_tensor(iron: Iron, flux_density: Floats) -> Floats:
-    """Return dH/dB (n_cells, n_points, 3, 3), or 2, 2, in m/H."""
+    """DH/dB (n_cells, n_points, 3, 3), or 2, 2, in m/H."""
     axes = flux_density.shape[-1]
     tensor = np.zeros((*flux_density.shape, axes))
     tensor[...] = np.eye(axes) / MU0
@@ -71,7 +71,7 @@ def reluctivity_tensor(iron: Iron, flux_density: Floats) -> Floats:
 
 
 def permeability_tensor(iron: Iron, field_strength: Floats) -> Floats:
-    """Return dB/dH (n_cells, n_points, 3, 3) in H/m."""
+    """DB/dH (n_cells, n_points, 3, 3) in H/m."""
     tensor = np.zeros((*field_strength.shape, 3))
     tensor[...] = MU0 * np.eye(3)
     for cells, curve in iron:
@@ -83,7 +83,7 @@ def permeability_tensor(iron: Iron, field_strength: Floats) -> Floats:
 
 
 def _isotropic(vector: Floats, along: Floats, across: Floats) -> Floats:
-    """Return the tensor (..., k, k) that is `along` in the vector's direction, else `across`."""
+    """Tensor (..., k, k) that is `along` in the vector's direction, else `across`."""
     size = size_of(vector)[..., None]
     unit = vector / np.where(size > 0.0, size, 1.0)
     outer = unit[..., :, None] * unit[..., None, :]

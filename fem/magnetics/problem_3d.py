@@ -52,10 +52,7 @@ class MagneticSolid:
         How many times the mesh fits into the device; energies, flux and forces are those
         of the whole device.
 
-    Raises
-    ------
-    InputError
-        If the mesh is not made of tetrahedra or lacks a region or face that is named.
+    Raises InputError if the mesh is not made of tetrahedra or lacks a region or face that is named.
     """
 
     mesh: Mesh
@@ -127,7 +124,7 @@ class SampledSolid:
         return [(mesh.cells_of(name), curve) for name, curve in self.problem.materials.items()]
 
     def integral(self, density: Floats) -> float:
-        """Return ∫ density dV over the whole device, density (n_cells, n_points)."""
+        """∫ density dV over the whole device, density (n_cells, n_points)."""
         return float(self.problem.copies * np.sum(self.weights * density))
 
 
@@ -151,7 +148,7 @@ def sample(problem: MagneticSolid) -> SampledSolid:
 
 
 def with_sorted_corners(mesh: Mesh) -> Mesh:
-    """Return the mesh with each cell's corners in increasing order, which may turn it inside out.
+    """Mesh with each cell's corners in increasing order, which may turn it inside out.
 
     Edge elements then need no signs.
     """
@@ -209,7 +206,7 @@ class MagneticField:
         return self.solid.integral(linked)
 
     def flux_density_at(self, points: Floats) -> Floats:
-        """Return B (n, 3) in T at points (n, 3) in m within the mesh.
+        """B (n, 3) in T at points (n, 3) in m within the mesh.
 
         On a straight cell curl A is linear, and so is grad φ: the values at its quadrature points
         determine them.  On curved cells, and where T0 bends within a cell, the linear fit in
@@ -224,5 +221,5 @@ class MagneticField:
 
 
 def _linear(points: Floats) -> Floats:
-    """Return 1, x, y, z (n, 4) at points (3, n)."""
+    """1, x, y, z (n, 4) at points (3, n)."""
     return np.concatenate([np.ones((1, points.shape[1])), points]).T

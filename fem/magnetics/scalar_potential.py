@@ -40,7 +40,7 @@ class ScalarPotential:
         return self._gradient.size
 
     def solve(self, current: float, start: MagneticField | None = None) -> MagneticField:
-        """Return the field at `current` ampere-turns; as :meth:`VectorPotential.solve`."""
+        """Field at `current` ampere-turns; as :meth:`VectorPotential.solve`."""
         energy = _ScalarEnergy(self._solid, self._gradient, current)
         # H = T0 − grad φ keeps its shape from current to current only if φ grows with T0
         first = (
@@ -63,7 +63,7 @@ class ScalarPotential:
 def gradient_kernel(
     solid: SampledSolid, dofs: Ints, free: Ints, cells: Ints | slice = slice(None)
 ) -> FieldKernel:
-    """Return the kernel of the gradients of quadratic nodal functions.
+    """Kernel of the gradients of quadratic nodal functions.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def gradient_kernel(
 
 
 def _free(solid: SampledSolid, dofs: Any) -> Ints:
-    """Return all unknowns but those of flux-normal walls, or but one if there is no such wall."""
+    """All unknowns but those of flux-normal walls, or but one if there is no such wall."""
     normal = solid.problem.flux_normal
     if not normal:
         return np.arange(1, dofs.N)
@@ -106,7 +106,7 @@ class _ScalarEnergy:
         self._source = current * solid.source
 
     def field(self, x: Floats) -> Floats:
-        """Return H (n_cells, n_points, 3) in A/m."""
+        """H (n_cells, n_points, 3) in A/m."""
         return self._source - self._gradient.field(x)
 
     def value(self, x: Floats) -> float:
@@ -122,7 +122,7 @@ class _ScalarEnergy:
         return self._gradient.matrix(permeability_tensor(self._solid.iron, self.field(x)))
 
     def unsaturated(self, factors: Factors) -> Floats:
-        """Return the potential of the same iron with its initial permeability throughout.
+        """Potential of the same iron with its initial permeability throughout.
 
         From φ = 0 the iron would see T0 alone and seem saturated where it is not.
         """

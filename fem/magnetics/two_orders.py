@@ -60,12 +60,9 @@ class Start(NamedTuple):
 def two_orders(
     device: Device, gap: float, order: int, refinement: float, outer_radius: float
 ) -> TwoOrders:
-    """Return the actuator at a gap (m) on a grid of its own.
+    """Actuator at a gap (m) on a grid of its own.
 
-    Raises
-    ------
-    InputError
-        If the order has none below it, or the parts do not fit.
+    Raises InputError if the order has none below it, or the parts do not fit.
     """
     if order < 2:
         raise InputError(f"order = {order} leaves none below it to estimate errors; use 2 or more")
@@ -77,7 +74,7 @@ def two_orders(
 
 
 def fitted(model: TwoOrders, device: Device, gap: float) -> TwoOrders | None:
-    """Return another device, or gap (m), on the same grid; None if it does not reach."""
+    """Another device, or gap (m), on the same grid; None if it does not reach."""
     grid = model.fine.grid.fitted(actuator_regions(device, gap))
     if grid is None:
         return None
@@ -86,7 +83,7 @@ def fitted(model: TwoOrders, device: Device, gap: float) -> TwoOrders | None:
 
 
 def from_neighbour(pair: Pair, current: float) -> Start:
-    """Return where to start at another current (A): to first order what the field is there."""
+    """Where to start at another current (A): to first order what the field is there."""
     currents = np.array([current])
     return Start(pair.coarse.predicted(currents), pair.fine.predicted(currents))
 

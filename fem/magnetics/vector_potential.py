@@ -68,7 +68,7 @@ class VectorPotential:
         return self._curl.size
 
     def solve(self, current: float, start: MagneticField | None = None) -> MagneticField:
-        """Return the field at `current` ampere-turns.
+        """Field at `current` ampere-turns.
 
         Parameters
         ----------
@@ -77,10 +77,7 @@ class VectorPotential:
         start : MagneticField, optional
             A solution by this potential to start from, on the same mesh or one deformed.
 
-        Raises
-        ------
-        SolverError
-            If Newton's method does not arrive.
+        Raises SolverError if Newton's method does not arrive.
         """
         energy = _VectorEnergy(self._solid, self._curl, self._gauge, current)
         rest = np.zeros(self.size)
@@ -98,7 +95,7 @@ class VectorPotential:
 
 
 def _free(solid: SampledSolid, dofs: Any) -> Ints:
-    """Return the unknowns that are not on a wall that the flux cannot cross."""
+    """Unknowns that are not on a wall that the flux cannot cross."""
     domain, normal = solid.domain, solid.problem.flux_normal
     open_walls = [domain.boundaries[name] for name in normal]
     walls = np.setdiff1d(domain.boundary_facets(), np.concatenate([[], *open_walls]).astype(int))

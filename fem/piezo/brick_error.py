@@ -50,7 +50,7 @@ class MotionSurplus:
     tip: Floats
 
     def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
-        """Return K x and M x (w, k) of states (m + 3, k); the residual is f − K x + Ω² M x.
+        """K x and M x (w, k) of states (m + 3, k); the residual is f − K x + Ω² M x.
 
         A solid with losses needs K with them: a share 1/Q of K x alone may exceed the residual.
         """
@@ -61,7 +61,7 @@ class MotionSurplus:
         return self.stiffness @ spread, self.mass @ spread
 
     def products(self, residuals: Numbers) -> tuple[Numbers, Numbers]:
-        """Return r_iᵀ K⁻¹ r_j (k, k) of residuals (w, k), K the lacking functions' stiffness.
+        """R_iᵀ K⁻¹ r_j (k, k) of residuals (w, k), K the lacking functions' stiffness.
 
         Of displacements, and of potentials, whose K counts as positive.  An estimate needs no
         losses in this K.
@@ -102,7 +102,7 @@ class BrickSurplus:
         )
 
     def of(self, motion: Motion) -> MotionSurplus:
-        """Return what one class of motion lacks."""
+        """What one class of motion lacks."""
         unknowns, more = (
             quarter_unknowns(bricks, motion, self._unit) for bricks in (self._bricks, self._richer)
         )
@@ -120,7 +120,7 @@ class BrickSurplus:
 
 
 def _product(factor: Factor, residuals: Numbers) -> Numbers:
-    """Return rᵀ K⁻¹ r of a real factor and residuals (w, k) that may be complex."""
+    """Rᵀ K⁻¹ r of a real factor and residuals (w, k) that may be complex."""
     if not np.iscomplexobj(residuals):
         return np.asarray(residuals.T @ factor.solve(residuals))
     parts = factor.solve(np.hstack([residuals.real, residuals.imag]))
@@ -134,6 +134,6 @@ def _one_degree_more(bricks: Bricks) -> Bricks:
 
 
 def _places(own: Axis, more: Axis) -> Ints:
-    """Return where the functions (n,) of an axis are among those of a higher degree."""
+    """Where the functions (n,) of an axis are among those of a higher degree."""
     number = np.arange(own.nodes.size)
     return np.asarray(number // own.degree * more.degree + number % own.degree)

@@ -31,7 +31,7 @@ _PLAIN = 4
 def brick_matrices(
     bricks: Bricks, known: dict[str, Material], unit: float, tested: Bools | None = None
 ) -> tuple[Sparse, Sparse]:
-    """Return stiffness and mass of the whole body by the values on its quarter, held nowhere.
+    """Stiffness and mass of the whole body by the values on its quarter, held nowhere.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def brick_matrices(
 
 
 def _starts(counts: Ints) -> Ints:
-    """Return where rows of these lengths start."""
+    """Where rows of these lengths start."""
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
 
 
@@ -170,7 +170,7 @@ class _Pairs:
         return (np.cumsum(flat) - flat).reshape(self.row_counts.shape)
 
     def places(self, pair: int, across: _Across) -> tuple[Ints, Ints, Ints, Ints]:
-        """Return for one pair along x and all that go with it over y, z where they are.
+        """For one pair along x and all that go with it over y, z where they are.
 
         The start and length of the first function's row, the place in that row, and the other
         function; all counted in functions.
@@ -211,25 +211,25 @@ class _Layer:
         )
 
     def of_pairs(self, at: Ints) -> _Layer:
-        """Return what there is of some pairs over y and z."""
+        """What there is of some pairs over y and z."""
         return replace(self, gram=self.gram[at], areas=self.areas[at])
 
     def reaches(self, pair: int) -> bool:
-        """Return whether the slab has this pair of functions along x."""
+        """Whether the slab has this pair of functions along x."""
         return bool(self.along_x[:, pair].any())
 
     def blocks(self, pair: int) -> Numbers:
-        """Return the 4 x 4 blocks (m, 4, 4) of one pair along x with those over y and z."""
+        """4 x 4 blocks (m, 4, 4) of one pair along x with those over y and z."""
         scaled = self.along_x[:, [pair]] * self.weights
         # complex weights as twice as many real ones: the integrals are real
         product = self.gram @ scaled.view(float)
         return np.asarray(product.view(self.weights.dtype)).reshape(-1, 4, 4)
 
     def inertia(self, pair: int) -> Floats:
-        """Return the mass (m,) of one pair along x with those over y and z."""
+        """Mass (m,) of one pair along x with those over y and z."""
         return np.asarray(self.along_x[_PLAIN, pair] * self.areas)
 
 
 def _weights(material: Material, unit: float) -> Numbers:
-    """Return (9, 16): what each Gram matrix gives to each block over (u_x, u_y, u_z, φ)."""
+    """(9, 16): what each Gram matrix gives to each block over (u_x, u_y, u_z, φ)."""
     return material.flux_tensor(unit).transpose(1, 3, 0, 2).reshape(9, 16).copy()

@@ -24,7 +24,7 @@ from tactgen.geometry.device.parameters import Device
 
 
 def elimination_order(bricks: Bricks) -> Ints:
-    """Return the place (n,) of each of the grid's nodes, z fastest, in the order of elimination."""
+    """Place (n,) of each of the grid's nodes, z fastest, in the order of elimination."""
     shape = bricks.shape
     x, y, z = np.unravel_index(np.arange(int(np.prod(shape))), shape)
     along_x, along_y, along_z = bricks.degree
@@ -46,7 +46,7 @@ def elimination_order(bricks: Bricks) -> Ints:
 
 
 def _turns(count: int) -> tuple[Ints, Ints]:
-    """Return when each of `count` intervals, and the plane below each, is eliminated."""
+    """When each of `count` intervals, and the plane below each, is eliminated."""
     number = np.arange(count)
     intervals = 2 * np.minimum(number, count - 1 - number)
     planes = np.zeros(count, dtype=np.int64)
@@ -55,7 +55,7 @@ def _turns(count: int) -> tuple[Ints, Ints]:
 
 
 def _lines(number: Ints, degree: int) -> Ints:
-    """Return even numbers of a section's lines, and odd ones of what lies between two."""
+    """Even numbers of a section's lines, and odd ones of what lies between two."""
     return 2 * (number // degree) + (number % degree > 0)
 
 
@@ -116,7 +116,7 @@ class _Quarter:
         return elimination_order(self.bricks)
 
     def system(self, motion: Motion) -> SolidSystem:
-        """Return the system of one class of motion, of the whole body."""
+        """System of one class of motion, of the whole body."""
         bricks, unit, mass, place = self.bricks, self.unit, self.mass, self.place
         unknowns = quarter_unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
         nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, self.nodal_mass)
@@ -143,7 +143,7 @@ def quarter_unknowns(
     *,
     uniform_field: bool = False,
 ) -> Unknowns:
-    """Return what is free in one class of motion, and what base and electrodes prescribe.
+    """What is free in one class of motion, and what base and electrodes prescribe.
 
     Over (u_x, u_y, u_z, φ) node by node, z fastest; `unit` is that of the potential (V).
     """
@@ -169,7 +169,7 @@ def quarter_unknowns(
 
 
 def _linear_potential(bricks: Bricks, outer: Bools, inner: Bools, piezo: Bools) -> Floats:
-    """Return the potential per volt (nx, ny, nz) that is linear under the outer electrode."""
+    """Potential per volt (nx, ny, nz) that is linear under the outer electrode."""
     x = bricks.x.nodes
     low, high = x[inner.any(axis=(1, 2))][0], x[outer.any(axis=(1, 2))][0]
     share = np.clip((x - low) / (high - low), 0.0, 1.0)
@@ -177,7 +177,7 @@ def _linear_potential(bricks: Bricks, outer: Bools, inner: Bools, piezo: Bools) 
 
 
 def tip_functionals(bricks: Bricks) -> Floats:
-    """Return (4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""
+    """(4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""
     plain, levered = np.zeros((2, bricks.x.nodes.size))
     for slab in bricks.tip_slabs():
         more = line_weights(bricks.x, *slab.x)
@@ -194,7 +194,7 @@ def tip_functionals(bricks: Bricks) -> Floats:
 def whole_nodes(
     bricks: Bricks, unknowns: Unknowns, motion: Motion, unit: float, nodal: Floats
 ) -> tuple[Floats, Expansion, Floats]:
-    """Return nodes, expansion and nodal masses of the whole body, mirrored from the quarter.
+    """Nodes, expansion and nodal masses of the whole body, mirrored from the quarter.
 
     The nodes are the points of :meth:`geometry.bimorph.bricks.Bricks.node_mesh`, in its order.
     """
@@ -216,7 +216,7 @@ def whole_nodes(
 
 
 def nodal_mass(bricks: Bricks, known: dict[str, Material]) -> Floats:
-    """Return the mass of the quarter's body at its nodes (n,), all four quarters counted.
+    """Mass of the quarter's body at its nodes (n,), all four quarters counted.
 
     In proportion to the diagonal of the mass over values at nodes: row sums may be negative.
     """

@@ -29,7 +29,7 @@ _SIGNS = np.array([1.0, 1.0, 1.0, 1.0, -1.0])
 
 
 def missing_products(states: Numbers, surplus: Surplus) -> Numbers:
-    """Return the products r_iᵀ K_w⁻¹ r_j (2, 2 k + 8, 2 k + 8) of displacements, of potentials.
+    """Products r_iᵀ K_w⁻¹ r_j (2, 2 k + 8, 2 k + 8) of displacements, of potentials.
 
     Of K x and of M x of every unknown of a reduced solid, then of the tip's two functionals.
 
@@ -46,7 +46,7 @@ def missing_products(states: Numbers, surplus: Surplus) -> Numbers:
 def richer_multiports(
     model: PortModel, missing: Numbers, frequencies: Floats
 ) -> tuple[Multiport, Multiport]:
-    """Return D(Ω) (n, 5, 5) with displacements that the solid lacks; with potentials.
+    """D(Ω) (n, 5, 5) with displacements that the solid lacks; with potentials.
 
     Parameters
     ----------
@@ -110,20 +110,20 @@ class ReducedSolid:
     missing: Numbers | None = None
 
     def multiport(self, frequencies: Floats) -> Multiport:
-        """Return D(Ω) (n, 5, 5)."""
+        """D(Ω) (n, 5, 5)."""
         return self.fine.multiport(frequencies)
 
     def coarser_multiport(self, frequencies: Floats) -> Multiport:
-        """Return D(Ω) of the coarser basis, for the error estimate."""
+        """D(Ω) of the coarser basis, for the error estimate."""
         return self.coarse.multiport(frequencies)
 
     def richer_multiports(self, frequencies: Floats) -> tuple[Multiport, Multiport]:
-        """Return D(Ω) with displacements that the solid lacks; with potentials that it lacks."""
+        """D(Ω) with displacements that the solid lacks; with potentials that it lacks."""
         assert self.missing is not None
         return richer_multiports(self.fine, self.missing, frequencies)
 
     def error_estimate(self, frequencies: Floats) -> Floats:
-        """Return the estimated relative error (n,), the larger of two.
+        """Estimated relative error (n,), the larger of two.
 
         That of D(Ω), entries against the geometric mean of their diagonal neighbours; and,
         where there are losses, that of tip displacement, tip rotation and charge per volt
@@ -142,7 +142,7 @@ class ReducedSolid:
 
 
 def port_error(port: Multiport, other: Multiport) -> Floats:
-    """Return the distance of two D(Ω) (n,), against the geometric mean of the diagonal."""
+    """Distance of two D(Ω) (n,), against the geometric mean of the diagonal."""
     size = np.sqrt(np.abs(np.einsum("nii->ni", port.stiffness)))
     difference = np.abs(port.stiffness - other.stiffness)
     return np.asarray((difference / (size[:, :, None] * size[:, None, :])).max(axis=(1, 2)))
@@ -229,7 +229,7 @@ class _Chain:
 
 
 def _orthogonal(block: Complex, earlier: list[Complex]) -> Complex:
-    """Return an orthonormal basis of a block, each column scaled alike, less the earlier ones."""
+    """Orthonormal basis of a block, each column scaled alike, less the earlier ones."""
     block = block / np.linalg.norm(block, axis=0)
     for _ in range(2):  # twice is enough (Kahan, Parlett)
         for other in earlier:

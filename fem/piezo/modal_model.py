@@ -76,7 +76,7 @@ class ModalModel:
     missing: Floats | None = None
 
     def modes(self, ends: Ends, count: int, *, open_circuit: bool = False) -> list[BareMode]:
-        """Return the lowest `count` modes, ascending, without damping and rigid motions."""
+        """Lowest `count` modes, ascending, without damping and rigid motions."""
         squares, shapes = self._solved(ends, open_circuit=open_circuit)
         found = []
         for omega2, y in zip(squares[:count], shapes.T[:count], strict=True):
@@ -90,7 +90,7 @@ class ModalModel:
         return found
 
     def opened(self, ends: Ends) -> tuple[float, float]:
-        """Return what functions that the mesh lacks make of Ω² of open to short circuit, relative.
+        """What functions that the mesh lacks make of Ω² of open to short circuit, relative.
 
         Of the first mode that bends in x: the change, and the most that it can be with as much
         missing of either factor of its products (Cauchy, Schwarz).  Needs :attr:`surplus`.
@@ -107,14 +107,14 @@ class ModalModel:
         return float(charged[0, 1] - moved[0, 1]), float(sum(bounds))
 
     def _first_bending(self, ends: Ends, *, open_circuit: bool) -> tuple[Floats, Floats]:
-        """Return the first mode that bends in x (k + 2,), and its residual per root of energy."""
+        """First mode that bends in x (k + 2,), and its residual per root of energy."""
         squares, shapes = self._solved(ends, open_circuit=open_circuit)
         i = int(np.argmax([self._kind(y) == "bending_x" for y in shapes.T]))
         residual = self._residual(shapes[:, i], squares[i], ends, open_circuit=open_circuit)
         return shapes[:, i], residual / np.sqrt(squares[i])
 
     def _solved(self, ends: Ends, *, open_circuit: bool) -> tuple[Floats, Floats]:
-        """Return Ω² (n,) of all modes but rigid motions, ascending, and the modes (k + 2, n)."""
+        """Ω² (n,) of all modes but rigid motions, ascending, and the modes (k + 2, n)."""
         k, m = self.stiffness.copy(), self.mass.copy()
         base, load = ends.base, ends.conservative_tip
         if base is not None:
@@ -140,14 +140,14 @@ class ModalModel:
         return strongest(self.motions @ y, float(y @ self.energy @ y))[0]
 
     def _residual(self, y: Floats, omega2: float, ends: Ends, *, open_circuit: bool) -> Floats:
-        """Return the residual (2 k + 6,) of a mode in terms of :attr:`surplus`."""
+        """Residual (2 k + 6,) of a mode in terms of :attr:`surplus`."""
         load = ends.conservative_tip
         charge = float(self.charge @ y) / self.capacitance if open_circuit else 0.0
         moved = (load.stiffness - omega2 * load.mass) * float(self.tip @ y)
         return np.concatenate([y, -omega2 * y, [charge, moved]])
 
     def highest(self, count: int) -> list[BareMode]:
-        """Return modes that are, one by one, as high as any support, load and circuit has them."""
+        """Modes that are, one by one, as high as any support, load and circuit has them."""
         k = self.stiffness[:-2, :-2]
         stiffness = 1.0 / float(self.tip[:-2] @ np.linalg.solve(k, self.tip[:-2]))
         return self.modes(Ends(None, TipLoad(_HELD * stiffness)), count, open_circuit=True)

@@ -80,7 +80,7 @@ def modal_model(system: SolidSystem, count: int, surplus: Surplus | None = None)
 
 
 def _alone(system: SolidSystem, charge: Numbers) -> tuple[Floats, Floats]:
-    """Return the potentials (n,) of 1 V where nothing moves, and the forces (n,) that they make.
+    """Potentials (n,) of 1 V where nothing moves, and the forces (n,) that they make.
 
     `charge` (n,) is what 1 V acts with on displacements and on potentials.
     """
@@ -97,7 +97,7 @@ def _alone(system: SolidSystem, charge: Numbers) -> tuple[Floats, Floats]:
 
 
 def _lacking(surplus: Surplus, shapes: Floats, field: Floats) -> Floats:
-    """Return what :class:`ModalModel` keeps of functions that the solid lacks."""
+    """What :class:`ModalModel` keeps of functions that the solid lacks."""
     size = shapes.shape[1]
     states = np.zeros((shapes.shape[0] + 1, size + 1))
     states[:-1, :-1], states[-1, -1] = shapes, 1.0
@@ -138,7 +138,7 @@ class _Basis:
                 return
 
     def _lowest(self, count: int) -> tuple[Floats, Floats]:
-        """Return ω² of modes and their parts (k, count); right to rounding as inverses are."""
+        """Ω² of modes and their parts (k, count); right to rounding as inverses are."""
         inverse = np.linalg.inv(self.shapes.T @ self.loads)
         found, parts = np.linalg.eigh(0.5 * (inverse + inverse.T))
         chosen = slice(None, max(found.size - count, 0) - found.size - 1, -1)

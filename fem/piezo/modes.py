@@ -43,7 +43,7 @@ class SolidMode:
 def natural_modes(
     system: SolidSystem, ends: Ends, count: int, *, open_circuit: bool = False
 ) -> list[SolidMode]:
-    """Return the lowest `count` modes of a lossless system, ascending."""
+    """Lowest `count` modes of a lossless system, ascending."""
     pairs = eigenpairs(system, ends, count, open_circuit=open_circuit)
     return [solid_mode(system, value, vector) for value, vector in zip(*pairs, strict=True)]
 
@@ -51,7 +51,7 @@ def natural_modes(
 def eigenpairs(
     system: SolidSystem, ends: Ends, count: int, *, open_circuit: bool = False
 ) -> tuple[list[float], list[Floats]]:
-    """Return ω² of the lowest `count` modes, ascending, and the modes, of unit modal mass.
+    """Ω² of the lowest `count` modes, ascending, and the modes, of unit modal mass.
 
     Inverse Lanczos at 0 Hz with the factor that statics uses as well; the potential is part of
     the indefinite operator and has no mass.  A base on springs borders that factor, tip load
@@ -105,7 +105,7 @@ def eigenpairs(
 def _shifted(
     system: SolidSystem, base: Springs
 ) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
-    """Return mass, inverse of K + shift · M and tip functional, for a base that is not held."""
+    """Mass, inverse of K + shift · M and tip functional, for a base that is not held."""
     mass = system.mass.with_base(np.diag([0.0, base.rotational_inertia]))
     springs = np.diag([base.lateral_stiffness, base.rotational_stiffness])
     stiffness = system.stiffness.with_base(springs)
@@ -116,7 +116,7 @@ def _shifted(
 def _attached(
     system: SolidSystem, base: Springs | None
 ) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
-    """Return mass, inverse stiffness and tip functional at U = 0 with the support attached."""
+    """Mass, inverse stiffness and tip functional at U = 0 with the support attached."""
     held, factor = system.inner, system.held_factor
     if base is None:
         return system.mass.inner, factor.solve, system.tip[:held, 0]
@@ -133,7 +133,7 @@ def _attached(
 
 
 def _electrode(system: SolidSystem, n: int) -> tuple[Floats, float]:
-    """Return charge per unknown (n,) and the capacitance at U alone."""
+    """Charge per unknown (n,) and the capacitance at U alone."""
     stiffness = system.stiffness
     column = np.concatenate([stiffness.border[:, -1], stiffness.corner[:, -1]])
     return -column[:n], float(-column[-1])
@@ -142,7 +142,7 @@ def _electrode(system: SolidSystem, n: int) -> tuple[Floats, float]:
 def _updated(
     inverse: Callable[[Floats], Floats], updates: list[tuple[Floats, float]]
 ) -> Callable[[Floats], Floats]:
-    """Return v ↦ (A + Σ weight c cᵀ)⁻¹ v by the Woodbury identity."""
+    """V ↦ (A + Σ weight c cᵀ)⁻¹ v by the Woodbury identity."""
     if not updates:
         return inverse
     c = np.column_stack([u for u, _ in updates])
@@ -157,7 +157,7 @@ def _updated(
 
 
 def solid_mode(system: SolidSystem, value: float, vector: Floats) -> SolidMode:
-    """Return the mode of an eigenpair of :func:`eigenpairs`."""
+    """Mode of an eigenpair of :func:`eigenpairs`."""
     nodal = system.nodal_displacement(vector[:, None])[:, :, 0]
     nodal = nodal / np.abs(nodal).max()
     kind, share = classify(system.nodes, system.node_mass, nodal)
@@ -189,7 +189,7 @@ class SolidState:
     kind: ModeClass = "bending_x"
 
     def scaled(self, factor: float) -> SolidState:
-        """Return the state times a real factor."""
+        """State times a real factor."""
         return SolidState(
             self.frequency, factor * self.values, factor * self.tip, factor * self.charge, self.kind
         )
@@ -198,7 +198,7 @@ class SolidState:
 def mode_states(
     system: SolidSystem, ends: Ends, count: int, *, open_circuit: bool = False
 ) -> list[SolidState]:
-    """Return the lowest `count` modes of a lossless system, ascending, of unit modal mass."""
+    """Lowest `count` modes of a lossless system, ascending, of unit modal mass."""
     pairs = zip(*eigenpairs(system, ends, count, open_circuit=open_circuit), strict=True)
     return [_mode(system, value, vector, open_circuit=open_circuit) for value, vector in pairs]
 
@@ -217,7 +217,7 @@ def _mode(system: SolidSystem, value: float, vector: Numbers, *, open_circuit: b
 
 
 def driven_state(system: SolidSystem, ends: Ends, frequency: float, voltage: complex) -> SolidState:
-    """Return the motion at a voltage (V) across each layer, with support and load.
+    """Motion at a voltage (V) across each layer, with support and load.
 
     Base motion and tip force are unknowns beside the voltage: with X the states per unit of
     each, base reactions and the support's forces cancel, and the tip force is minus the

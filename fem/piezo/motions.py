@@ -33,7 +33,7 @@ def classify(nodes: Floats, mass: Floats, displacement: Floats) -> tuple[ModeCla
 
 
 def section_motions(nodes: Floats, mass: Floats, displacement: Floats) -> Floats:
-    """Return the rigid motions of sections, each squared twice its kinetic energy over ω².
+    """Rigid motions of sections, each squared twice its kinetic energy over ω².
 
     Nodes are gathered in slices along z; in each the displacement is fitted by translations
     along x, y and z, by rotations in x and y and by twist.
@@ -72,7 +72,7 @@ def section_motions(nodes: Floats, mass: Floats, displacement: Floats) -> Floats
 
 
 def strongest(motions: Floats, total: float) -> tuple[ModeClass, float]:
-    """Return the class that holds most of the energy `total`, and its share.
+    """Class that holds most of the energy `total`, and its share.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ class PortModel:
     tip: Floats
 
     def multiport(self, frequencies: Floats) -> Multiport:
-        """Return D(Ω) (n, 5, 5), a few microseconds each."""
+        """D(Ω) (n, 5, 5), a few microseconds each."""
         f = np.atleast_1d(np.asarray(frequencies, dtype=float))
         p = self._poles
         o2 = (2.0 * np.pi * f)[:, None] ** 2
@@ -58,7 +58,7 @@ class PortModel:
         return Multiport(f, ports_from_blocks(held, through, follows, g[:, 3:, 3:]), BIMORPH)
 
     def states(self, frequencies: Floats) -> Complex:
-        """Return the unknowns (n, k + 3, 5) per unit w_base, ψ_base, U, and tip force and moment.
+        """Unknowns (n, k + 3, 5) per unit w_base, ψ_base, U, and tip force and moment.
 
         Base and electrode are held and the tip is free where it is not said otherwise.
         """
@@ -120,7 +120,7 @@ class _Poles:
 
 
 def undamped_modes(stiffness: Floats, mass: Floats) -> tuple[Floats, Floats]:
-    """Return modes W (k, k) with Wᵀ K W = 1, and s² (k,) = 1/ω², lowest frequency first."""
+    """Modes W (k, k) with Wᵀ K W = 1, and s² (k,) = 1/ω², lowest frequency first."""
     lower = np.linalg.cholesky(stiffness)
     inverse = np.linalg.inv(lower)
     values, vectors = np.linalg.eigh(inverse @ mass @ inverse.T)
@@ -139,7 +139,7 @@ _STEPS = 22
 
 
 def standard_ends(model: PortModel) -> tuple[Ends, Ends]:
-    """Return two ends to judge by: clamped, and on springs as stiff as the solid; tip free.
+    """Two ends to judge by: clamped, and on springs as stiff as the solid; tip free.
 
     Without any support the rigid motion at low frequencies is a matter of rounding.
     """
@@ -149,13 +149,13 @@ def standard_ends(model: PortModel) -> tuple[Ends, Ends]:
 
 
 def motions(port: Multiport, ends: Ends) -> Complex:
-    """Return tip displacement, tip rotation and charge per volt, (3, n)."""
+    """Tip displacement, tip rotation and charge per volt, (3, n)."""
     answer = respond(attach(port, ends), {"voltage": 1.0})
     return np.array([answer.motion["w_tip"], answer.motion["psi_tip"], answer.effort["voltage"]])
 
 
 def extremes(model: PortModel, low: float, high: float, ends: tuple[Ends, ...]) -> Floats:
-    """Return the frequencies (Hz) of all local maxima and minima of |motions|, ascending.
+    """Frequencies (Hz) of all local maxima and minima of |motions|, ascending.
 
     Bracketed on a grid, linear and logarithmic, then refined by golden section.
     """
@@ -182,10 +182,10 @@ def extremes(model: PortModel, low: float, high: float, ends: tuple[Ends, ...]) 
 def _refined(
     model: PortModel, end: Ends, row: Ints, low: Floats, high: Floats, sign: Floats
 ) -> Floats:
-    """Return where sign · log|motion| is largest in each bracket (m,), `row` telling the motion."""
+    """Where sign · log|motion| is largest in each bracket (m,), `row` telling the motion."""
 
     def values(at: Floats) -> Floats:
-        """Return them at (2, m) frequencies."""
+        """Them at (2, m) frequencies."""
         moved = motions(model.multiport(at.ravel()), end).reshape(3, *at.shape)
         return np.asarray(sign * np.log(np.abs(moved[row, :, np.arange(row.size)].T)))
 

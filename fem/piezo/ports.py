@@ -21,7 +21,7 @@ Blocks: TypeAlias = tuple[Numbers, Numbers, Numbers, Numbers]
 
 
 def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
-    """Return D(Ω) (n, 5, 5), each frequency by its own factorisation; real at 0 Hz without losses.
+    """D(Ω) (n, 5, 5), each frequency by its own factorisation; real at 0 Hz without losses.
 
     Accurate enough to judge what is faster: the residual is that of K and M apart, in long
     double, since rounding K − Ω² M alone moves a peak by a millionth of its width.
@@ -37,7 +37,7 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
 def static_multiports(
     system: SolidSystem, surplus: Surplus
 ) -> tuple[Multiport, Multiport, Multiport]:
-    """Return D(0) of a lossless system, and what functions that it lacks make of it.
+    """D(0) of a lossless system, and what functions that it lacks make of it.
 
     Of these those of displacement alone, and those of potential alone.
     """
@@ -57,7 +57,7 @@ def static_multiports(
 
 
 def _judged(system: SolidSystem, surplus: Surplus) -> tuple[Blocks, Numbers, Numbers]:
-    """Return the mixed form at rest, and what lacking functions add (5, 5)."""
+    """Mixed form at rest, and what lacking functions add (5, 5)."""
     x = _states(system, 0.0)
     residuals = -surplus.residuals(x.astype(float))[0]
     residuals[:, 3:] += surplus.tip
@@ -65,7 +65,7 @@ def _judged(system: SolidSystem, surplus: Surplus) -> tuple[Blocks, Numbers, Num
 
 
 def _states(system: SolidSystem, omega2: float) -> Numbers:
-    """Return y (n + 3, 5) in long double: per unit w_base, ψ_base, U, and tip force and moment."""
+    """Y (n + 3, 5) in long double: per unit w_base, ψ_base, U, and tip force and moment."""
     wide, plain = (np.clongdouble, complex) if system.lossy else (np.longdouble, float)
     n, factor = system.inner, _factor(system, omega2)
     x = np.zeros((system.size, 5), dtype=wide)
@@ -100,7 +100,7 @@ def _norms(columns: Numbers) -> Floats:
 
 
 def _force(system: SolidSystem, omega2: float, x: Numbers) -> Numbers:
-    """Return the forces (n + 3, 5) that hold x, in long double."""
+    """Forces (n + 3, 5) that hold x, in long double."""
     stiff = system.stiffness.wide_product(x)
     return stiff if omega2 == 0.0 else stiff - omega2 * system.mass.wide_product(x)
 
@@ -113,7 +113,7 @@ def _factor(system: SolidSystem, omega2: float) -> Factor:
 
 
 def static_multiport(system: SolidSystem) -> Multiport:
-    """Return D(0) of a lossless system by one real factorisation."""
+    """D(0) of a lossless system by one real factorisation."""
     return direct_multiport(system, np.zeros(1))
 
 

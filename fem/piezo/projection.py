@@ -92,7 +92,7 @@ def project(system: SolidSystem, chains: list[list[Complex]]) -> Projection:
 
 
 def _spread(u: Floats, p: Floats) -> Floats:
-    """Return y (n + 3, ·) per displacement of the basis, port, and potential of the basis."""
+    """Y (n + 3, ·) per displacement of the basis, port, and potential of the basis."""
     n, k = u.shape
     spread = np.zeros((n + PORTS, k + PORTS + p.shape[1]))
     spread[:n, :k], spread[:n, k + PORTS :] = u, p
@@ -101,13 +101,13 @@ def _spread(u: Floats, p: Floats) -> Floats:
 
 
 def _narrow(left: Floats, parts: list[Sparse], right: Floats) -> Wide:
-    """Return leftᵀ matrix right of a matrix given by its real and, if any, imaginary part."""
+    """Leftᵀ matrix right of a matrix given by its real and, if any, imaginary part."""
     products = [left.T @ (part @ right) for part in parts]
     return np.asarray(products[0] + 1j * products[1] if len(products) == 2 else products[0])
 
 
 def _wide(left: Floats, parts: list[Sparse], right: Floats) -> Wide:
-    """Return the same of a symmetric matrix, the real part in long double.
+    """Same of a symmetric matrix, the real part in long double.
 
     A bimorph bends ten million times more easily than its elements stretch, so the energy of
     bending is what is left of large terms; a peak magnifies what is lost by Q once more.
@@ -146,7 +146,7 @@ def _graded(stiffness: Wide, mass: Floats, tip: Floats) -> tuple[PortModel, Floa
 
 
 def _basis(blocks: list[Complex], last: list[Complex], chosen: Bools) -> tuple[Floats, int]:
-    """Return a real orthonormal basis of the chosen rows of all blocks, zero in the others.
+    """Real orthonormal basis of the chosen rows of all blocks, zero in the others.
 
     Also how many of its vectors precede those of `last`.
     """

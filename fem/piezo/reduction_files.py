@@ -41,10 +41,7 @@ def write_ports(path: str | Path, reduced: ReducedSolid, *, made_from: str) -> N
     made_from : str
         What stands for device and mesh; :func:`read_ports` asks for the same.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     arrays = {
         f"{level} {name}": getattr(getattr(reduced, level), name)
@@ -65,17 +62,15 @@ def write_ports(path: str | Path, reduced: ReducedSolid, *, made_from: str) -> N
 
 
 def read_ports(path: str | Path, *, made_from: str | None = None) -> ReducedSolid:
-    """Return the reduced solid of a file.
+    """Reduced solid of a file.
 
     Parameters
     ----------
     made_from : str, optional
         What it must have been made from; anything when left out.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is no reduced solid, or was made from something else.
+    Raises InputError if the file cannot be read, is no reduced solid, or was made from something
+    else.
     """
     path = Path(path)
     try:
@@ -126,7 +121,7 @@ def reduced_solid(
     tolerance: float,
     lacking: Callable[[], Surplus] | None = None,
 ) -> ReducedSolid:
-    """Return the lossy solid reduced to its ports, from the store if it was reduced before.
+    """Lossy solid reduced to its ports, from the store if it was reduced before.
 
     One that was reduced for these frequency limits serves all frequencies between them, as
     far as its error estimate holds there too.  With what is `lacking` the reduction is judged by
@@ -151,5 +146,5 @@ def reduced_solid(
 
 
 def made_from(device: Device, mesh: Mesh | Bricks) -> str:
-    """Return what stands for the solid: tensors, poling, all that is in the mesh."""
+    """What stands for the solid: tensors, poling, all that is in the mesh."""
     return fingerprint(materials(device, mesh.regions, device.piezo.ceramic(), lossy=True), mesh)

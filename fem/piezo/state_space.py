@@ -64,7 +64,7 @@ class StateSpace:
     outputs: tuple[str, ...]
 
     def frequency_response(self, frequencies: Floats) -> Complex:
-        """Return C (jΩ − A)⁻¹ B + D (n, p, p)."""
+        """C (jΩ − A)⁻¹ B + D (n, p, p)."""
         jw = 2j * np.pi * np.atleast_1d(np.asarray(frequencies, dtype=float))
         inner = jw[:, None, None] * np.eye(self.a.shape[0]) - self.a
         return np.asarray(self.c @ np.linalg.solve(inner, self.b[None].astype(complex)) + self.d)
@@ -80,7 +80,7 @@ _RATES = (
 def state_space(
     model: PortModel, base: Springs | None, frequencies: tuple[float, float]
 ) -> StateSpace:
-    """Return a causal model of a lossy reduced solid.
+    """Causal model of a lossy reduced solid.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def _joined(
 
 
 def _branches(capacitance: complex, low: float, high: float) -> tuple[Floats, Floats]:
-    """Return capacities (F) and time constants (s) of parallel R C branches.
+    """Capacities (F) and time constants (s) of parallel R C branches.
 
     Relaxations h apart in ln τ, of C tan δ 2h/π each, make tan δ constant between them.
     """
@@ -167,10 +167,7 @@ def write_state_space(
     voltage in the range (Hz), its amplitudes there, and how far (relative) those of the state
     space lie, for tip velocity, tip angular velocity and current (rows).
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     found = state_space(model, base, frequencies)
     at, solid, error = differences(model, base, found, frequencies)

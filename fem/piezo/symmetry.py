@@ -46,13 +46,13 @@ class Bordered:
         return cls(inner[:, :-PORTS].tocsr(), last[:, :-PORTS].T, last[:, -PORTS:])
 
     def with_base(self, added: Floats) -> Sparse:
-        """Return the part over all unknowns but U, `added` (2, 2) at base motion and rotation."""
+        """Part over all unknowns but U, `added` (2, 2) at base motion and rotation."""
         border = sparse.csr_matrix(self.border[:, :2])
         corner = sparse.csr_matrix(self.corner[:2, :2] + added)
         return sparse.bmat([[self.inner, border], [border.T, corner]], format="csr")
 
     def __matmul__(self, y: Numbers) -> Numbers:
-        """Return the product with y (n + 3,) or (n + 3, k)."""
+        """Product with y (n + 3,) or (n + 3, k)."""
         inside, ports = y[:-PORTS], y[-PORTS:]
         return np.concatenate(
             [
@@ -62,13 +62,13 @@ class Bordered:
         )
 
     def wide_product(self, y: Numbers) -> Numbers:
-        """Return the product with y in long double."""
+        """Product with y in long double."""
         inside, ports = y[:-PORTS], y[-PORTS:]
         inner = wide_product(self.inner, inside) + self.border.astype(y.dtype) @ ports
         return np.concatenate([inner, self.at_ports(y)])
 
     def at_ports(self, y: Numbers) -> Numbers:
-        """Return the last three rows of the product with y, in the precision of y."""
+        """Last three rows of the product with y, in the precision of y."""
         border, corner = (part.astype(y.dtype) for part in (self.border, self.corner))
         return np.asarray(border.T @ y[:-PORTS] + corner @ y[-PORTS:])
 
@@ -102,24 +102,24 @@ class Unknowns:
         return np.flatnonzero(self.free)
 
     def bordered(self, matrix: Sparse) -> Bordered:
-        """Return a (4 n, 4 n) matrix over [free values, w_base, ψ_base, U]."""
+        """(4 n, 4 n) matrix over [free values, w_base, ψ_base, U]."""
         free, ports = self.index, self.ports
         given = np.flatnonzero(ports.any(axis=1))
         on_ports = matrix[given].T @ ports[given]
         return Bordered(matrix[free][:, free], on_ports[free], ports.T @ on_ports)
 
     def seen(self, functionals: Floats) -> Floats:
-        """Return functionals (4 n, k) of all values as those (n_free + 3, k) of the unknowns."""
+        """Functionals (4 n, k) of all values as those (n_free + 3, k) of the unknowns."""
         return np.vstack([functionals[self.index], self.ports.T @ functionals])
 
     def translation(self, one: Floats) -> Floats:
-        """Return a unit translation along x (n_free + 3,), `one` (n,) being 1 in the functions."""
+        """Unit translation along x (n_free + 3,), `one` (n,) being 1 in the functions."""
         moved = np.zeros((one.size, 4))
         moved[:, 0] = one
         return np.concatenate([moved.ravel()[self.index], [1.0, 0.0, 0.0]])
 
     def expansion(self, source: Ints, sign: Floats, lines: Lines | None = None) -> Expansion:
-        """Return how (u_x, u_y, u_z, φ) at the nodes of the whole body follow from the unknowns.
+        """How (u_x, u_y, u_z, φ) at the nodes of the whole body follow from the unknowns.
 
         Parameters
         ----------
@@ -143,7 +143,7 @@ class Expansion:
     lines: Lines | None
 
     def __matmul__(self, y: Numbers) -> Numbers:
-        """Return (u_x, u_y, u_z, φ) by component, (4 n_whole, …), of unknowns y (n_free + 3, …)."""
+        """(u_x, u_y, u_z, φ) by component, (4 n_whole, …), of unknowns y (n_free + 3, …)."""
         columns = y.reshape(y.shape[0], -1)
         free = self.unknowns.index.size
         values = self.unknowns.ports @ columns[free:]
@@ -158,13 +158,13 @@ class Expansion:
 
 
 def mirror_signs(motion: Motion, turned: Bools) -> Floats:
-    """Return the signs (n, 4) of the values at nodes on the far side of x = 0 and y = 0 (n, 2)."""
+    """Signs (n, 4) of the values at nodes on the far side of x = 0 and y = 0 (n, 2)."""
     at_x, at_y = (np.array(signs) for signs in SIGNS[motion])
     return np.where(turned[:, :1], at_x, 1) * np.where(turned[:, 1:], at_y, 1)
 
 
 def lumped(mass: Sparse) -> Floats:
-    """Return nodal masses (n,) of a mass matrix over (u_x, u_y, u_z, φ).
+    """Nodal masses (n,) of a mass matrix over (u_x, u_y, u_z, φ).
 
     In proportion to the diagonal: row sums may be negative.
     """

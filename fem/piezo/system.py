@@ -36,7 +36,7 @@ class Expanding(Protocol):
     """What gives all values at nodes by its product with unknowns."""
 
     def __matmul__(self, y: Numbers, /) -> Numbers:
-        """Return the values (4 n_nodes, …) of unknowns (n, …)."""
+        """Values (4 n_nodes, …) of unknowns (n, …)."""
         ...
 
 
@@ -49,11 +49,11 @@ class Surplus(Protocol):
         ...
 
     def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
-        """Return K x and M x (w, k) of states (n, k); at Ω the residual is f − K x + Ω² M x."""
+        """K x and M x (w, k) of states (n, k); at Ω the residual is f − K x + Ω² M x."""
         ...
 
     def products(self, residuals: Numbers) -> tuple[Numbers, Numbers]:
-        """Return r_iᵀ K⁻¹ r_j (k, k) of residuals (w, k), K the functions' own stiffness.
+        """R_iᵀ K⁻¹ r_j (k, k) of residuals (w, k), K the functions' own stiffness.
 
         Of displacements, and of potentials, whose K counts as positive.
         """
@@ -140,7 +140,7 @@ class SolidSystem:
         return float(np.abs(forces.real[moved == 1.0]).sum())
 
     def nodal_displacement(self, columns: Floats) -> Floats:
-        """Return the displacement of the nodes (n_nodes, 3, k) in k states of y (m, k).
+        """Displacement of the nodes (n_nodes, 3, k) in k states of y (m, k).
 
         Of y the first m are given, the others are zero.
         """
@@ -178,7 +178,7 @@ class Material:
     piezo: PiezoTensors | None = None
 
     def flux_tensor(self, unit: float) -> Numbers:
-        """Return C (4, 3, 4, 3): flux (p, a) = C grad (q, b) of (u_x, u_y, u_z, φ / unit)."""
+        """C (4, 3, 4, 3): flux (p, a) = C grad (q, b) of (u_x, u_y, u_z, φ / unit)."""
         tensor = np.zeros((4, 3, 4, 3), dtype=self.c.dtype)
         tensor[:3, :, :3, :] = self.c[VOIGT[:, :, None, None], VOIGT[None, None]]
         if self.piezo is not None:
@@ -193,7 +193,7 @@ class Material:
 def materials(
     device: Device, regions: tuple[str, ...], ceramic: Piezoceramic, *, lossy: bool
 ) -> dict[str, Material]:
-    """Return the material of each region (SI, in the device's axes, with the device's poling)."""
+    """Material of each region (SI, in the device's axes, with the device's poling)."""
     tensors = ceramic.tensors(lossy=lossy)
     turned = PiezoTensors(tensors.c, device.bimorph.poling_sign * tensors.e, tensors.eps)
     piezo = Material(tensors.c, ceramic.density, turned)
@@ -229,6 +229,6 @@ def materials(
 
 
 def volts_per_unit(known: dict[str, Material]) -> float:
-    """Return the voltage whose field energy is that of a unit displacement's strain energy."""
+    """Voltage whose field energy is that of a unit displacement's strain energy."""
     piezo = next(m.piezo for m in known.values() if m.piezo is not None)
     return float(np.sqrt(np.abs(piezo.c[0, 0] / piezo.eps[0, 0])))

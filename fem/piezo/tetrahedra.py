@@ -80,7 +80,7 @@ class SkfemBody:
         return pattern.matrix(copies * stiffness), sparse.kron(scalar, moving, format="csr")
 
     def _stiffness(self, cells: Ints, tensor: Numbers) -> Numbers:
-        """Return the blocks (cells · local · local, 16) of some cells."""
+        """Blocks (cells · local · local, 16) of some cells."""
         if self.mesh.kind == "tetra":
             return self._straight_stiffness(cells, tensor)
         basis = self._on(cells, 4)
@@ -93,7 +93,7 @@ class SkfemBody:
         return np.asarray(pairs @ tensor.transpose(1, 3, 0, 2).reshape(9, 16))
 
     def _straight_stiffness(self, cells: Ints, tensor: Numbers) -> Numbers:
-        """Return the same of straight tetrahedra: one Gram matrix, of the reference element."""
+        """Same of straight tetrahedra: one Gram matrix, of the reference element."""
         mapping = self.basis.mapping
         # slopes of quadratics are linear: order 2 is exact
         _, slopes, weights = self._reference(2)
@@ -104,7 +104,7 @@ class SkfemBody:
         return np.asarray((gram @ turned.reshape(-1, 9, 16)).reshape(-1, 16))
 
     def _mass(self, cells: Ints) -> Floats:
-        """Return ∫ N_i N_j (cells · local · local, 1) of some cells."""
+        """∫ N_i N_j (cells · local · local, 1) of some cells."""
         if self.mesh.kind == "tetra":
             values, weights = self._reference(4)[0::2]
             products = np.einsum("in,jn,n->ij", values, values, weights)
@@ -115,7 +115,7 @@ class SkfemBody:
         return np.asarray(products).reshape(-1, 1)
 
     def _reference(self, order: int) -> tuple[Floats, Floats, Floats]:
-        """Return values (local, point), slopes (local, axis, point) and weights (point,).
+        """Values (local, point), slopes (local, axis, point) and weights (point,).
 
         Those of the reference element, at the points of a rule that is exact to `order`.
         """
@@ -132,7 +132,7 @@ class SkfemBody:
         return Basis(self.basis.mesh, self.basis.elem, intorder=order, elements=cells)
 
     def system(self, motion: Motion) -> SolidSystem:
-        """Return the system of one class of motion, of the whole body."""
+        """System of one class of motion, of the whole body."""
         stiffness, mass = self.matrices
         unknowns = self._unknowns(motion)
         nodal, scale = lumped(mass), np.array([1.0, 1.0, 1.0, self.unit])
@@ -158,14 +158,14 @@ class SkfemBody:
         )
 
     def _elimination(self, unknowns: Unknowns) -> Ints | None:
-        """Return the order in which the free unknowns are eliminated, node by node."""
+        """Order in which the free unknowns are eliminated, node by node."""
         if self.turns is None:
             return None
         nodes = unknowns.index // unknowns.free.shape[1]
         return np.argsort(self.turns[nodes], kind="stable")
 
     def _unknowns(self, motion: Motion) -> Unknowns:
-        """Return what is free, and what base and electrodes prescribe."""
+        """What is free, and what base and electrodes prescribe."""
         x, base = self.basis.doflocs[0], self._on_faces("base")
         piezo = np.zeros(self.basis.N, dtype=bool)
         for region, material in self.known.items():
@@ -192,14 +192,14 @@ class SkfemBody:
         return Unknowns(free, ports.reshape(-1, 3))
 
     def _on_faces(self, *names: str) -> Bools:
-        """Return a mask of the nodes on named faces."""
+        """Mask of the nodes on named faces."""
         mask = np.zeros(self.basis.N, dtype=bool)
         for name in names:
             mask[self.basis.get_dofs(name).flatten()] = True
         return mask
 
     def _tip_functionals(self) -> Floats:
-        """Return (4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""
+        """(4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""
         from skfem import FacetBasis, LinearForm
 
         facets = self.basis.mesh.boundaries["tip"]

@@ -48,7 +48,7 @@ class CubicSurplus:
     functions_of_cell: Ints
 
     def shares(self, i: int, j: int) -> Floats:
-        """Return the contributions (n_cells,) to r_i(e_j), each function's spread evenly."""
+        """Contributions (n_cells,) to r_i(e_j), each function's spread evenly."""
         each = np.einsum("wp,wp->w", self.residual[:, :, i], self.missing[:, :, j])
         cells = np.bincount(self.functions_of_cell.ravel(), minlength=each.size)
         return np.asarray((each / np.maximum(cells, 1))[self.functions_of_cell].sum(axis=0))
@@ -57,7 +57,7 @@ class CubicSurplus:
 def cubic_surplus(
     device: Device, mesh: Mesh, system: SolidSystem, fields: Floats, inertia: Floats, force: Floats
 ) -> CubicSurplus:
-    """Return what the fields lack.
+    """What the fields lack.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def cubic_surplus(
 def _on_cells(
     domain: Any, cells: Ints, tensor: Floats, material: Material, nodal: Floats, inertia: Floats
 ) -> tuple[Floats, Floats]:
-    """Return residuals (10, n_cells, 4, n_fields) and diagonal blocks (10, n_cells, 4, 4)."""
+    """Residuals (10, n_cells, 4, n_fields) and diagonal blocks (10, n_cells, 4, 4)."""
     from skfem import Basis, ElementTetP2
 
     at, weights = tet_rule()
@@ -142,7 +142,7 @@ def _on_cells(
 
 
 def _cubics(at: Floats, edges: Any, facets: Any) -> tuple[Floats, Floats]:
-    """Return values (10, n) and reference gradients (10, 3, n) of edge and face functions."""
+    """Values (10, n) and reference gradients (10, 3, n) of edge and face functions."""
     b = np.stack([1.0 - at.sum(axis=0), *at])
     values, by_coordinate = [], []
     for i, j in edges:
@@ -156,7 +156,7 @@ def _cubics(at: Floats, edges: Any, facets: Any) -> tuple[Floats, Floats]:
 
 
 def _on_faces(domain: Any, names: list[str]) -> Ints:
-    """Return the functions on the edges and faces of named boundaries."""
+    """Functions on the edges and faces of named boundaries."""
     facets = np.unique(np.concatenate([domain.boundaries[name] for name in names]))
     corners = np.sort(domain.facets[:, facets], axis=0)
     pairs = np.hstack([corners[[0, 1]], corners[[1, 2]], corners[[0, 2]]])
@@ -214,7 +214,7 @@ class GoalError:
 
 
 def goal_errors(device: Device, mesh: Mesh, system: SolidSystem) -> dict[str, GoalError]:
-    """Return the goals and their estimated errors, base clamped, lossless.
+    """Goals and their estimated errors, base clamped, lossless.
 
     Parameters
     ----------
@@ -265,14 +265,14 @@ def _goal(value: float, shares: Floats, sign: float) -> GoalError:
 
 
 def _static_responses(system: SolidSystem) -> tuple[Floats, Floats]:
-    """Return y per volt and y per newton of lateral tip force, the base held."""
+    """Y per volt and y per newton of lateral tip force, the base held."""
     loads = np.column_stack([-system.stiffness.border[:, -1], system.tip[:-3, 0]])
     x = refined_solution(system.held, system.held_factor, loads)
     return np.append(x[:, 0], [0.0, 0.0, 1.0]), np.append(x[:, 1], [0.0, 0.0, 0.0])
 
 
 def _bending(system: SolidSystem, voltage: Floats, force: Floats) -> tuple[Floats, Floats]:
-    """Return the modes (n - 3, k) of unit mass that the tip force moves most, and Ω² (k,).
+    """Modes (n - 3, k) of unit mass that the tip force moves most, and Ω² (k,).
 
     Rayleigh and Ritz in the Krylov space of the static responses: the first bending modes
     come out of it far better than the mesh deserves, and nothing is factorised again.

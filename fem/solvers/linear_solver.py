@@ -58,10 +58,7 @@ def factorise(
         The unknowns in the order in which to eliminate them, where a good one is known; else
         Pardiso looks for one, which takes longer than the factorisation.
 
-    Raises
-    ------
-    SolverError
-        If the matrix is singular or the library reports an error.
+    Raises SolverError if the matrix is singular or the library reports an error.
     """
     if solver == "auto":
         solver = "superlu" if mkl() is None else "pardiso"
@@ -94,10 +91,7 @@ class Factor:
         K − Ω² M for several Ω do.  With another pattern all is done anew.  The ordering is
         also found anew where pivots make it depend on the values, and always with SuperLU.
 
-        Raises
-        ------
-        SolverError
-            As :func:`factorise`; this object is then of no more use.
+        Raises SolverError as :func:`factorise`; this object is then of no more use.
         """
         matrix = _canonical(matrix)
         if self._complex == np.iscomplexobj(matrix.data) and self._pattern.fits(matrix):
@@ -106,7 +100,7 @@ class Factor:
             self._order(matrix)
 
     def solve(self, right: Array) -> Array:
-        """Return A⁻¹ right for right of shape (n,) or (n, k)."""
+        """A⁻¹ right for right of shape (n,) or (n, k)."""
         right = np.asarray(right)
         if np.iscomplexobj(right) and not self._complex:
             return self.solve(right.real) + 1j * self.solve(right.imag)
@@ -160,7 +154,7 @@ class Factor:
 
 
 def refined_solution(matrix: Sparse, factor: Factor, right: Array) -> Array:
-    """Return A⁻¹ right with one step of iterative refinement, the residual in long double.
+    """A⁻¹ right with one step of iterative refinement, the residual in long double.
 
     A piezoelectric matrix loses some seven digits, and which ones depends on the ordering,
     so even on the number of threads.  With a residual in the same precision they stay lost.
@@ -171,7 +165,7 @@ def refined_solution(matrix: Sparse, factor: Factor, right: Array) -> Array:
 
 
 def available_solver() -> str:
-    """Return the solver that ``auto`` takes."""
+    """Solver that ``auto`` takes."""
     return "SuperLU (SciPy)" if mkl() is None else "Pardiso (MKL)"
 
 
@@ -186,7 +180,7 @@ class _Method(Protocol):
         ...
 
     def solve(self, right: Array) -> Array:
-        """Return A⁻¹ right (n, k)."""
+        """A⁻¹ right (n, k)."""
         ...
 
 
@@ -202,13 +196,13 @@ class _Pattern:
         self.starts: Ints = np.concatenate([[0], np.cumsum(self._counts)])
 
     def fits(self, matrix: Sparse) -> bool:
-        """Return whether `matrix` has this pattern."""
+        """Whether `matrix` has this pattern."""
         return np.array_equal(self._indptr, matrix.indptr) and np.array_equal(
             self._indices, matrix.indices
         )
 
     def upper(self, matrix: Sparse, scale: Floats) -> Array:
-        """Return the upper entries of scale_i a_ij scale_j."""
+        """Upper entries of scale_i a_ij scale_j."""
         data = matrix.data[self._in_upper]
         data *= np.repeat(scale, self._counts)
         data *= scale[self.columns]
@@ -263,7 +257,7 @@ class _SuperLU:
 
 
 def _canonical(matrix: Sparse) -> Sparse:
-    """Return the matrix in compressed rows, columns sorted, every diagonal entry stored."""
+    """Matrix in compressed rows, columns sorted, every diagonal entry stored."""
     csr = sparse.csr_matrix(matrix)
     if not csr.has_canonical_format:
         csr = csr.copy()
@@ -281,12 +275,12 @@ def _canonical(matrix: Sparse) -> Sparse:
 
 
 def _rows(matrix: Sparse) -> Ints:
-    """Return the row of each stored entry."""
+    """Row of each stored entry."""
     return np.repeat(np.arange(matrix.shape[0], dtype=matrix.indices.dtype), np.diff(matrix.indptr))
 
 
 def _balance(matrix: Sparse) -> Floats:
-    """Return powers of two s, so that s_i a_ij s_j has rows whose largest entries are near 1.
+    """Powers of two s, so that s_i a_ij s_j has rows whose largest entries are near 1.
 
     From the diagonal, which already balances a definite matrix; then by the square roots of
     the rows' largest entries (D. Ruiz, A scaling algorithm to equilibrate both rows and
@@ -310,7 +304,7 @@ def _balance(matrix: Sparse) -> Floats:
 
 
 def _largest(matrix: Sparse, scale: Floats) -> Floats:
-    """Return the largest |scale_i a_ij scale_j| of each row i, in blocks to save memory."""
+    """Largest |scale_i a_ij scale_j| of each row i, in blocks to save memory."""
     starts = matrix.indptr
     found = np.empty(matrix.shape[0])
     for first, last in row_blocks(starts):

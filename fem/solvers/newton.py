@@ -45,19 +45,19 @@ class ConvexEnergy(Protocol):
     """An energy of the unknowns x (n,)."""
 
     def value(self, x: Floats) -> float:
-        """Return the energy (J)."""
+        """Energy (J)."""
         ...
 
     def scale(self, x: Floats) -> float:
-        """Return a positive energy (J) of the size of the field's own."""
+        """Positive energy (J) of the size of the field's own."""
         ...
 
     def gradient(self, x: Floats) -> Floats:
-        """Return the gradient (n,)."""
+        """Gradient (n,)."""
         ...
 
     def hessian(self, x: Floats) -> Sparse:
-        """Return the Hessian (n, n), or what differs little from it, positive definite."""
+        """Hessian (n, n), or what differs little from it, positive definite."""
         ...
 
 
@@ -82,12 +82,12 @@ class Factors:
             self._factor.refactorise(matrix)
 
     def solve(self, right: Floats) -> Floats:
-        """Return the solution for right sides (n,) or (n, k)."""
+        """Solution for right sides (n,) or (n, k)."""
         assert self._factor is not None
         return self._factor.solve(right)
 
     def solve_near(self, matrix: Sparse, right: Floats) -> Floats:
-        """Return the solution of a matrix near that of the factors, which it becomes if needed.
+        """Solution of a matrix near that of the factors, which it becomes if needed.
 
         By conjugate gradients with them, for each of the right sides (n, k).
         """
@@ -136,7 +136,7 @@ def minimise(
     factors: Factors | None = None,
     tolerance: float = TOLERANCE,
 ) -> Minimum:
-    """Return the minimum of `energy`.
+    """Minimum of `energy`.
 
     A Hessian's factors are used again while they are good: first of all those that are given.
 
@@ -147,10 +147,7 @@ def minimise(
     tolerance : float
         Energy norm of what may be left, over the field's.
 
-    Raises
-    ------
-    SolverError
-        If it takes more than 60 steps, or the energy is not convex.
+    Raises SolverError if it takes more than 60 steps, or the energy is not convex.
     """
     x, left, hessians = start, np.inf, 0
     factors = factors or Factors()
@@ -197,7 +194,7 @@ def _not_convex() -> SolverError:
 def _stepped(
     energy: ConvexEnergy, x: Floats, direction: Floats, slope: float, share: float = _SLOPE_LEFT
 ) -> tuple[Floats, Floats, bool]:
-    """Return where a step along `direction` ends, the gradient there, and whether it is whole.
+    """Where a step along `direction` ends, the gradient there, and whether it is whole.
 
     Its share of `direction`, 1 at most, is found by regula falsi on the slope, up to a share that
     may be left; the slope of an end that stays is halved each time (the Illinois rule; M. Dowell

@@ -39,12 +39,9 @@ _here = threading.local()
 
 
 def thread_count() -> int | None:
-    """Return the number of threads that the environment asks for, None if it does not say.
+    """Number of threads that the environment asks for, None if it does not say.
 
-    Raises
-    ------
-    InputError
-        If that is not a whole number from 1.
+    Raises InputError if that is not a whole number from 1.
     """
     text = os.environ.get(VARIABLE, "").strip()
     if not text:
@@ -58,12 +55,12 @@ def thread_count() -> int | None:
 
 
 def solver_threads() -> int:
-    """Return how many threads a call of the sparse solver may take here; 0 leaves it to MKL."""
+    """How many threads a call of the sparse solver may take here; 0 leaves it to MKL."""
     return 1 if _beside_others() else thread_count() or 0
 
 
 def side_by_side(work: Callable[[S], T], jobs: Iterable[S]) -> list[T]:
-    """Return what is worked out for each job, several at a time, in the order of the jobs.
+    """What is worked out for each job, several at a time, in the order of the jobs.
 
     For jobs of which nearly all is done by libraries that let other threads run.  Each has one
     thread of the sparse solver, so that together they take no more than the setting allows.
@@ -162,11 +159,8 @@ class Pardiso:
     def factorise(self, data: Array) -> None:
         """Factorise the matrix with entries `data`, in the order of the pattern.
 
-        Raises
-        ------
-        PardisoError
-            If the pattern cannot be ordered, memory runs out, or a pivot is zero, or not
-            positive where the matrix was said to be definite.
+        Raises PardisoError if the pattern cannot be ordered, memory runs out, or a pivot is zero,
+        or not positive where the matrix was said to be definite.
         """
         # kept: Pardiso reads the entries again when it refines a solution
         self._data = np.ascontiguousarray(data, dtype=complex if self._complex else float)
@@ -179,7 +173,7 @@ class Pardiso:
             self.negative_pivots = 0 if self._definite else int(self._control[22])
 
     def found_order(self) -> Ints:
-        """Return the unknowns in the order of their elimination, found without a factorisation."""
+        """Unknowns in the order of their elimination, found without a factorisation."""
         self._data = np.ones(self._indices.size)
         self._analyse()
         return np.asarray(self._order, dtype=np.int64)
@@ -207,7 +201,7 @@ class Pardiso:
             _ORDERS.popitem(last=False)
 
     def solve(self, right: Array) -> Array:
-        """Return A⁻¹ right for right (n, k) of the matrix's own type."""
+        """A⁻¹ right for right (n, k) of the matrix's own type."""
         columns = np.asfortranarray(right, dtype=self._data.dtype)
         out = np.zeros_like(columns, order="F")
         self._call(33, columns, out)
@@ -245,7 +239,7 @@ class Pardiso:
 
 
 def nested_dissection(starts: Ints, columns: Ints) -> Ints | None:
-    """Return the order (n,) in which to eliminate the unknowns of a symmetric pattern.
+    """Order (n,) in which to eliminate the unknowns of a symmetric pattern.
 
     Parameters
     ----------
@@ -276,7 +270,7 @@ def mkl() -> ctypes.CDLL | None:
 
 
 def _in_wheel() -> list[Path]:
-    """Return the places of the library by the wheel's own list of files."""
+    """Places of the library by the wheel's own list of files."""
     from importlib.metadata import PackageNotFoundError, files
 
     try:
@@ -295,7 +289,7 @@ _MESSAGES = {
 
 
 def _control(*, definite: bool, matching: bool) -> Array:
-    """Return Pardiso's control array (iparm, here counted from 0); what is not named keeps 0."""
+    """Pardiso's control array (iparm, here counted from 0); what is not named keeps 0."""
     p = np.zeros(64, dtype=np.int32)
     p[0] = 1  # the values below are ours
     p[1] = 2  # nested dissection

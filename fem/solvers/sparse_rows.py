@@ -31,7 +31,7 @@ def row_blocks(starts: Ints) -> Iterator[tuple[int, int]]:
 
 
 def wide_product(matrix: Sparse, x: Array) -> Array:
-    """Return matrix @ x in long double, for a matrix in compressed rows and x (n,) or (n, k)."""
+    """Matrix @ x in long double, for a matrix in compressed rows and x (n,) or (n, k)."""
     wide = np.clongdouble if np.iscomplexobj(matrix.data) else np.longdouble
     x = x.astype(np.result_type(wide, x.dtype))
     columns = np.asfortranarray(x.reshape(x.shape[0], -1))

@@ -100,10 +100,7 @@ LEVELS = (
 def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers") -> Bricks:
     """Divide a quarter of the bimorph, z = 0 at the lower end of the tab (or of the ceramic).
 
-    Raises
-    ------
-    InputError
-        If the cross-section changes along the ceramic, or glue lets the layers slide.
+    Raises InputError if the cross-section changes along the ceramic, or glue lets the layers slide.
     """
     check_constant_section(device)
     check_bonded(device)
@@ -132,7 +129,7 @@ def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers")
 
 
 def _grain(bimorph: Bimorph) -> float:
-    """Return the length (m) on which the solution varies at edges and ends.
+    """Length (m) on which the solution varies at edges and ends.
 
     That is the thinnest layer; of a foil a tenth of the whole, of which ever flatter bricks
     would only cost digits.

@@ -34,7 +34,7 @@ _ROUNDING = 1e-9
 
 @cache
 def lobatto_points(degree: int) -> Floats:
-    """Return the degree + 1 Gauss–Lobatto points in [−1, 1]: both ends and the zeros of P'."""
+    """Degree + 1 Gauss–Lobatto points in [−1, 1]: both ends and the zeros of P'."""
     polynomial = np.zeros(degree + 1)
     polynomial[degree] = 1.0
     inner = np.sort(legendre.legroots(legendre.legder(polynomial)).real)
@@ -83,7 +83,7 @@ class Axis:
         return self.one * self.nodes
 
     def nodes_of(self, first: int, last: int) -> slice:
-        """Return where the nodes of the intervals first … last − 1 are."""
+        """Where the nodes of the intervals first … last − 1 are."""
         return slice(first * self.degree, last * self.degree + 1)
 
 
@@ -146,11 +146,11 @@ class Bricks:
         return tuple(dict.fromkeys(slab.region for slab in self.slabs))
 
     def slabs_of(self, region: str) -> tuple[Slab, ...]:
-        """Return the slabs of a region."""
+        """Slabs of a region."""
         return tuple(slab for slab in self.slabs if slab.region == region)
 
     def nodes_of(self, *regions: str) -> Bools:
-        """Return a mask (nx, ny, nz) of the nodes that belong to any of the regions."""
+        """Mask (nx, ny, nz) of the nodes that belong to any of the regions."""
         mask = np.zeros(self.shape, dtype=bool)
         for slab in self.slabs:
             if slab.region in regions:
@@ -158,7 +158,7 @@ class Bricks:
         return mask
 
     def products(self) -> Bools:
-        """Return a mask (nx, ny, nz) of the products of functions that are there."""
+        """Mask (nx, ny, nz) of the products of functions that are there."""
         shares = [
             a.bubbles / a.degree if a.hierarchic else np.zeros(a.nodes.size) for a in self.axes
         ]
@@ -166,22 +166,22 @@ class Bricks:
         return np.asarray(total <= self.richness + _ROUNDING)
 
     def one(self) -> Floats:
-        """Return the function 1 in the products of functions (nx, ny, nz)."""
+        """Function 1 in the products of functions (nx, ny, nz)."""
         return self.x.one[:, None, None] * self.y.one[:, None] * self.z.one
 
     def base(self) -> Bools:
-        """Return a mask (nx, ny, nz) of the nodes of the base section."""
+        """Mask (nx, ny, nz) of the nodes of the base section."""
         parts = ("shim",) if self.held == "shim" else self.regions
         mask = self.nodes_of(*parts)
         mask[:, :, 1:] = False
         return mask
 
     def tip_slabs(self) -> tuple[Slab, ...]:
-        """Return the slabs that reach the tip face."""
+        """Slabs that reach the tip face."""
         return tuple(slab for slab in self.slabs if slab.z[1] == self.z.intervals)
 
     def electrodes(self) -> tuple[Bools, Bools]:
-        """Return masks (nx, ny, nz) of the nodes of the outer and of the inner electrode."""
+        """Masks (nx, ny, nz) of the nodes of the outer and of the inner electrode."""
         piezo = self.slabs_of("piezo")
         outer, inner = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=bool)
         top = max(s.x[1] for s in piezo) * self.x.degree
@@ -192,21 +192,21 @@ class Bricks:
         return outer, inner
 
     def used(self) -> Bools:
-        """Return a mask (nx, ny, nz) of the nodes that any material has."""
+        """Mask (nx, ny, nz) of the nodes that any material has."""
         return self.nodes_of(*self.regions)
 
     def corner_mesh(self) -> Mesh:
-        """Return the whole bimorph with one eight-cornered cell per brick."""
+        """Whole bimorph with one eight-cornered cell per brick."""
         return _mirrored(self, tuple(axis.breaks for axis in self.axes), (1, 1, 1))
 
     def node_mesh(self) -> Mesh:
-        """Return the whole bimorph with every node a point: bricks cut at their nodes."""
+        """Whole bimorph with every node a point: bricks cut at their nodes."""
         degrees = tuple(axis.degree for axis in self.axes)
         return _mirrored(self, tuple(axis.nodes for axis in self.axes), degrees)
 
 
 def mirrored_axis(nodes: Floats) -> tuple[Floats, Ints, Bools]:
-    """Return the axis continued to the other side of 0.
+    """Axis continued to the other side of 0.
 
     Returns
     -------
@@ -271,7 +271,7 @@ def _whole_regions(bricks: Bricks) -> tuple[str, ...]:
 def _named_faces(
     bricks: Bricks, cells: Ints, points: Floats, region: Ints, names: tuple[str, ...]
 ) -> dict[str, Ints]:
-    """Return the quadrilaterals of each named face."""
+    """Quadrilaterals of each named face."""
     low_x, high_x = cells[:, [0, 3, 7, 4]], cells[:, [1, 2, 6, 5]]
     low_z, high_z = cells[:, [0, 1, 2, 3]], cells[:, [4, 5, 6, 7]]
     piezo = bricks.slabs_of("piezo")

@@ -88,7 +88,7 @@ class Ends:
         return max(0, 2 - sum(stiffness > 0.0 for stiffness in springs))
 
     def with_inertia(self, factor: Any) -> Ends:
-        """Return the same with all masses times `factor`, a number or (n,)."""
+        """Same with all masses times `factor`, a number or (n,)."""
         base, tip = self.base, self.tip
         if base is not None:
             base = replace(base, rotational_inertia=base.rotational_inertia * factor)

@@ -62,7 +62,7 @@ class Piece:
         return self.ends is not None and self.ends[0] != self.ends[1]
 
     def layers(self, bimorph: Bimorph, share: Any = 0.5) -> Layers:
-        """Return the layers at a share (number or array) of the length from the lower end."""
+        """Layers at a share (number or array) of the length from the lower end."""
         if self.ends is None:
             return Layers(bimorph.width, bimorph.piezo_thickness, bimorph.shim_thickness)
         low, high = self.ends
@@ -74,7 +74,7 @@ class Piece:
 
 
 def beam_pieces(device: Device, support: Support) -> tuple[Piece, ...]:
-    """Return the pieces from the held end to the tip.
+    """Pieces from the held end to the tip.
 
     With ``support.kind = "rod"`` the rod is a stepped beam held at its lower face, the glued
     part of the tab hangs in its head, and the free part follows; otherwise the row starts at
@@ -193,7 +193,7 @@ class RowShape:
     potential_share: Floats
 
     def values(self, line: CentreLine) -> Numbers:
-        """Return (u_x, u_y, u_z, φ) in m and V at the points, (n_points, 4)."""
+        """(u_x, u_y, u_z, φ) in m and V at the points, (n_points, 4)."""
         w, psi = line.w[self.station], line.psi[self.station]
         x = self.mesh.points[:, 0]
         voltage = self.potential_share * line.voltage
@@ -201,7 +201,7 @@ class RowShape:
 
 
 def row_shape(pieces: Sequence[Piece], bimorph: Bimorph, z: Floats, top: float) -> RowShape:
-    """Return the shape of a row whose centre line has stations at z (n,), its tip at `top` (m)."""
+    """Shape of a row whose centre line has stations at z (n,), its tip at `top` (m)."""
     points, cells, regions, station, share = [], [], [], [], []
     names: list[str] = []
     low, count, offset = 0.0, 0, top - float(z[-1])
@@ -239,7 +239,7 @@ def row_shape(pieces: Sequence[Piece], bimorph: Bimorph, z: Floats, top: float) 
 
 
 def _sections(piece: Piece, bimorph: Bimorph, shares: Floats) -> list[tuple[str, Floats, Floats]]:
-    """Return each region's name, (x, y) at stations (n_z, n_x, n_y, 2) and φ/U over x (n_x,)."""
+    """Each region's name, (x, y) at stations (n_z, n_x, n_y, 2) and φ/U over x (n_x,)."""
     if piece.section == "cylinder":
         return [("rod", np.repeat(_disc(piece.radius)[None], shares.size, 0), np.zeros(_ROUND))]
     layers = piece.layers(bimorph, shares)
@@ -270,7 +270,7 @@ Region = tuple[str, Floats, Floats]
 
 
 def _disc(radius: float) -> Floats:
-    """Return a square grid (n, n, 2) drawn out to a disc, its rim on the circle."""
+    """Square grid (n, n, 2) drawn out to a disc, its rim on the circle."""
     side = np.linspace(-1.0, 1.0, _ROUND)
     x, y = np.meshgrid(side, side, indexing="ij")
     across = np.stack([x * np.sqrt(1.0 - 0.5 * y**2), y * np.sqrt(1.0 - 0.5 * x**2)], axis=-1)
@@ -278,7 +278,7 @@ def _disc(radius: float) -> Floats:
 
 
 def block_cells(n_z: int, n_x: int, n_y: int) -> Ints:
-    """Return the cells of a block of points, y fastest, in VTK order."""
+    """Cells of a block of points, y fastest, in VTK order."""
     k, i, j = (
         a.ravel() for a in np.meshgrid(*(np.arange(n - 1) for n in (n_z, n_x, n_y)), indexing="ij")
     )

@@ -104,10 +104,7 @@ class TetMeshing:
     time_limit : float
         Processor time for the mesher, all attempts together (s).
 
-    Raises
-    ------
-    InputError
-        If a value is out of range.
+    Raises InputError if a value is out of range.
     """
 
     edge_length: float = 0.3e-3
@@ -202,7 +199,7 @@ def tetrahedralise(
 def _named_faces(
     device: Device, standing: Standing, regions: tuple[str, ...]
 ) -> dict[str, NamedFace]:
-    """Return where the named faces of the chosen regions are."""
+    """Where the named faces of the chosen regions are."""
     b = device.bimorph
     inner, outer = b.shim_thickness / 2 * MM, b.thickness / 2 * MM
     named = {}
@@ -222,13 +219,13 @@ def _named_faces(
 
 
 def _plane(axis: int, offset: float) -> Plane:
-    """Return the plane across an axis, equal to the one found in CAD."""
+    """Plane across an axis, equal to the one found in CAD."""
     normal = (float(axis == 0), float(axis == 1), float(axis == 2))
     return Plane(normal, round(offset, 9) + 0.0)
 
 
 def squeezed(device: Device, standing: Standing, points: Floats) -> Floats:
-    """Return points (n, 3) in m as the mesher sees them: sizes are lengths there.
+    """Points (n, 3) in m as the mesher sees them: sizes are lengths there.
 
     Elements along the ceramic are meshed shorter than they will be.
     """
@@ -236,7 +233,7 @@ def squeezed(device: Device, standing: Standing, points: Floats) -> Floats:
 
 
 def _stretching(device: Device, standing: Standing) -> Stretching:
-    """Return the map under which the ceramic-covered length is meshed."""
+    """Map under which the ceramic-covered length is meshed."""
     low = ceramic_base(device, standing)
     b = device.bimorph
     return Stretching(
@@ -253,7 +250,7 @@ def _first_good_mesh(
     stretching: Stretching,
     mesher: Mesher,
 ) -> Mesh:
-    """Return the first mesh that passes all checks: :data:`_ATTEMPTS` says what is tried."""
+    """First mesh that passes all checks: :data:`_ATTEMPTS` says what is tried."""
     left = options.time_limit
     thinnest = thinnest_feature(solids)
     deflection = _DEFLECTION * thinnest
@@ -311,7 +308,7 @@ def _refuse_too_thin(tessellation: Tessellation, thinnest: float) -> None:
 def _edge_lengths(
     surface: Floats, root: tuple[float, float], options: TetMeshing, sizing: Sizing | None
 ) -> tuple[float, SizingField | None]:
-    """Return the edge length (mm) far from everything fine, and the field if it varies."""
+    """Edge length (mm) far from everything fine, and the field if it varies."""
     if sizing is not None:
         lengths = sizing.lengths * MM
         return float(np.median(lengths)), sizing_at_points(surface, sizing.points * MM, lengths)

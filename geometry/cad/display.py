@@ -31,12 +31,9 @@ DISPLAY_COLOURS: dict[str, tuple[float, float, float]] = {
 
 
 def display_assembly(device: Device, display: Display) -> cq.Assembly:
-    """Return the display; copies of a part share one solid (mm).
+    """Display; copies of a part share one solid (mm).
 
-    Raises
-    ------
-    InputError
-        If parts do not fit, or the CAD kernel's system library is missing.
+    Raises InputError if parts do not fit, or the CAD kernel's system library is missing.
     """
     check_display(device, display)
     require_cad_kernel()
@@ -56,7 +53,7 @@ def display_assembly(device: Device, display: Display) -> cq.Assembly:
 
 
 def display_solids(device: Device, display: Display) -> dict[str, cq.Shape]:
-    """Return each distinct solid of the display in its own frame (mm)."""
+    """Each distinct solid of the display in its own frame (mm)."""
     check_display(device, display)
     require_cad_kernel()
     return {placed.name: _solid(placed) for placed in display_parts(device, display)}
@@ -67,10 +64,7 @@ def export_display(
 ) -> None:
     """Write the display as STEP and as binary glTF.
 
-    Raises
-    ------
-    InputError
-        If parts do not fit, or a file cannot be written.
+    Raises InputError if parts do not fit, or a file cannot be written.
     """
     assembly = display_assembly(device, display)
     if step is not None:
@@ -85,7 +79,7 @@ def _solid(placed: Placed) -> cq.Shape:
 
 
 def _plate(plate: Plate) -> cq.Shape:
-    """Return a plate as one extrusion of its outline with everything that goes through it."""
+    """Plate as one extrusion of its outline with everything that goes through it."""
     import cadquery as cq
 
     (x0, y0, z0), (x1, y1, z1) = plate.body.low, plate.body.high

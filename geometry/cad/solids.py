@@ -81,18 +81,15 @@ def build_solids(
     dict of str to cadquery.Solid
         In millimetres.
 
-    Raises
-    ------
-    InputError
-        If a name is unknown, the parts cannot be put together, or the CAD kernel's
-        system library is missing.
+    Raises InputError if a name is unknown, the parts cannot be put together, or the CAD kernel's
+    system library is missing.
     """
     require_cad_kernel()
     return {name: solid_of(part) for name, part in layout(device, standing, names).items()}
 
 
 def solid_of(part: Part) -> cq.Solid:
-    """Return the solid of a part (mm)."""
+    """Solid of a part (mm)."""
     body = _box(part.body) if isinstance(part.body, Box) else _turned(part.body)
     if part.cut is None:
         return body
@@ -136,10 +133,7 @@ def fuse(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
     dict of str to cadquery.Solid
         The same names; two solids that touch hold the very same face there.
 
-    Raises
-    ------
-    InputError
-        If two solids overlap.
+    Raises InputError if two solids overlap.
     """
     import cadquery as cq
     from OCP.BOPAlgo import BOPAlgo_Builder
@@ -163,7 +157,7 @@ def fuse(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
 
 
 def quartered(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
-    """Return what of each solid lies at x ≥ 0 and y ≥ 0, without those that are elsewhere."""
+    """What of each solid lies at x ≥ 0 and y ≥ 0, without those that are elsewhere."""
     import cadquery as cq
 
     boxes = [solid.BoundingBox() for solid in solids.values()]
@@ -190,10 +184,7 @@ def _refuse_overlap(solids: dict[str, cq.Solid]) -> None:
 def export_step(solids: dict[str, cq.Solid], path: str | Path) -> None:
     """Write named solids to a STEP file (an assembly, in millimetres).
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     write_step(_assembly(solids), path)
 
@@ -201,10 +192,7 @@ def export_step(solids: dict[str, cq.Solid], path: str | Path) -> None:
 def write_step(assembly: cq.Assembly, path: str | Path) -> None:
     """Write an assembly to a STEP file; what stands at several places is in it once.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     from cadquery.occ_impl.exporters.assembly import exportAssembly
 
@@ -225,10 +213,7 @@ def export_glb(solids: dict[str, cq.Solid], path: str | Path, deflection: float 
     deflection : float
         Largest distance between a curved face and its triangles (mm).
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     write_glb(_assembly(solids), path, deflection)
 
@@ -268,7 +253,7 @@ def _assembly(solids: dict[str, cq.Solid]) -> cq.Assembly:
 
 
 def thinnest_feature(solids: dict[str, cq.Solid]) -> float:
-    """Return the smallest distance (mm) between two faces that do not touch each other.
+    """Smallest distance (mm) between two faces that do not touch each other.
 
     It is the thickness of the thinnest layer, wall, step or gap between the solids.
 

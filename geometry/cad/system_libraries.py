@@ -22,10 +22,7 @@ _KERNEL = 1_000_000_000
 def require_library(name: str, purpose: str) -> None:
     """Make sure that a shared library can be loaded.
 
-    Raises
-    ------
-    InputError
-        If not, with the command that installs it.
+    Raises InputError if not, with the command that installs it.
     """
     import ctypes
 
@@ -53,10 +50,7 @@ def require_room(size: int, purpose: str) -> None:
 
     Where the system has no such limit, or does not tell, nothing is asked.
 
-    Raises
-    ------
-    InputError
-        If not, with what is left.
+    Raises InputError if not, with what is left.
     """
     left = _room()
     if left is not None and left < size:
@@ -67,7 +61,7 @@ def require_room(size: int, purpose: str) -> None:
 
 
 def _room() -> int | None:
-    """Return the bytes left below the limit, None if there is none or it is not known."""
+    """Bytes left below the limit, None if there is none or it is not known."""
     with contextlib.suppress(ImportError, OSError):
         import resource
 

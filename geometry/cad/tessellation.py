@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def merge_points(points: Floats, within: float) -> tuple[Floats, Ints]:
-    """Return the points that differ, and which of them each of the given ones is.
+    """Points that differ, and which of them each of the given ones is.
 
     Parameters
     ----------
@@ -53,11 +53,11 @@ class Plane:
     offset: float
 
     def distance(self, points: Floats) -> Floats:
-        """Return the signed distance of points (..., 3) in mm."""
+        """Signed distance of points (..., 3) in mm."""
         return np.asarray(points @ np.array(self.normal) - self.offset)
 
     def gradient(self, points: Floats) -> Floats:
-        """Return the gradient (..., 3) of the distance at points (..., 3)."""
+        """Gradient (..., 3) of the distance at points (..., 3)."""
         return np.broadcast_to(np.array(self.normal), points.shape)
 
 
@@ -68,11 +68,11 @@ class Cylinder:
     radius: float
 
     def distance(self, points: Floats) -> Floats:
-        """Return the signed distance of points (..., 3) in mm, positive outside."""
+        """Signed distance of points (..., 3) in mm, positive outside."""
         return np.asarray(np.hypot(points[..., 0], points[..., 1]) - self.radius)
 
     def gradient(self, points: Floats) -> Floats:
-        """Return the gradient (..., 3) of the distance at points (..., 3)."""
+        """Gradient (..., 3) of the distance at points (..., 3)."""
         radius = np.hypot(points[..., 0], points[..., 1])
         gradient = np.zeros(points.shape)
         gradient[..., :2] = points[..., :2] / np.maximum(radius, 1e-12)[..., None]
@@ -146,7 +146,7 @@ def tessellate(solids: dict[str, cq.Solid], deflection: float, angle: float = 0.
 
 
 def _sides(solids: dict[str, cq.Solid]) -> list[tuple[cq.Face, frozenset[str]]]:
-    """Return every face once, with the names of what is on its two sides."""
+    """Every face once, with the names of what is on its two sides."""
     seen: dict[cq.Face, set[str]] = {}  # cadquery faces compare as the same piece of CAD
     for name, solid in solids.items():
         for face in solid.Faces():
@@ -179,7 +179,7 @@ def _collect(sides: list[tuple[cq.Face, frozenset[str]]]) -> tuple[Face, ...]:
 
 
 def _surface(face: cq.Face) -> Surface:
-    """Return the analytic surface of a face, oriented the same way on all its pieces."""
+    """Analytic surface of a face, oriented the same way on all its pieces."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.GeomAbs import GeomAbs_SurfaceType
 

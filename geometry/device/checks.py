@@ -17,10 +17,7 @@ _LEAST_GLUE = 1e7
 def check_fit(device: Device, support: Support) -> None:
     """Refuse a device whose parts cannot be put together.
 
-    Raises
-    ------
-    InputError
-        In one sentence, with the values in millimetres.
+    Raises InputError in one sentence, with the values in millimetres.
     """
     check_bimorph(device, support)
     check_actuator(device)
@@ -29,10 +26,7 @@ def check_fit(device: Device, support: Support) -> None:
 def check_bimorph(device: Device, support: Support) -> None:
     """Refuse a bimorph that is not whole, or does not go into the rod that holds it.
 
-    Raises
-    ------
-    InputError
-        In one sentence, with the values in millimetres.
+    Raises InputError in one sentence, with the values in millimetres.
     """
     _check_ceramic(device.bimorph)
     if support.kind == "rod":
@@ -42,10 +36,7 @@ def check_bimorph(device: Device, support: Support) -> None:
 def check_actuator(device: Device) -> None:
     """Refuse a rod, coil and sleeve that do not go into each other.
 
-    Raises
-    ------
-    InputError
-        In one sentence, with the values in millimetres.
+    Raises InputError in one sentence, with the values in millimetres.
     """
     rod, sleeve, coil = device.rod, device.sleeve, device.coil
     mm = 1e3
@@ -86,7 +77,7 @@ def check_actuator(device: Device) -> None:
 
 
 def widest_gap(device: Device) -> float:
-    """Return the gap (m) at which flange or coil meets the collar; inf if both go through it."""
+    """Gap (m) at which flange or coil meets the collar; inf if both go through it."""
     rod, coil, sleeve = device.rod, device.coil, device.sleeve
     tops = ((rod.flange_radius, rod.flange_position), (coil.outer_radius, coil.position))
     caught = [top for radius, top in tops if radius >= sleeve.collar_radius]
@@ -96,10 +87,7 @@ def widest_gap(device: Device) -> float:
 def check_gap(device: Device, gap: float) -> None:
     """Refuse a working gap (m) at which the flange has met the collar, which it cannot pass.
 
-    Raises
-    ------
-    InputError
-        With the gap at which they meet.
+    Raises InputError with the gap at which they meet.
     """
     rod, sleeve = device.rod, device.sleeve
     mm = 1e3
@@ -137,7 +125,7 @@ def _check_ceramic(bimorph: Bimorph) -> None:
 
 
 def beyond_plain_layers(bimorph: Bimorph) -> str:
-    """Return the key of what makes a bimorph more than three boxes, electroded all over."""
+    """Key of what makes a bimorph more than three boxes, electroded all over."""
     lengths = ("bare_below", "bare_above", "glue_thickness")
     found = [*bimorph.profiles, *(name for name in lengths if getattr(bimorph, name))]
     return found[0] if found else ""
@@ -146,10 +134,7 @@ def beyond_plain_layers(bimorph: Bimorph) -> str:
 def check_plain_layers(device: Device) -> None:
     """Refuse a bimorph that the CAD parts do not know.
 
-    Raises
-    ------
-    InputError
-        In one sentence that names the models that can.
+    Raises InputError in one sentence that names the models that can.
     """
     key = beyond_plain_layers(device.bimorph)
     if key in device.bimorph.profiles:
@@ -168,10 +153,7 @@ def check_bonded(device: Device) -> None:
     What is left of the tip's motion is then what the clamped corners leave, some 30 pm per
     volt, which the solid's bricks do not resolve to their own error bar.
 
-    Raises
-    ------
-    InputError
-        In one sentence that says how stiff the glue must be.
+    Raises InputError in one sentence that says how stiff the glue must be.
     """
     modulus = device.glue.youngs_modulus
     if device.bimorph.glue_thickness > 0.0 and modulus < _LEAST_GLUE:
@@ -185,10 +167,7 @@ def check_bonded(device: Device) -> None:
 def check_constant_section(device: Device) -> None:
     """Refuse a bimorph whose cross-section changes along it.
 
-    Raises
-    ------
-    InputError
-        In one sentence that names the models that can.
+    Raises InputError in one sentence that names the models that can.
     """
     if device.bimorph.profiles:
         key = next(iter(device.bimorph.profiles))

@@ -124,7 +124,7 @@ class Piezo(Parameters):
         return {**library, **given, "material": name}
 
     def ceramic(self) -> Piezoceramic:
-        """Return the full material that these values stand for."""
+        """Full material that these values stand for."""
         values = self.model_dump(exclude={"material"})
         return LIBRARY[self.material].with_values(**values)
 
@@ -194,7 +194,7 @@ class Shim(Parameters):
 
     @classmethod
     def _isotropic_shear(cls, values: dict[str, Any]) -> float:
-        """Return a metal's shear modulus; where a constant cannot be read it says so itself."""
+        """Metal's shear modulus; where a constant cannot be read it says so itself."""
         read = []
         for name in ("youngs_modulus", "poisson_ratio"):
             unit = next(m for m in cls.model_fields[name].metadata if isinstance(m, u.Unit))

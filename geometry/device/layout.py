@@ -65,7 +65,7 @@ class Ring:
 def layout(
     device: Device, standing: Standing = "rod", names: tuple[str, ...] | None = None
 ) -> dict[str, Part]:
-    """Return the parts of the device by name.
+    """Parts of the device by name.
 
     Parameters
     ----------
@@ -77,10 +77,7 @@ def layout(
     names : tuple of str, optional
         Parts wanted; all by default.
 
-    Raises
-    ------
-    InputError
-        If a name is unknown or the parts cannot be put together.
+    Raises InputError if a name is unknown or the parts cannot be put together.
     """
     known = BIMORPH if standing == "alone" else GENERATOR
     wanted = known if names is None else names
@@ -106,35 +103,35 @@ def layout(
 
 
 def shim_base(device: Device, standing: Standing) -> float:
-    """Return the height of the shim's lower end (m)."""
+    """Height of the shim's lower end (m)."""
     if standing == "alone":
         return 0.0
     return float(device.glue.thickness - device.rod.slot_depth)
 
 
 def ceramic_base(device: Device, standing: Standing) -> float:
-    """Return the height of the ceramic's lower edge (m)."""
+    """Height of the ceramic's lower edge (m)."""
     return float(device.bimorph.tab_length if standing == "alone" else device.ceramic_base)
 
 
 def rod_base(device: Device) -> float:
-    """Return the height of the rod's bottom face (m)."""
+    """Height of the rod's bottom face (m)."""
     return float(_rod_datum(device) - device.rod.length)
 
 
 def total_height(device: Device) -> float:
-    """Return the height from the bimorph's tip to the lowest end of rod and sleeve (m)."""
+    """Height from the bimorph's tip to the lowest end of rod and sleeve (m)."""
     return float(device.ceramic_base + device.bimorph.length + below_head(device))
 
 
 def below_head(device: Device) -> float:
-    """Return the height from the rod's top face down to the lowest end of rod and sleeve (m)."""
+    """Height from the rod's top face down to the lowest end of rod and sleeve (m)."""
     sleeve = device.rod.head_thickness + device.gap + device.sleeve.length
     return float(max(sleeve, -rod_base(device)))
 
 
 def _rod_datum(device: Device) -> float:
-    """Return the height from which rod-fixed axial positions are measured downward (m).
+    """Height from which rod-fixed axial positions are measured downward (m).
 
     It moves with the rod: the sleeve's top face would be there at the nominal gap.
     """
@@ -146,7 +143,7 @@ def _mm(length: float) -> float:
 
 
 def _box(width_x: tuple[float, float], width_y: float, height: tuple[float, float]) -> Box:
-    """Return a box centred on y = 0, from metres."""
+    """Box centred on y = 0, from metres."""
     return Box(
         low=(_mm(width_x[0]), _mm(-width_y / 2), _mm(height[0])),
         high=(_mm(width_x[1]), _mm(width_y / 2), _mm(height[1])),
@@ -206,7 +203,7 @@ def _coil_ring(device: Device) -> Ring:
 
 
 def moving_rings(device: Device) -> dict[str, tuple[Ring, ...]]:
-    """Return what moves with the rod, turned bodies as rings: the rod without slot, the coil.
+    """What moves with the rod, turned bodies as rings: the rod without slot, the coil.
 
     z = 0 at the rod's top face.  A slot is filled again by glue and tab, lighter than steel.
     """
@@ -234,7 +231,7 @@ def _ring(low: float, high: float, inner: float, outer: float) -> Ring:
 
 
 def _turned(rings: list[Ring]) -> Turned:
-    """Return the outline of rings stacked from the bottom up, without needless corners."""
+    """Outline of rings stacked from the bottom up, without needless corners."""
     rings = [ring for ring in rings if ring.high > ring.low]
     outer = [corner for r in rings for corner in ((r.outer, r.low), (r.outer, r.high))]
     inner = [corner for r in rings for corner in ((r.inner, r.low), (r.inner, r.high))]
@@ -259,12 +256,9 @@ def _without_needless_corners(
 
 
 def closed_form_volumes(device: Device, standing: Standing = "rod") -> dict[str, float]:
-    """Return the volume of each solid (m³), worked out by hand from the parameters.
+    """Volume of each solid (m³), worked out by hand from the parameters.
 
-    Raises
-    ------
-    InputError
-        If the parts cannot be put together.
+    Raises InputError if the parts cannot be put together.
     """
     names = tuple(layout(device, standing))
     b, rod, coil, sleeve = device.bimorph, device.rod, device.coil, device.sleeve

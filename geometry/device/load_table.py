@@ -57,12 +57,9 @@ class LoadTable:
 
 
 def load_table(load: Load) -> LoadTable:
-    """Return the table that a scene's load names.
+    """Table that a scene's load names.
 
-    Raises
-    ------
-    InputError
-        If there is none, or the file cannot be used.
+    Raises InputError if there is none, or the file cannot be used.
     """
     if not load.file:
         raise InputError(
@@ -89,11 +86,8 @@ def read_load_table(path: Path) -> LoadTable:
     velocity) or the dynamic ``stiffness`` (force per displacement), either as ``…_re`` with
     ``…_im`` or as a magnitude with ``…_phase``.
 
-    Raises
-    ------
-    InputError
-        In one sentence: if columns or units are not these, the frequencies do not ascend, there
-        are too few, or the load would give energy away.
+    Raises InputError in one sentence: if columns or units are not these, the frequencies do not
+    ascend, there are too few, or the load would give energy away.
     """
     source = f"load.file = {quoted(str(path))}"
     table = read_table(path, source, _KNOWN, _EXAMPLE)
@@ -110,7 +104,7 @@ def read_load_table(path: Path) -> LoadTable:
 
 
 def _complex(table: Table, source: str) -> tuple[str, Complex]:
-    """Return which of the two it is, and its values."""
+    """Which of the two it is, and its values."""
     columns = table.columns
     names = set(columns) - {"frequency"}
     for kind, unit in _KINDS.items():

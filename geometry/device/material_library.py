@@ -42,7 +42,7 @@ def _strain_constants(d31: float, d33: float, d15: float) -> Floats:
 
 
 def _pzt_5h() -> Piezoceramic:
-    """Return PZT-5H from its usual stiffness-form constants (c66 follows from c11, c12)."""
+    """PZT-5H from its usual stiffness-form constants (c66 follows from c11, c12)."""
     c = np.zeros((6, 6))
     c[:3, :3] = np.array([[127.2, 80.2, 84.7], [80.2, 127.2, 84.7], [84.7, 84.7, 117.4]]) * 1e9
     c[3, 3] = c[4, 4] = 23.0e9
@@ -155,7 +155,7 @@ def _pz29() -> Piezoceramic:
 
 
 def _m1876() -> Piezoceramic:
-    """Return M1876: the paper's three constants, the rest a soft PZT by ratio to PZT-5H."""
+    """M1876: the paper's three constants, the rest a soft PZT by ratio to PZT-5H."""
     assumed = "assumed: typical of soft PZT with this d31 (no M1876 data sheet is public)"
     ceramic = _pzt_5h().with_values(
         s11=15.8e-12,
@@ -205,7 +205,7 @@ _NAVY = {"I": "PZT-4", "II": "PZT-5A", "III": "PZT-8", "VI": "PZT-5H"}
 
 
 def library_name(text: str) -> str | None:
-    """Return the library's name of a ceramic written in any case, with or without - and space.
+    """Library's name of a ceramic written in any case, with or without - and space.
 
     ``Navy II`` and ``Navy type II`` are names, too.
     """
@@ -242,7 +242,7 @@ class ShimMaterial:
     transverse_modulus: float | None = None
 
     def values(self) -> dict[str, float]:
-        """Return the constants by their key in a scene, the shear modulus only of a composite."""
+        """Constants by their key in a scene, the shear modulus only of a composite."""
         found = {
             "youngs_modulus": self.youngs_modulus,
             "poisson_ratio": self.poisson_ratio,
@@ -253,7 +253,7 @@ class ShimMaterial:
         return {name: value for name, value in found.items() if value is not None}
 
     def spreads(self) -> dict[str, Spread]:
-        """Return the ranges of what tables give one for; a metal's shear follows its modulus."""
+        """Ranges of what tables give one for; a metal's shear follows its modulus."""
         low, high = (isotropic_shear(end, self.poisson_ratio) for end in self.modulus_range)
         found = {
             "youngs_modulus": Spread(*self.modulus_range, f"data sheets of {self.name}"),
@@ -267,7 +267,7 @@ class ShimMaterial:
 
 
 def isotropic_shear(youngs_modulus: float, poisson_ratio: float) -> float:
-    """Return the shear modulus of an isotropic material (Pa)."""
+    """Shear modulus of an isotropic material (Pa)."""
     return youngs_modulus / (2.0 * (1.0 + poisson_ratio))
 
 
@@ -324,7 +324,7 @@ _ALSO = {
 
 
 def shim_name(text: str) -> str | None:
-    """Return the library's name of a shim written in any case, with or without - and space."""
+    """Library's name of a shim written in any case, with or without - and space."""
     names = {folded(name): name for name in (PAPERS, *SHIMS)}
     names.update({folded(other): name for other, name in _ALSO.items()})
     return names.get(folded(text))
@@ -353,7 +353,7 @@ class SoftMagnet:
 
     @cache  # noqa: B019  a handful of frozen values that live as long as the program
     def curve(self) -> MagnetisationCurve:
-        """Return the curve as a table, dense enough to be read to 1e-4 between its points."""
+        """Curve as a table, dense enough to be read to 1e-4 between its points."""
         scales = [limit / slope for slope, limit in self.terms]
         applied = np.geomspace(_BELOW * min(scales), _BEYOND * max(scales), _POINTS)
         applied = np.concatenate([[0.0], applied])  # µ0 H, T
@@ -405,12 +405,12 @@ STEELS = ("team20", "linear", *SOFT_MAGNETS)
 
 
 def steel_name(text: str) -> str | None:
-    """Return the name of a built-in curve written in any case, with or without - and space."""
+    """Name of a built-in curve written in any case, with or without - and space."""
     names = {folded(name): name for name in STEELS}
     names.update({folded(other): name for other, name in _STEEL_ALIASES.items()})
     return names.get(folded(text))
 
 
 def built_in_curve(name: str) -> MagnetisationCurve:
-    """Return a built-in curve by its name in :data:`STEELS`, ``linear`` excepted; KeyError."""
+    """Built-in curve by its name in :data:`STEELS`, ``linear`` excepted; KeyError."""
     return TEAM20 if name == "team20" else SOFT_MAGNETS[name].curve()

@@ -51,7 +51,7 @@ class Spread(NamedTuple):
         return "assumed" if "assumed" in self.reason else "tables"
 
     def moved(self, usual: float, value: float) -> Spread:
-        """Return the range of `value` where this is that of `usual`.
+        """Range of `value` where this is that of `usual`.
 
         An absolute range that would reach 0 says nothing about so small a value, and goes
         in proportion as well.
@@ -77,13 +77,13 @@ class Own(NamedTuple):
     share: float
 
     def around(self, value: float) -> Spread:
-        """Return the assumed range of a value; its reason says that it is assumed."""
+        """Assumed range of a value; its reason says that it is assumed."""
         low, high = sorted((value * (1.0 - self.share), value * (1.0 + self.share)))
         return Spread(low, high, f"assumed: {self.kind} ± {100.0 * self.share:g} %")
 
 
 def lossy_modulus(modulus: Any, loss_factor: Any, *, lossy: bool) -> Any:
-    """Return a modulus with structural damping, E (1 + jη) for e^{+jΩt}; as it is if lossless.
+    """Modulus with structural damping, E (1 + jη) for e^{+jΩt}; as it is if lossless.
 
     η is the energy lost per radian over the largest stored: 1/Q of a body of this material
     alone (ISO 6721-1).
@@ -140,7 +140,7 @@ class Piezoceramic:
     spreads: dict[str, Spread] = field(default_factory=dict)
 
     def reduced(self) -> dict[str, float]:
-        """Return the constants that a one-dimensional model uses (SI, eps33 relative)."""
+        """Constants that a one-dimensional model uses (SI, eps33 relative)."""
         return {
             "s11": float(self.s[0, 0]),
             "s55": float(self.s[4, 4]),
@@ -152,7 +152,7 @@ class Piezoceramic:
         }
 
     def sources(self) -> dict[str, str]:
-        """Return the source of each reduced constant."""
+        """Source of each reduced constant."""
         return {name: self.stated.get(name, self.origin) for name in self.reduced()}
 
     def with_values(
@@ -166,7 +166,7 @@ class Piezoceramic:
         quality_factor: float,
         loss_tangent: float,
     ) -> Piezoceramic:
-        """Return this ceramic with the reduced constants replaced exactly.
+        """This ceramic with the reduced constants replaced exactly.
 
         The constants that a reduced set does not contain follow from this ceramic's by
         ratio: compliances with s11, eps11 with eps33, d33 and d15 so that the coupling
@@ -195,15 +195,12 @@ class Piezoceramic:
         )
 
     def tensors(self, *, lossy: bool = False) -> PiezoTensors:
-        """Return the stiffness-form tensors in the device's axes, poled along +x.
+        """Stiffness-form tensors in the device's axes, poled along +x.
 
         Losses (time factor e^{+jΩt}): all compliances divided by (1 + j/Q), permittivity
         at constant stress times (1 − j tan δ), d real.
 
-        Raises
-        ------
-        InputError
-            If stiffness or clamped permittivity is not positive definite.
+        Raises InputError if stiffness or clamped permittivity is not positive definite.
         """
         self.check_admissible()
         stiffening = 1.0 + 1j / self.quality_factor if lossy else 1.0
@@ -220,11 +217,8 @@ class Piezoceramic:
     def check_admissible(self) -> None:
         """Refuse constants that no passive material has.
 
-        Raises
-        ------
-        InputError
-            If stiffness or clamped permittivity is not positive definite, in a sentence that
-            names the constants which contradict each other.
+        Raises InputError if stiffness or clamped permittivity is not positive definite, in a
+        sentence that names the constants which contradict each other.
         """
         if np.linalg.eigvalsh(self.s).min() <= 0.0:
             raise InputError(
@@ -243,7 +237,7 @@ class Piezoceramic:
             )
 
     def _sign_hint(self) -> str:
-        """Return a remedy for a size that was taken for a value, as data sheets print it."""
+        """Remedy for a size that was taken for a value, as data sheets print it."""
         if self.d[2, 0] > 0.0:
             return "write d31 with a minus, as that of poled ceramics is negative, or "
         return ""
@@ -293,15 +287,12 @@ class Piezoceramic:
 def orthotropic_stiffness(
     axial_modulus: float, transverse_modulus: float, shear_modulus: float, poisson_ratio: float
 ) -> Floats:
-    """Return the (6, 6) stiffness (Pa) of a transversely isotropic solid with its axis along z.
+    """(6, 6) stiffness (Pa) of a transversely isotropic solid with its axis along z.
 
     Poisson's ratio is the same along and across the axis; with equal moduli and
     ``shear_modulus = E / (2 (1 + nu))`` the solid is isotropic.
 
-    Raises
-    ------
-    InputError
-        If the constants do not give a positive definite stiffness.
+    Raises InputError if the constants do not give a positive definite stiffness.
     """
     nu = poisson_ratio
     s = np.zeros((6, 6))
@@ -322,6 +313,6 @@ def orthotropic_stiffness(
 
 
 def isotropic_stiffness(youngs_modulus: float, poisson_ratio: float) -> Floats:
-    """Return the (6, 6) stiffness (Pa) of an isotropic solid."""
+    """(6, 6) stiffness (Pa) of an isotropic solid."""
     shear = youngs_modulus / (2.0 * (1.0 + poisson_ratio))
     return orthotropic_stiffness(youngs_modulus, youngs_modulus, shear, poisson_ratio)

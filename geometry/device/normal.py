@@ -145,7 +145,7 @@ class Sleeve(Parameters):
 
 
 def _known_curve(text: str) -> str:
-    """Return the name of a built-in curve as it is spelt, or the text, which is a path."""
+    """Name of a built-in curve as it is spelt, or the text, which is a path."""
     return steel_name(text) or text
 
 

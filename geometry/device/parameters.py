@@ -66,7 +66,7 @@ class Device(Parameters):
 
 
 def sources(group: Parameters) -> dict[str, str]:
-    """Return the source of each scalar of a group, as ``{field: source}``."""
+    """Source of each scalar of a group, as ``{field: source}``."""
     found: dict[str, str] = {}
     for name, info in type(group).model_fields.items():
         extra = info.json_schema_extra
@@ -80,7 +80,7 @@ def sources(group: Parameters) -> dict[str, str]:
 
 
 def spreads(group: Parameters) -> dict[str, Spread]:
-    """Return the range of each scalar of a group that has one, as ``{field: range}``.
+    """Range of each scalar of a group that has one, as ``{field: range}``.
 
     A value that is not the source's has the range of its kind, or else the default's, moved
     along: :meth:`Spread.moved`.

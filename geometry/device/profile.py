@@ -43,7 +43,7 @@ class Profile(tuple[tuple[float, float], ...]):
         return self[-1][0]
 
     def between(self, low: float, high: float) -> tuple[float, float]:
-        """Return the dimension just above `low` and just below `high`.
+        """Dimension just above `low` and just below `high`.
 
         No point may lie between the two.  Beyond the last point its dimension goes on.
         """
@@ -58,14 +58,11 @@ class Profile(tuple[tuple[float, float], ...]):
 
 
 def read_profile(value: Any, info: ValidationInfo) -> Profile:
-    """Return a profile from its text, or from pairs of numbers in metres.
+    """Profile from its text, or from pairs of numbers in metres.
 
     An end that misses the ceramic's length by rounding is put there.
 
-    Raises
-    ------
-    ValueError
-        With a sentence that names the remedy.
+    Raises ValueError with a sentence that names the remedy.
     """
     points = Profile(
         (_number(_POSITION, z, info), _number(_VALUE, v, info)) for z, v in _pairs(value)
@@ -94,7 +91,7 @@ def read_profile(value: Any, info: ValidationInfo) -> Profile:
 
 
 def _ended(points: Profile, length: float | None) -> Profile:
-    """Return the points with the last one at the ceramic's edge if it is meant to be there."""
+    """Points with the last one at the ceramic's edge if it is meant to be there."""
     z, dimension = points[-1]
     if length is None or not math.isclose(z, length, rel_tol=_ROUNDED):
         return points

@@ -80,24 +80,24 @@ class MagnetisationCurve:
         return np.concatenate([inside, beyond], axis=1), energy
 
     def _piece(self, b: Floats) -> tuple[Floats, Floats, Ints]:
-        """Return coefficients (4, ...), distance from the left point, number of that point."""
+        """Coefficients (4, ...), distance from the left point, number of that point."""
         b = np.asarray(b, dtype=float)
         # searching the inner points only sends all b ≥ 0 to a valid piece
         i = np.searchsorted(self.flux_density[1:], b, side="right")
         return np.take(self._cubics[0], i, axis=1), b - np.take(self.flux_density, i), i
 
     def field_strength(self, b: Floats) -> Floats:
-        """Return H (A/m) at flux density `b` (T)."""
+        """H (A/m) at flux density `b` (T)."""
         c, s, _ = self._piece(b)
         return np.asarray(c[0] + s * (c[1] + s * (c[2] + s * c[3])))
 
     def slope(self, b: Floats) -> Floats:
-        """Return dH/dB (m/H) at flux density `b` (T)."""
+        """DH/dB (m/H) at flux density `b` (T)."""
         c, s, _ = self._piece(b)
         return np.asarray(c[1] + s * (2.0 * c[2] + s * 3.0 * c[3]))
 
     def reluctivity(self, b: Floats) -> Floats:
-        """Return H/B (m/H) at flux density `b` (T), its limit dH/dB at b = 0."""
+        """H/B (m/H) at flux density `b` (T), its limit dH/dB at b = 0."""
         b = np.asarray(b, dtype=float)
         # the first piece starts at (0, 0): dividing its polynomial avoids 0/0
         c, s, _ = self._piece(b)
@@ -107,12 +107,12 @@ class MagnetisationCurve:
         return np.asarray(np.where(b < self.flux_density[1], first, other))
 
     def energy_density(self, b: Floats) -> Floats:
-        """Return ∫₀ᴮ H dB (J/m³) at flux density `b` (T)."""
+        """∫₀ᴮ H dB (J/m³) at flux density `b` (T)."""
         c, s, i = self._piece(b)
         return np.asarray(self._cubics[1][i] + _integral(c, s))
 
     def coenergy_density(self, b: Floats) -> Floats:
-        """Return H·B − ∫H dB (J/m³) at flux density `b` (T)."""
+        """H·B − ∫H dB (J/m³) at flux density `b` (T)."""
         return np.asarray(b) * self.field_strength(b) - self.energy_density(b)
 
     @property
@@ -121,11 +121,11 @@ class MagnetisationCurve:
         return float(np.max(self.flux_density[1:] / self.field[1:]) / MU0)
 
     def volume_beyond(self, b: Floats, volumes: Floats) -> float:
-        """Return how much of `volumes` (m³) has `b` (T) beyond a table that ends early."""
+        """How much of `volumes` (m³) has `b` (T) beyond a table that ends early."""
         return float(volumes[b > self.flux_density[-1]].sum()) if self.ends_early else 0.0
 
     def flux_density_at(self, h: Floats) -> Floats:
-        """Return B (T) at field strength `h` (A/m), the inverse of :meth:`field_strength`.
+        """B (T) at field strength `h` (A/m), the inverse of :meth:`field_strength`.
 
         Newton's method kept inside a shrinking bracket; to rounding.
         """
@@ -149,12 +149,12 @@ class MagnetisationCurve:
 
 
 def _integral(c: Floats, s: Floats) -> Floats:
-    """Return ∫₀ˢ of the cubics with coefficients `c` (4, ...)."""
+    """∫₀ˢ of the cubics with coefficients `c` (4, ...)."""
     return np.asarray(s * (c[0] + s * (c[1] / 2.0 + s * (c[2] / 3.0 + s * c[3] / 4.0))))
 
 
 def _monotone_slopes(x: Floats, y: Floats) -> Floats:
-    """Return slopes (n,) at the points that keep the cubic between them increasing.
+    """Slopes (n,) at the points that keep the cubic between them increasing.
 
     Inside: the weighted harmonic mean of the neighbouring secants (Fritsch and Butland
     1984).  First point: the same mean with the mirrored point, H(B) being odd; so the
@@ -176,12 +176,9 @@ def _monotone_slopes(x: Floats, y: Floats) -> Floats:
 
 
 def linear(relative_permeability: float) -> MagnetisationCurve:
-    """Return the straight curve B = µ0 µr H.
+    """Straight curve B = µ0 µr H.
 
-    Raises
-    ------
-    InputError
-        If `relative_permeability` is not a finite number of at least 1.
+    Raises InputError if `relative_permeability` is not a finite number of at least 1.
     """
     if not (math.isfinite(relative_permeability) and relative_permeability >= 1.0):
         raise InputError(

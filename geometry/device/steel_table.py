@@ -30,12 +30,9 @@ _HEADER = '"B (T), H (A/m)"'
 
 
 def magnetisation_curve(steel: Steel) -> MagnetisationCurve:
-    """Return the curve that a device's `steel` names.
+    """Curve that a device's `steel` names.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be used.
+    Raises InputError if the file cannot be used.
     """
     if steel.curve == "linear":
         return linear(steel.relative_permeability)
@@ -49,11 +46,8 @@ def read_curve(path: str | Path) -> MagnetisationCurve:
 
     Comments begin with #; other columns are ignored.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, a column or its unit is missing, or the rows are not
-        a magnetisation curve.
+    Raises InputError if the file cannot be read, a column or its unit is missing, or the rows are
+    not a magnetisation curve.
     """
     path = Path(path)
     remedy = f"use {', '.join(STEELS)}, or the path of a CSV file with the header {_HEADER}"
@@ -69,7 +63,7 @@ def read_curve(path: str | Path) -> MagnetisationCurve:
 
 
 def _columns(header: list[str], path: Path) -> tuple[int, int]:
-    """Return where B (T) and H (A/m) stand."""
+    """Where B (T) and H (A/m) stand."""
     plain = ["".join(c for c in cell.casefold() if c not in " ()[]_") for cell in header]
     found = []
     for letter, units in (("b", ("t", "tesla")), ("h", ("a/m", "aperm", "am^-1"))):

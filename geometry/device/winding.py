@@ -51,20 +51,20 @@ class Winding:
         return self.resistivity * self.wire_length / self.wire_area
 
     def current_density(self, current: float) -> float:
-        """Return the current density in the wire (A/m²)."""
+        """Current density in the wire (A/m²)."""
         return abs(current) / self.wire_area
 
     def power(self, current: float) -> float:
-        """Return the heat of a direct current (W)."""
+        """Heat of a direct current (W)."""
         return self.resistance * current**2
 
     def heating_rate(self, current: float) -> float:
-        """Return how fast the wire warms if it gives off no heat: ρ J²/(c ρ_m) (K/s)."""
+        """How fast the wire warms if it gives off no heat: ρ J²/(c ρ_m) (K/s)."""
         return self.resistivity * self.current_density(current) ** 2 / HEAT_CAPACITY
 
 
 def winding(coil: Coil) -> Winding:
-    """Return the winding of a coil, a full window of round wire."""
+    """Winding of a coil, a full window of round wire."""
     window = (coil.outer_radius - coil.inner_radius) * coil.length
     warm = 1.0 + TEMPERATURE_COEFFICIENT * (coil.temperature - REFERENCE_TEMPERATURE)
     return Winding(

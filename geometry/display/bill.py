@@ -41,12 +41,9 @@ class Line:
 
 
 def bill_of_parts(device: Device, display: Display) -> tuple[Line, ...]:
-    """Return the bill, the generators' own parts first.
+    """Bill, the generators' own parts first.
 
-    Raises
-    ------
-    InputError
-        If the parts of a generator cannot be put together.
+    Raises InputError if the parts of a generator cannot be put together.
     """
     materials = _materials(device, display)
     volumes = closed_form_volumes(as_built(device, display), "rod")
@@ -62,12 +59,12 @@ def bill_of_parts(device: Device, display: Display) -> tuple[Line, ...]:
 
 
 def total_mass(lines: tuple[Line, ...]) -> float:
-    """Return the mass of all parts (kg)."""
+    """Mass of all parts (kg)."""
     return sum(line.total_mass for line in lines)
 
 
 def _materials(device: Device, display: Display) -> dict[str, tuple[str, float, float]]:
-    """Return material, density (kg/m³) and the share of the volume that it fills, by part."""
+    """Material, density (kg/m³) and the share of the volume that it fills, by part."""
     ceramic = (device.piezo.material, device.piezo.ceramic().density, 1.0)
     steel = ("steel", device.rod.density, 1.0)
     hard = ("spring steel", _STEEL, 1.0)
@@ -101,7 +98,7 @@ def _wire_volume(device: Device, display: Display) -> float:
 
 
 def _volume(body: Part | Plate) -> float:
-    """Return the volume (m³) of a plate, or of a turned part without a cut."""
+    """Volume (m³) of a plate, or of a turned part without a cut."""
     if isinstance(body, Plate):
         area, height = _area(body.body)
         area -= sum(math.pi * radius**2 for _, _, radius in body.holes)
@@ -173,7 +170,7 @@ class Wiring:
 
 
 def wiring(device: Device, display: Display) -> Wiring:
-    """Return what the boards have room for and what the display needs."""
+    """What the boards have room for and what the display needs."""
     thick = device.bimorph.thickness + 2.0 * display.slot_clearance
     channel = display.pitch - thick if display.columns > 1 else 0.5 * (display.width - thick)
     step = display.trace_width + display.trace_spacing
@@ -199,7 +196,7 @@ def wiring(device: Device, display: Display) -> Wiring:
 
 
 def coplanar_capacitance(display: Display) -> float:
-    """Return the capacitance per length (F/m) of two traces beside each other on the board.
+    """Capacitance per length (F/m) of two traces beside each other on the board.
 
     C' = eps0 (1 + eps_r) / 2 · K(k') / K(k), k = s / (s + 2 w): two strips of width w at a
     distance s on a half space (C. R. Paul, Analysis of Multiconductor Transmission Lines).
@@ -211,7 +208,7 @@ def coplanar_capacitance(display: Display) -> float:
 
 
 def _quarter_period(modulus: float) -> float:
-    """Return the complete elliptic integral K by the arithmetic-geometric mean."""
+    """Complete elliptic integral K by the arithmetic-geometric mean."""
     a, b = 1.0, math.sqrt(1.0 - modulus * modulus)
     while abs(a - b) > 1e-15 * a:
         a, b = 0.5 * (a + b), math.sqrt(a * b)

@@ -46,7 +46,7 @@ class Clearance:
 
 
 def footprint(device: Device) -> tuple[float, float]:
-    """Return the sizes (m) along x and y of the box round a generator."""
+    """Sizes (m) along x and y of the box round a generator."""
     rod, sleeve = device.rod, device.sleeve
     round_parts = 2.0 * max(rod.head_radius, sleeve.outer_radius)
     b = device.bimorph
@@ -54,7 +54,7 @@ def footprint(device: Device) -> tuple[float, float]:
 
 
 def clearances(device: Device, display: Display) -> tuple[Clearance, ...]:
-    """Return all distances that could close, the narrowest first."""
+    """All distances that could close, the narrowest first."""
     built = as_built(device, display)
     found = (
         *_between_units(built, display),
@@ -161,7 +161,7 @@ def _around_units(device: Device, display: Display) -> list[Clearance]:
 
 
 def spring_turns(device: Device, display: Display) -> float:
-    """Return a return spring's active turns, n = G d⁴ / (8 D³ R) (EN 13906-1)."""
+    """Return spring's active turns, n = G d⁴ / (8 D³ R) (EN 13906-1)."""
     wire, mean = display.spring_wire, display.spring_diameter
     rate = device.spring.stiffness
     if rate <= 0.0:
@@ -174,10 +174,7 @@ def spring_turns(device: Device, display: Display) -> float:
 def check_display(device: Device, display: Display) -> None:
     """Refuse a display whose parts run into each other.
 
-    Raises
-    ------
-    InputError
-        In one sentence, with both sizes and the key to change.
+    Raises InputError in one sentence, with both sizes and the key to change.
     """
     across, along = footprint(device)
     size = max(across if display.columns > 1 else 0.0, along if display.rows > 1 else 0.0)

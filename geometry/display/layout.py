@@ -79,7 +79,7 @@ class Levels:
 
 
 def as_built(device: Device, display: Display) -> Device:
-    """Return the device with the tab that is built, where the scene's support stands for it."""
+    """Device with the tab that is built, where the scene's support stands for it."""
     if device.bimorph.tab_length > 0.0:
         return device
     bimorph = device.bimorph.model_copy(update={"tab_length": display.tab_length})
@@ -87,7 +87,7 @@ def as_built(device: Device, display: Display) -> Device:
 
 
 def levels(device: Device, display: Display) -> Levels:
-    """Return the heights that the parts add up to, without current (the rod at its upper stop)."""
+    """Heights that the parts add up to, without current (the rod at its upper stop)."""
     built = as_built(device, display)
     bottom = display.plate_thickness
     rod_top = bottom + below_head(built)
@@ -104,7 +104,7 @@ def levels(device: Device, display: Display) -> Levels:
 
 
 def axes(display: Display) -> tuple[tuple[float, float], ...]:
-    """Return the generators' axes (x, y) in m, row by row."""
+    """Generators' axes (x, y) in m, row by row."""
     x, y = (
         [display.pitch * (i - 0.5 * (count - 1)) for i in range(count)]
         for count in (display.columns, display.rows)
@@ -113,7 +113,7 @@ def axes(display: Display) -> tuple[tuple[float, float], ...]:
 
 
 def unit_names(display: Display) -> tuple[str, ...]:
-    """Return the generators' names, ``r1c1`` and so on, in the order of :func:`axes`."""
+    """Generators' names, ``r1c1`` and so on, in the order of :func:`axes`."""
     return tuple(
         f"r{row + 1}c{column + 1}"
         for row in range(display.rows)
@@ -122,32 +122,29 @@ def unit_names(display: Display) -> tuple[str, ...]:
 
 
 def spacer_axes(width: float, length: float, display: Display) -> tuple[tuple[float, float], ...]:
-    """Return the axes (m) of four spacers near the corners of a plate."""
+    """Axes (m) of four spacers near the corners of a plate."""
     inset = _INSET * display.spacer_diameter
     x, y = 0.5 * width - inset, 0.5 * length - inset
     return ((-x, -y), (x, -y), (-x, y), (x, y))
 
 
 def support_spacer_axes(display: Display) -> tuple[tuple[float, float], ...]:
-    """Return the axes (m) of the support plate's spacers, in the strip beyond the boards."""
+    """Axes (m) of the support plate's spacers, in the strip beyond the boards."""
     y = 0.25 * (display.length + display.board_length)
     x = 0.5 * display.width - _INSET * display.spacer_diameter
     return ((-x, -y), (x, -y), (-x, y), (x, y))
 
 
 def return_spring_length(device: Device, display: Display) -> float:
-    """Return the length (m) of a return spring, from the rod's end to the ground plate."""
+    """Length (m) of a return spring, from the rod's end to the ground plate."""
     built = as_built(device, display)
     return float(below_head(built) + rod_base(built))
 
 
 def display_parts(device: Device, display: Display) -> tuple[Placed, ...]:
-    """Return every distinct part of the display with its places.
+    """Every distinct part of the display with its places.
 
-    Raises
-    ------
-    InputError
-        If a generator's own parts cannot be put together.
+    Raises InputError if a generator's own parts cannot be put together.
     """
     built = as_built(device, display)
     units = layout(built, "rod")
@@ -290,7 +287,7 @@ _DRAWN = (
 
 
 def drawn_units(device: Device, display: Display, scatter: Scatter) -> tuple[Device, ...]:
-    """Return the device of each unit, row by row; the same seed gives the same units.
+    """Device of each unit, row by row; the same seed gives the same units.
 
     Sizes are normally distributed about the device's; of a scatter of 0 none differs.  A larger
     display keeps the draws of the smaller one's first units.

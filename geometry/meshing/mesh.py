@@ -51,7 +51,7 @@ class Mesh:
     faces: dict[str, Ints]
 
     def cells_of(self, region: str) -> Ints:
-        """Return the indices of the cells of a named region."""
+        """Indices of the cells of a named region."""
         return np.flatnonzero(self.region_of_cell == self.regions.index(region))
 
 
@@ -99,7 +99,7 @@ class Surface:
 
 
 def surface_of(mesh: Mesh) -> Surface:
-    """Return the surface of a mesh."""
+    """Surface of a mesh."""
     local, corners = _FACES[mesh.kind]
     faces = mesh.cells[:, local].reshape(-1, local.shape[1])
     owners = np.repeat(mesh.region_of_cell, len(local))
@@ -125,14 +125,14 @@ TRIANGLE_EDGES = np.array([[0, 1], [1, 2], [2, 0]])
 
 
 def unique_edges(tets: Ints) -> tuple[Ints, Ints]:
-    """Return all edges (n_edges, 2), sorted, and the edges (n_tets, 6) of each tetrahedron."""
+    """All edges (n_edges, 2), sorted, and the edges (n_tets, 6) of each tetrahedron."""
     ends = np.sort(tets[:, TET_EDGES].reshape(-1, 2), axis=1)
     edges, index = np.unique(ends, axis=0, return_inverse=True)
     return edges, index.reshape(-1, 6)
 
 
 def edges_of_triangles(triangles: Ints, edges: Ints) -> Ints:
-    """Return the row in `edges` (as :func:`unique_edges` gives them) of each triangle's edges."""
+    """Row in `edges` (as :func:`unique_edges` gives them) of each triangle's edges."""
     ends = np.sort(triangles[:, TRIANGLE_EDGES].reshape(-1, 2), axis=1)
     stride = int(edges.max()) + 1
     keys = edges[:, 0] * stride + edges[:, 1]
@@ -143,7 +143,7 @@ _CUBIC = np.array([p for p in itertools.product(range(4), repeat=4) if sum(p) ==
 
 
 def _bernstein_from_samples() -> Floats:
-    """Return the (20, 20) matrix from values at the cubic lattice to Bernstein coefficients."""
+    """(20, 20) matrix from values at the cubic lattice to Bernstein coefficients."""
     at = _CUBIC / 3.0
     weights = np.array([6.0 / np.prod([factorial(k) for k in p]) for p in _CUBIC])
     basis = weights * np.prod(at[:, None, :] ** _CUBIC[None, :, :], axis=2)
@@ -151,7 +151,7 @@ def _bernstein_from_samples() -> Floats:
 
 
 def _shape_gradients(at: Floats) -> Floats:
-    """Return gradients (n, 10, 3) of the ten shape functions at barycentric points (n, 4)."""
+    """Gradients (n, 10, 3) of the ten shape functions at barycentric points (n, 4)."""
     slopes = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     corners = (4.0 * at - 1.0)[:, :, None] * slopes
     i, j = TET_EDGES.T
@@ -164,7 +164,7 @@ _GRADIENTS = _shape_gradients(_CUBIC / 3.0)
 
 
 def jacobian_coefficients(nodes: Floats) -> Floats:
-    """Return the Bernstein coefficients (n, 20) of det J of ten-node tetrahedra (n, 10, 3).
+    """Bernstein coefficients (n, 20) of det J of ten-node tetrahedra (n, 10, 3).
 
     det J is a cubic that lies between its smallest and its largest coefficient, so
     positive coefficients prove it positive everywhere.  Their mean is six volumes.
@@ -174,13 +174,13 @@ def jacobian_coefficients(nodes: Floats) -> Floats:
 
 
 def tet_volumes(corners: Floats) -> Floats:
-    """Return the volumes (n,) of straight tetrahedra (n, 4, 3), positive in VTK order."""
+    """Volumes (n,) of straight tetrahedra (n, 4, 3), positive in VTK order."""
     a, b, c = (corners[:, k] - corners[:, 0] for k in (1, 2, 3))
     return np.asarray(np.einsum("ni,ni->n", np.cross(a, b), c) / 6.0)
 
 
 def smallest_dihedral_angles(corners: Floats) -> Floats:
-    """Return the smallest dihedral angle (n,) in degrees of straight tetrahedra (n, 4, 3)."""
+    """Smallest dihedral angle (n,) in degrees of straight tetrahedra (n, 4, 3)."""
     normals = []
     for face in ([0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]):
         p, q, r = (corners[:, k] for k in face)
@@ -206,7 +206,7 @@ _RADON_WEIGHTS = np.array(
 
 
 def triangle_areas(nodes: Floats) -> Floats:
-    """Return the areas (n,) of six-node triangles (n, 6, 3)."""
+    """Areas (n,) of six-node triangles (n, 6, 3)."""
     x, y = _RADON.T
     z = 1.0 - x - y
     zero = np.zeros_like(x)

@@ -53,10 +53,7 @@ def check_volumes(
     plane : set of str
         Regions bounded by planes only.
 
-    Raises
-    ------
-    MeshError
-        Naming the region and by how much it is off.
+    Raises MeshError naming the region and by how much it is off.
     """
     volumes = np.empty(len(cells))
     for start in range(0, len(cells), _CHUNK):
@@ -84,10 +81,7 @@ def check_areas(points: Floats, triangles: Ints, face: Ints, faces: Sequence[Fac
     faces : sequence of Face
         The CAD faces.
 
-    Raises
-    ------
-    MeshError
-        Naming the two sides of the face and by how much it is off.
+    Raises MeshError naming the two sides of the face and by how much it is off.
     """
     areas = np.bincount(face, triangle_areas(points[triangles]), minlength=len(faces))
     for i, expected in enumerate(faces):
@@ -114,10 +108,7 @@ def check_conformity(tets: Ints, n_skin: int) -> None:
     n_skin : int
         Number of triangles between the regions and outside.
 
-    Raises
-    ------
-    MeshError
-        If faces do not match.
+    Raises MeshError if faces do not match.
     """
     faces = np.sort(tets[:, TET_FACES].reshape(-1, 3), axis=1)
     _, count = np.unique(faces, axis=0, return_counts=True)
@@ -128,10 +119,7 @@ def check_conformity(tets: Ints, n_skin: int) -> None:
 def check_shape(points: Floats, tets: Ints) -> None:
     """Refuse flat elements; inverted ones have turned volumes (:func:`check_volumes`).
 
-    Raises
-    ------
-    MeshError
-        Saying how many there are.
+    Raises MeshError saying how many there are.
     """
     poor = is_poor(points, tets)
     if poor.any():
@@ -142,5 +130,5 @@ def check_shape(points: Floats, tets: Ints) -> None:
 
 
 def is_poor(points: Floats, tets: Ints) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Return which tetrahedra (n, 4) are flat; those inside out have the same angles."""
+    """Which tetrahedra (n, 4) are flat; those inside out have the same angles."""
     return np.asarray(smallest_dihedral_angles(points[tets]) < SMALLEST_ANGLE)

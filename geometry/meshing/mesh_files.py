@@ -43,10 +43,7 @@ def write_mesh(
     point_data : mapping of str to (n_points,) or (n_points, 3) real array, optional
         Fields at the points.
 
-    Raises
-    ------
-    InputError
-        If the suffix is another one or the file cannot be written.
+    Raises InputError if the suffix is another one or the file cannot be written.
     """
     path = Path(path)
     _check_suffix(path)
@@ -65,7 +62,7 @@ def _check_suffix(path: Path) -> None:
 
 
 def _blocks(mesh: Mesh) -> list[tuple[str, Ints]]:
-    """Return the cells, then the triangles or quads of each named face."""
+    """Cells, then the triangles or quads of each named face."""
     faces = [(_FACES[corners.shape[1]], corners) for corners in mesh.faces.values()]
     return [(_CELLS[mesh.kind], mesh.cells), *faces]
 

@@ -30,7 +30,7 @@ _FACES = ([1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2])
 def box_tetrahedra(
     x: Floats, y: Floats, z: Floats, region_of_box: Ints, regions: tuple[str, ...]
 ) -> Mesh:
-    """Return the mesh of all boxes between the grid planes.
+    """Mesh of all boxes between the grid planes.
 
     Parameters
     ----------
@@ -71,13 +71,13 @@ def box_tetrahedra(
 
 
 def _corner(index: Ints, corner: Ints) -> Ints:
-    """Return the vertex of each box at the low (0) or high (1) end of each axis."""
+    """Vertex of each box at the low (0) or high (1) end of each axis."""
     cut = tuple(slice(c, n - 1 + c) for c, n in zip(corner, index.shape, strict=True))
     return np.asarray(index[cut].ravel())
 
 
 def _sides(tets: Ints, sizes: tuple[int, int, int]) -> dict[str, Ints]:
-    """Return the triangles on each outer side."""
+    """Triangles on each outer side."""
     triangles = np.concatenate([tets[:, face] for face in _FACES])
     along = np.stack(np.unravel_index(triangles, sizes))
     faces = {}
@@ -88,7 +88,7 @@ def _sides(tets: Ints, sizes: tuple[int, int, int]) -> dict[str, Ints]:
 
 
 def graded_planes(stops: Sequence[tuple[float, float]], growth: float) -> Floats:
-    """Return grid planes through all stops, intervals growing away from each stop.
+    """Grid planes through all stops, intervals growing away from each stop.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ _SIDES = {
 def swept_tetrahedra(
     r: Floats, z: Floats, angles: Floats, region_of_cell: Ints, regions: tuple[str, ...]
 ) -> Mesh:
-    """Return the sector's mesh of ten-node tetrahedra.
+    """Sector's mesh of ten-node tetrahedra.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def swept_tetrahedra(
 
 
 def _one_node_per_height(polar: Floats) -> Ints:
-    """Return for each node of the box the node that stands for it: one per height on the axis."""
+    """For each node of the box the node that stands for it: one per height on the axis."""
     stands = np.arange(polar.shape[0])
     axis = np.flatnonzero(polar[:, 0] == 0.0)
     _, first, height = np.unique(polar[axis, 2], return_index=True, return_inverse=True)
@@ -189,7 +189,7 @@ def _whole(triangles: Ints) -> Ints:
 
 
 def _middles(polar: Floats, edges: Ints) -> Floats:
-    """Return the middle (r, φ, z) of each edge; a node on the axis has the other end's angle."""
+    """Middle (r, φ, z) of each edge; a node on the axis has the other end's angle."""
     ends = polar[edges]
     for one, other in ((0, 1), (1, 0)):
         on_axis = ends[:, one, 0] == 0.0
@@ -242,12 +242,12 @@ class MirroredPoints:
 
 
 def is_quarter(mesh: Mesh) -> bool:
-    """Return whether a mesh stands for a body of which it is a quarter."""
+    """Whether a mesh stands for a body of which it is a quarter."""
     return all(name in mesh.faces for name in MIRRORS)
 
 
 def mirrored_points(points: Floats) -> MirroredPoints:
-    """Return points (n, 3) of a quarter in m with their images; those on a plane are their own."""
+    """Points (n, 3) of a quarter in m with their images; those on a plane are their own."""
     n = len(points)
     on_plane = np.abs(points[:, :2]) <= _ON_PLANE
     images = np.empty((4, n), dtype=np.int64)
@@ -269,7 +269,7 @@ def mirrored_points(points: Floats) -> MirroredPoints:
 
 
 def whole_mesh(mesh: Mesh) -> Mesh:
-    """Return the whole body's mesh; one that is whole already is returned as it is.
+    """Whole body's mesh; one that is whole already is returned as it is.
 
     What is ``top`` in the name of a region or face lies at x > 0; beyond, it is ``bottom``.
     """
@@ -299,7 +299,7 @@ def whole_mesh(mesh: Mesh) -> Mesh:
 
 
 def reflected(nodes: Ints) -> Ints:
-    """Return cells or triangles (n, 3 | 4 | 10) as seen in a mirror, so that none is inside out."""
+    """Cells or triangles (n, 3 | 4 | 10) as seen in a mirror, so that none is inside out."""
     return nodes[:, _REFLECTED[nodes.shape[1]]]
 
 

@@ -75,7 +75,7 @@ class Region:
         return (self.radii[1] - self.radii[0]) * (self.heights[1] - self.heights[0])
 
     def displaced(self, displacement: float) -> Region:
-        """Return the region after the moving ones went up by `displacement` (m)."""
+        """Region after the moving ones went up by `displacement` (m)."""
         if not self.moves:
             return self
         low, high = self.heights
@@ -118,7 +118,7 @@ class Grid:
         return np.interp(self.z, marks, [places[mark] for mark in marks])
 
     def fitted(self, regions: tuple[Region, ...]) -> Grid | None:
-        """Return the same grid for the same regions of other sizes, at other heights.
+        """Same grid for the same regions of other sizes, at other heights.
 
         Each line goes with the edge that lies on it.  None where a line would have to follow
         two edges, an edge would pass another, or a cell would become too wide or too high.
@@ -132,7 +132,7 @@ class Grid:
 
 
 def _followed(lines: Floats, edges: list[tuple[float, float]]) -> Floats | None:
-    """Return lines that go with edges from where they were to where they are; ends stay."""
+    """Lines that go with edges from where they were to where they are; ends stay."""
     ends = ((float(lines[0]), float(lines[0])), (float(lines[-1]), float(lines[-1])))
     places: dict[float, float] = {}
     for old, new in sorted((*edges, *ends)):
@@ -154,7 +154,7 @@ def graded_grid(
     *,
     refinement: float = 1.0,
 ) -> Grid:
-    """Return a grid over 0 ≤ r ≤ R, −R ≤ z ≤ R, graded towards every edge of iron.
+    """Grid over 0 ≤ r ≤ R, −R ≤ z ≤ R, graded towards every edge of iron.
 
     Parameters
     ----------
@@ -166,11 +166,8 @@ def graded_grid(
         Divides the cell sizes at the edges and their growth; 2 gives about twice as
         many lines in each direction.
 
-    Raises
-    ------
-    ValueError
-        If an edge of a moving region is level with one of a fixed region: a line can
-        follow only one of them.
+    Raises ValueError if an edge of a moving region is level with one of a fixed region: a line can
+    follow only one of them.
     """
     r_marks = np.unique([0.0, outer_radius, *(x for region in regions for x in region.radii)])
     r_sizes = _edge_sizes(r_marks, [(i.radii, i.heights, i) for i in regions]) / refinement
@@ -190,7 +187,7 @@ def graded_grid(
 
 
 def graded_lines(marks: Floats, sizes: Floats, growth: float) -> Floats:
-    """Return lines through all marks, spaced by h(x) = min over marks of size + growth·distance.
+    """Lines through all marks, spaced by h(x) = min over marks of size + growth·distance.
 
     Each interval between marks gets whole cells that share ∫ dx/h evenly.
 
@@ -222,7 +219,7 @@ _Span = tuple[float, float]
 
 
 def _edge_sizes(marks: Floats, edges: list[tuple[_Span, _Span, Region]]) -> Floats:
-    """Return the cell size wanted at each mark; infinite where nothing asks for one.
+    """Cell size wanted at each mark; infinite where nothing asks for one.
 
     `edges` are the regions' extents along this direction and across it.  Iron asks for a
     part of the distance to the nearest iron edge that it faces, that is, whose extent
@@ -261,12 +258,10 @@ _REGIONS_APART = 1e-10
 
 
 def actuator_regions(device: Device, gap: float) -> tuple[Region, ...]:
-    """Return the parts of the normal actuator at a gap; z = 0 is the sleeve's top face.
+    """Parts of the normal actuator at a gap; z = 0 is the sleeve's top face.
 
-    Raises
-    ------
-    InputError
-        If parts overlap at this gap, or a moving one meets a fixed one, or the gap is not open.
+    Raises InputError if parts overlap at this gap, or a moving one meets a fixed one, or the gap is
+    not open.
     """
     rod, coil, sleeve = device.rod, device.coil, device.sleeve
     if not gap > 0.0:
@@ -331,7 +326,7 @@ def _refuse_overlap(carried: list[Region], still: list[Region], gap: float) -> N
 
 
 def _shared(one: Region, other: Region) -> tuple[float, float]:
-    """Return the lengths (m) shared across and along the axis; negative is a distance."""
+    """Lengths (m) shared across and along the axis; negative is a distance."""
     return (
         min(one.radii[1], other.radii[1]) - max(one.radii[0], other.radii[0]),
         min(one.heights[1], other.heights[1]) - max(one.heights[0], other.heights[0]),

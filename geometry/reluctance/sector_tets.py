@@ -50,12 +50,9 @@ class Sector:
 
 
 def sector_mesh(device: Device, gap: float, sector: Sector) -> Mesh:
-    """Return the mesh of a sector, with `REGIONS`; z = 0 is the sleeve's top face.
+    """Mesh of a sector, with `REGIONS`; z = 0 is the sleeve's top face.
 
-    Raises
-    ------
-    InputError
-        If the parts do not fit at this gap.
+    Raises InputError if the parts do not fit at this gap.
     """
     parts = actuator_regions(device, gap)
     graded = graded_grid(parts, OUTER_RADIUS, refinement=sector.refinement)
@@ -65,20 +62,20 @@ def sector_mesh(device: Device, gap: float, sector: Sector) -> Mesh:
 
 
 def region_name(part: Region) -> str:
-    """Return the region of `REGIONS` that a part of the half section belongs to."""
+    """Region of `REGIONS` that a part of the half section belongs to."""
     if part.turns:
         return "coil"
     return "rod" if part.moves else "sleeve"
 
 
 def without_slivers(lines: Floats) -> Floats:
-    """Return lines of which those that are nearly one are one."""
+    """Lines of which those that are nearly one are one."""
     apart = np.append(True, np.diff(lines) > _APART)
     return np.asarray(lines[apart])
 
 
 def cell_labels(grid: Grid, gap: float) -> Ints:
-    """Return the index into `REGIONS` of each cell of the half section."""
+    """Index into `REGIONS` of each cell of the half section."""
     r = 0.5 * (grid.r[1:] + grid.r[:-1])[:, None]
     z = 0.5 * (grid.z[1:] + grid.z[:-1])[None, :]
     labels = np.full(grid.labels.shape, REGIONS.index("far"))
@@ -120,12 +117,9 @@ class Cell:
 
 
 def cell_mesh(device: Device, gap: float, pitch: float, cell: Cell) -> Mesh:
-    """Return an eighth of the cell, with `REGIONS`; its square wall is the face ``mantle``.
+    """Eighth of the cell, with `REGIONS`; its square wall is the face ``mantle``.
 
-    Raises
-    ------
-    InputError
-        If the parts do not fit at this gap (m), or not into the pitch (m).
+    Raises InputError if the parts do not fit at this gap (m), or not into the pitch (m).
     """
     parts = actuator_regions(device, gap)
     outer = max(part.radii[1] for part in parts)
@@ -152,7 +146,7 @@ def cell_mesh(device: Device, gap: float, pitch: float, cell: Cell) -> Mesh:
 
 
 def _squared(points: Floats, outer: float, wall: float) -> Floats:
-    """Return points whose circles beyond `outer` go over into the square's side x = `wall`."""
+    """Points whose circles beyond `outer` go over into the square's side x = `wall`."""
     x, radius = points[:, 0], np.hypot(points[:, 0], points[:, 1])
     beyond = radius > outer
     moved = points.copy()
@@ -178,17 +172,14 @@ _WALL, _FIRST = 1.5, 0.25
 
 
 def part_of(unit: str, part: str) -> str:
-    """Return the region of a unit's ``rod``, ``coil`` or ``sleeve``."""
+    """Region of a unit's ``rod``, ``coil`` or ``sleeve``."""
     return f"{part}_{unit}"
 
 
 def nine_mesh(device: Device, gap: float, pitch: float, cell: Cell) -> Mesh:
-    """Return an eighth of nine units: `REGIONS`, parts by unit as :func:`part_of` names them.
+    """Eighth of nine units: `REGIONS`, parts by unit as :func:`part_of` names them.
 
-    Raises
-    ------
-    InputError
-        If the parts do not fit at this gap (m), or not into the pitch (m).
+    Raises InputError if the parts do not fit at this gap (m), or not into the pitch (m).
     """
     own = cell_mesh(device, gap, pitch, cell)
     shared = tuple(name for name in REGIONS if name not in PARTS)
@@ -223,7 +214,7 @@ def nine_mesh(device: Device, gap: float, pitch: float, cell: Cell) -> Mesh:
 
 
 def _turn(octant: int) -> Floats:
-    """Return the map (2, 2) of the first octant of a unit onto another: a turn, mirrored if odd."""
+    """Map (2, 2) of the first octant of a unit onto another: a turn, mirrored if odd."""
     quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
     mirror = np.array([[0.0, 1.0], [1.0, 0.0]]) if octant % 2 else np.eye(2)
     return np.asarray(np.linalg.matrix_power(quarter, octant // 2) @ mirror)
@@ -232,7 +223,7 @@ def _turn(octant: int) -> Floats:
 def _drawn_out(
     points: Floats, cells: Ints, wall: Ints, pitch: float, cell: Cell
 ) -> tuple[Floats, Ints]:
-    """Return all points, and the cells between the wall's triangles (n, 3) and the end of the air.
+    """All points, and the cells between the wall's triangles (n, 3) and the end of the air.
 
     A node is drawn out along its ray from the axis, onto layers of corners with one of mid-edge
     nodes halfway between two.  The cells of a prism go up from corners of lower number to those of
@@ -261,7 +252,7 @@ def _drawn_out(
 
 
 def _drawn(path: Ints, ups: int, cells: Ints, layers: int) -> Ints:
-    """Return ten nodes of the cells along a path (n, 4) of corners, one copy for each prism above.
+    """Ten nodes of the cells along a path (n, 4) of corners, one copy for each prism above.
 
     A node is `layers` times the wall's node, plus its layer; the last `ups` + 1 corners are in
     the upper layer.
@@ -275,7 +266,7 @@ def _drawn(path: Ints, ups: int, cells: Ints, layers: int) -> Ints:
 
 
 def _middles(first: Ints, second: Ints, cells: Ints) -> Ints:
-    """Return the mid-edge nodes between corners of ten-node cells; of a corner and itself, it."""
+    """Mid-edge nodes between corners of ten-node cells; of a corner and itself, it."""
     ends = np.sort(cells[:, TET_EDGES].reshape(-1, 2), axis=1)
     stride = int(cells.max()) + 1
     keys, at = np.unique(ends[:, 0] * stride + ends[:, 1], return_index=True)

@@ -76,7 +76,7 @@ class Team20Meshing:
 
 
 def team20_mesh(meshing: Team20Meshing) -> Mesh:
-    """Return a quarter (x ≥ 0, y ≥ 0) with regions pole, yoke, coil, shell and air.
+    """Quarter (x ≥ 0, y ≥ 0) with regions pole, yoke, coil, shell and air.
 
     ``shell`` is the air around the pole, within the window and the slot: it has no current
     and :func:`team20_source` vanishes there.  ``coil`` has all boxes that the coil reaches
@@ -123,13 +123,13 @@ def _in_yoke(x: Floats, y: Floats, z: Floats) -> Floats:
 
 
 def _distance(x: Floats, y: Floats) -> Floats:
-    """Return the distance (mm) from the square on which the coil's corners are centred."""
+    """Distance (mm) from the square on which the coil's corners are centred."""
     beside = np.maximum(np.abs(x) - _CENTRE, 0.0)
     return np.hypot(beside, np.maximum(np.abs(y) - _CENTRE, 0.0))
 
 
 def team20_source(points: Floats) -> Floats:
-    """Return T0 (..., 3) in A/m at points (..., 3) in m, for one ampere-turn.
+    """T0 (..., 3) in A/m at points (..., 3) in m, for one ampere-turn.
 
     Vertical, within the coil's height only; it falls linearly from 0 inside the coil to
     −1/height outside, so its curl is the uniform current of the winding, anticlockwise

@@ -83,7 +83,7 @@ class ActuatorMeshing:
 
 
 def actuator_tets(device: Device, gap: float, meshing: ActuatorMeshing) -> Mesh:
-    """Return a quarter (x ≥ 0, y ≥ 0) with `REGIONS`; z = 0 is the sleeve's top face.
+    """Quarter (x ≥ 0, y ≥ 0) with `REGIONS`; z = 0 is the sleeve's top face.
 
     A mesh made before from the same geometry and options is read from the store.
 
@@ -105,7 +105,7 @@ def actuator_tets(device: Device, gap: float, meshing: ActuatorMeshing) -> Mesh:
 
 
 def with_fitting_tab(device: Device, gap: float) -> Device:
-    """Return the device at a gap, with a bimorph whose tab fits the slot, whatever its own."""
+    """Device at a gap, with a bimorph whose tab fits the slot, whatever its own."""
     given = device.bimorph
     fitting = Bimorph().model_copy(
         update={
@@ -118,16 +118,13 @@ def with_fitting_tab(device: Device, gap: float) -> Device:
 
 
 def actuator_solids(device: Device, meshing: ActuatorMeshing) -> dict[str, cq.Solid]:
-    """Return a quarter of each part and of the air (mm), fused; z = 0 is the sleeve's top.
+    """Quarter of each part and of the air (mm), fused; z = 0 is the sleeve's top.
 
     The device's bimorph must fit the slot.  What the winding encloses is cut at its ends,
     where its source field jumps: pieces are named after the region they belong to, then how
     they came about.
 
-    Raises
-    ------
-    InputError
-        If the device cannot be built.
+    Raises InputError if the device cannot be built.
     """
     import cadquery as cq
 
@@ -159,7 +156,7 @@ def actuator_solids(device: Device, meshing: ActuatorMeshing) -> dict[str, cq.So
 
 
 def _first_good_mesh(device: Device, meshing: ActuatorMeshing) -> Mesh:
-    """Return the first mesh that passes all checks, with a tighter envelope each time."""
+    """First mesh that passes all checks, with a tighter envelope each time."""
     solids = actuator_solids(device, meshing)
     thinnest = thinnest_feature(solids)
     tessellation = tessellate(solids, _DEFLECTION * thinnest)
@@ -185,7 +182,7 @@ def _first_good_mesh(device: Device, meshing: ActuatorMeshing) -> Mesh:
 
 
 def _sizing(device: Device, meshing: ActuatorMeshing, points: Floats, margin: float) -> SizingField:
-    """Return target edge lengths (mm) on a grid that is fine around the iron."""
+    """Target edge lengths (mm) on a grid that is fine around the iron."""
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     sleeve, rod = device.sleeve, device.rod
     widest = _ACROSS * max(sleeve.outer_radius, rod.head_radius) * MM
@@ -214,7 +211,7 @@ def _axis(low: float, first: float, last: float, high: float, step: float) -> Fl
 
 
 def _edge_length(device: Device, meshing: ActuatorMeshing, points: Floats) -> Floats:
-    """Return the edge length (mm) wanted at points (n, 3): least where the field is steep."""
+    """Edge length (mm) wanted at points (n, 3): least where the field is steep."""
     r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
     lengths = np.full(r.shape, np.inf)
     for wanted, (inner, outer), (bottom, top) in _steep(device):
@@ -253,7 +250,7 @@ def _steep(device: Device) -> Iterable[tuple[float, _Span, _Span]]:
 
 
 def _distance(point: Floats, outline: Floats) -> float:
-    """Return the distance of a point (r, z) from a closed outline (n, 2) of straight edges."""
+    """Distance of a point (r, z) from a closed outline (n, 2) of straight edges."""
     edges = np.roll(outline, -1, axis=0) - outline
     along = np.sum((point - outline) * edges, axis=1) / np.sum(edges**2, axis=1)
     nearest = outline + np.clip(along, 0.0, 1.0)[:, None] * edges
@@ -261,7 +258,7 @@ def _distance(point: Floats, outline: Floats) -> float:
 
 
 def _with_air_divided(mesh: Mesh, device: Device) -> Mesh:
-    """Return the mesh at z = 0 on the sleeve's top, its air divided into near, air and far.
+    """Mesh at z = 0 on the sleeve's top, its air divided into near, air and far.
 
     The shells that this makes are bounded by faces of cells, no surface of the CAD's.
     """

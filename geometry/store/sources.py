@@ -23,12 +23,9 @@ _IMPORT = re.compile(
 
 @cache
 def source_digest(names: tuple[str, ...]) -> str:
-    """Return a hash of the named modules and packages with all that they import.
+    """Hash of the named modules and packages with all that they import.
 
-    Raises
-    ------
-    LookupError
-        If a name has no source: a hash of nothing would call everything up to date.
+    Raises LookupError if a name has no source: a hash of nothing would call everything up to date.
     """
     found: dict[Path, str] = {}
     open_ends = [file for name in names for file in (*_imported(name), *_files_of(name))]
@@ -43,7 +40,7 @@ def source_digest(names: tuple[str, ...]) -> str:
 
 @cache
 def _read(file: Path) -> tuple[str, tuple[Path, ...]]:
-    """Return hash of a file and the project's files that it imports: code that runs is fixed."""
+    """Hash of a file and the project's files that it imports: code that runs is fixed."""
     content = file.read_bytes()
     names: set[str] = set()
     for package, members, modules in _IMPORT.findall(content.decode()):
@@ -58,7 +55,7 @@ def _read(file: Path) -> tuple[str, tuple[Path, ...]]:
 
 @cache
 def _place(package: str) -> Path:
-    """Return the folder of one of the project's packages."""
+    """Folder of one of the project's packages."""
     spec = importlib.util.find_spec(_HOLDER + package)
     if spec is None or not spec.submodule_search_locations:
         raise LookupError(f"package {package} has no folder")
@@ -67,7 +64,7 @@ def _place(package: str) -> Path:
 
 @cache
 def _source(name: str) -> Path | None:
-    """Return the file of a module or package, None if it is not one of the project's."""
+    """File of a module or package, None if it is not one of the project's."""
     above, _, own = name.removeprefix(_HOLDER).rpartition(".")
     if not above:
         return _place(own) / "__init__.py" if own in _PACKAGES else None
@@ -79,7 +76,7 @@ def _source(name: str) -> Path | None:
 
 
 def _files_of(name: str) -> list[Path]:
-    """Return the files of a module, or of a package with all that is in it."""
+    """Files of a module, or of a package with all that is in it."""
     file = _source(name)
     if file is None:
         raise LookupError(f"no source of {name}: a key must name the code that it stands for")
@@ -88,7 +85,7 @@ def _files_of(name: str) -> list[Path]:
 
 @cache
 def _imported(name: str) -> tuple[Path, ...]:
-    """Return the files that an import of a dotted name runs: itself, and packages above it."""
+    """Files that an import of a dotted name runs: itself, and packages above it."""
     parts = name.split(".")
     above = (".".join(parts[: n + 1]) for n in range(len(parts)))
     return tuple(file for each in above if (file := _source(each)) is not None)

@@ -57,7 +57,7 @@ def kept(
     serves: Callable[[T], bool] = lambda _: True,
     announce: Callable[[str], None] = lambda _: None,
 ) -> T:
-    """Return what `work` gives, from the store if it is there.
+    """What `work` gives, from the store if it is there.
 
     Parameters
     ----------
@@ -74,10 +74,7 @@ def kept(
     announce : callable
         Called when another process is at it and this one waits.
 
-    Raises
-    ------
-    LookupError
-        If a module named has no source.
+    Raises LookupError if a module named has no source.
     """
     path = _place(kind, inputs, made_of)
     found = _recalled(path, serves)
@@ -96,24 +93,24 @@ def recalled(
     made_of: tuple[str, ...],
     serves: Callable[[T], bool] = lambda _: True,
 ) -> T | None:
-    """Return what :func:`kept` would find in the store, None if it would have to be computed."""
+    """What :func:`kept` would find in the store, None if it would have to be computed."""
     found = _recalled(_place(kind, inputs, made_of), serves)
     return found[0] if found is not None else None
 
 
 def is_kept(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> bool:
-    """Return whether the store has a file for a value, whole or not."""
+    """Whether the store has a file for a value, whole or not."""
     return _place(kind, inputs, made_of).is_file()
 
 
 def _place(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> Path:
-    """Return the file of a value."""
+    """File of a value."""
     digest = fingerprint(kind, inputs, source_digest(made_of), library_versions())
     return store_folder() / f"{kind}-{digest}{SUFFIX}"
 
 
 def _recalled(path: Path, serves: Callable[[T], bool]) -> tuple[T] | None:
-    """Return the stored value, None if there is none that can be trusted and will do."""
+    """Stored value, None if there is none that can be trusted and will do."""
     try:
         value: T = read_entry(path)
     except FileNotFoundError:
@@ -157,7 +154,7 @@ def _say_once(text: str, *, about: str = "") -> None:
 
 @cache
 def library_versions() -> tuple[str, ...]:
-    """Return the versions of the libraries that may give other numbers.
+    """Versions of the libraries that may give other numbers.
 
     Read off the folders ``name-version.dist-info`` of the PyPA's specification "Recording installed
     projects": to load importlib.metadata and parse what is in them takes 30 ms of each command.
@@ -176,7 +173,7 @@ def library_versions() -> tuple[str, ...]:
 
 
 def sealed(path: Path, value: object) -> bytes:
-    """Return a file's content: what it is, the checksum of the rest, name and value."""
+    """File's content: what it is, the checksum of the rest, name and value."""
     content = to_bytes((path.name.removesuffix(SUFFIX), value))
     return MAGIC + hashlib.sha256(content).digest() + content
 
@@ -184,10 +181,7 @@ def sealed(path: Path, value: object) -> bytes:
 def write_entry(path: Path, content: bytes) -> None:
     """Write what :func:`sealed` gave, whole or not at all.
 
-    Raises
-    ------
-    InputError, OSError
-        If it cannot be written.
+    Raises InputError, OSError if it cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     if special(path) and not path.is_dir():  # a pipe under a name of ours is nobody's
@@ -197,7 +191,7 @@ def write_entry(path: Path, content: bytes) -> None:
 
 
 def read_entry(path: Path) -> Any:
-    """Return the value of a file, whose name without suffix is also written in it.
+    """Value of a file, whose name without suffix is also written in it.
 
     Raises
     ------
@@ -254,7 +248,7 @@ def locked(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
 
 
 def _acquire(path: Path, waiting: Callable[[], None]) -> int:
-    """Return the descriptor of the locked file."""
+    """Descriptor of the locked file."""
     said = False
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
@@ -280,7 +274,7 @@ def _acquire(path: Path, waiting: Callable[[], None]) -> int:
 
 
 def store_folder() -> Path:
-    """Return the folder of the store: ``$TACTGEN_CACHE``, or ``~/.cache/tactgen``.
+    """Folder of the store: ``$TACTGEN_CACHE``, or ``~/.cache/tactgen``.
 
     Without a home it is a place where no folder can be made, so that nothing is kept.
     """
@@ -295,12 +289,9 @@ def store_folder() -> Path:
 
 
 def size_limit() -> int:
-    """Return the most bytes that the store may hold: ``$TACTGEN_CACHE_LIMIT``, or 5 GB.
+    """Most bytes that the store may hold: ``$TACTGEN_CACHE_LIMIT``, or 5 GB.
 
-    Raises
-    ------
-    InputError
-        If that is not a size with its unit.
+    Raises InputError if that is not a size with its unit.
     """
     text = os.environ.get("TACTGEN_CACHE_LIMIT", "").strip()
     if not text:
@@ -323,7 +314,7 @@ class Holding:
 
 
 def holdings() -> dict[str, Holding]:
-    """Return what the store holds, by kind."""
+    """What the store holds, by kind."""
     found: dict[str, Holding] = {}
     for path, state in _entries():
         kind = path.name.rpartition("-")[0] or path.name.removesuffix(SUFFIX)

@@ -34,12 +34,9 @@ def storable(kind: Class) -> Class:
 
 
 def to_bytes(value: object) -> bytes:
-    """Return a value as bytes: a description (JSON), then the raw arrays.
+    """Value as bytes: a description (JSON), then the raw arrays.
 
-    Raises
-    ------
-    TypeError
-        If something in it is not storable: a defect of the program.
+    Raises TypeError if something in it is not storable: a defect of the program.
     """
     arrays: list[NDArray[Any]] = []
     tree = _described(value, arrays)
@@ -49,12 +46,10 @@ def to_bytes(value: object) -> bytes:
 
 
 def from_bytes(content: bytes) -> Any:
-    """Return the value that :func:`to_bytes` made the bytes of.
+    """Value that :func:`to_bytes` made the bytes of.
 
-    Raises
-    ------
-    ValueError
-        If they are not such bytes, or hold a dataclass that is unknown or has other fields.
+    Raises ValueError if they are not such bytes, or hold a dataclass that is unknown or has other
+    fields.
     """
     end = _LENGTH + int.from_bytes(content[:_LENGTH], "little")
     try:
@@ -75,7 +70,7 @@ def from_bytes(content: bytes) -> Any:
 
 
 def _described(value: Any, arrays: list[NDArray[Any]]) -> Any:
-    """Return JSON values: plain ones as they are, all others as [what it is, ...]."""
+    """JSON values: plain ones as they are, all others as [what it is, ...]."""
     if value is None or type(value) in (bool, int, float, str):
         return value
     if isinstance(value, np.ndarray | np.generic):
@@ -122,14 +117,11 @@ def _built(tree: Any, arrays: list[NDArray[Any]]) -> Any:
 
 
 def fingerprint(*values: object) -> str:
-    """Return what stands for values and nothing else: a hash of all that is in them.
+    """What stands for values and nothing else: a hash of all that is in them.
 
     Of dataclasses (any), tuples, lists, dicts, text, numbers and arrays.
 
-    Raises
-    ------
-    TypeError
-        If something in them is of another kind, whose content cannot be told.
+    Raises TypeError if something in them is of another kind, whose content cannot be told.
     """
     parts: list[bytes] = []
     _gather(values, parts)

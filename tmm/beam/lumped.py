@@ -59,7 +59,7 @@ class EquivalentCircuit:
 
 
 def lumped_model(row: Sequence[Element]) -> LumpedModel:
-    """Return the port matrices of a row of beams; joints follow statically (Guyan).
+    """Port matrices of a row of beams; joints follow statically (Guyan).
 
     The static state is carried from base to tip: a sum of compliances, which loses no
     digits however short the elements are.
@@ -94,7 +94,7 @@ def multiport(
     lossy: bool = True,
     segments: int = SEGMENTS,
 ) -> Multiport:
-    """Return the lumped model of the device over its five ports (parallel wiring)."""
+    """Lumped model of the device over its five ports (parallel wiring)."""
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     model = lumped_model(sections(device, support, beam, lossy=lossy, segments=segments))
     o2 = (2.0 * np.pi * frequencies)[:, None, None] ** 2
@@ -104,7 +104,7 @@ def multiport(
 def equivalent_circuit(
     row: Sequence[Element], ends: Ends, *, open_circuit: bool = False
 ) -> EquivalentCircuit:
-    """Return the first mode of a lossless row, damping at its ends left out.
+    """First mode of a lossless row, damping at its ends left out.
 
     With `open_circuit` the mode is that at Q = 0, so its stiffness includes the piezo
     stiffening; the transformer is that of the same shape.
@@ -126,7 +126,7 @@ def equivalent_circuit(
 
 
 def first_mode(row: Sequence[Element], ends: Ends, *, open_circuit: bool = False) -> Floats:
-    """Return the first mode's [w_base, ψ_base, w_tip, ψ_tip, U] per unit of w_tip, and its charge.
+    """First mode's [w_base, ψ_base, w_tip, ψ_tip, U] per unit of w_tip, and its charge.
 
     Parameters and remarks as of :func:`equivalent_circuit`.
 
@@ -147,7 +147,7 @@ def first_mode(row: Sequence[Element], ends: Ends, *, open_circuit: bool = False
 def _attached(
     model: LumpedModel, ends: Ends, *, open_circuit: bool
 ) -> tuple[Floats, Floats, Floats, slice]:
-    """Return stiffness, mass (4, 4), charge per motion (4,), and which motions are free."""
+    """Stiffness, mass (4, 4), charge per motion (4,), and which motions are free."""
     k, m = model.stiffness.real[:4, :4].copy(), model.mass[:4, :4].copy()
     coupling, capacitance = -model.stiffness.real[:4, 4], model.stiffness.real[4, 4]
     base, tip = ends.base, ends.conservative_tip
@@ -163,14 +163,14 @@ def _attached(
 
 
 def _first_mode(stiffness: Floats, mass: Floats, free: slice) -> Floats:
-    """Return the lowest elastic mode (4,) with a unit tip displacement."""
+    """Lowest elastic mode (4,) with a unit tip displacement."""
     shape = np.zeros(4)
     shape[free] = _lowest_mode(stiffness[free, free], mass[free, free])
     return np.asarray(shape / shape[2])
 
 
 def _lowest_mode(stiffness: Floats, mass: Floats) -> Floats:
-    """Return the shape of the lowest mode that is not rigid-body motion."""
+    """Shape of the lowest mode that is not rigid-body motion."""
     lower = np.linalg.cholesky(mass)
     inverse = np.linalg.inv(lower)
     values, vectors = np.linalg.eigh(inverse @ stiffness @ inverse.T)
@@ -179,7 +179,7 @@ def _lowest_mode(stiffness: Floats, mass: Floats) -> Floats:
 
 
 def _static_transfer(element: Section | Joint, length: float) -> Complex:
-    """Return T (5, 5) with [w, ψ, F, M, U] at the upper end = T · the same at the lower end.
+    """T (5, 5) with [w, ψ, F, M, U] at the upper end = T · the same at the lower end.
 
     F is constant and M = M_0 + F z; integrate ψ' = (M + K U)/EI and w' = F/GA − ψ.
     """
@@ -196,7 +196,7 @@ def _static_transfer(element: Section | Joint, length: float) -> Complex:
 
 
 def _consistent_mass(beam: Section, length: float) -> Floats:
-    """Return the consistent mass (4, 4) of the cubic shapes, with rotary inertia (no shear)."""
+    """Consistent mass (4, 4) of the cubic shapes, with rotary inertia (no shear)."""
     l = length
     translation = np.array(
         [

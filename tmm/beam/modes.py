@@ -69,7 +69,7 @@ class NaturalFrequencies:
 
 
 def bending_frequencies(row: Row, ends: Ends, count: int, *, open_circuit: bool) -> Floats:
-    """Return the lowest `count` natural frequencies (Hz), ascending, of a lossless row.
+    """Lowest `count` natural frequencies (Hz), ascending, of a lossless row.
 
     Damping at the ends is left out; rigid-body motion at 0 Hz is not counted.
     """
@@ -79,13 +79,10 @@ def bending_frequencies(row: Row, ends: Ends, count: int, *, open_circuit: bool)
 def natural_frequencies(
     row: Row, ends: Ends, count: int, *, open_circuit: bool
 ) -> NaturalFrequencies:
-    """Return the lowest `count` natural frequencies of a lossless row with their rounding.
+    """Lowest `count` natural frequencies of a lossless row with their rounding.
 
-    Raises
-    ------
-    ArithmeticError
-        If the count of modes, or their rounding, is not certain (section constants beyond all
-        proportion).
+    Raises ArithmeticError if the count of modes, or their rounding, is not certain (section
+    constants beyond all proportion).
     """
     first = ends.rigid_motions
     wanted = np.arange(first, first + count)
@@ -113,7 +110,7 @@ def natural_frequencies(
 
 
 def _rounding(attached: _Attached, at: Floats) -> Floats:
-    """Return the relative rounding error of roots (n,).
+    """Relative rounding error of roots (n,).
 
     In other units, and with the last digits of the frequency changed, everything is rounded
     anew: how far the root then moves shows what rounding does to it.
@@ -129,7 +126,7 @@ def _rounding(attached: _Attached, at: Floats) -> Floats:
 def _roots(
     attached: _Attached, wanted: Ints, points: Floats, counts: Ints, angles: Floats
 ) -> Floats:
-    """Return where the count passes each wanted number, by Chandrupatla's method.
+    """Where the count passes each wanted number, by Chandrupatla's method.
 
     T. R. Chandrupatla, Adv. Eng. Software 28 (1997) 145.
     """
@@ -162,7 +159,7 @@ def _roots(
 
 
 def _signed(counts: Ints, angles: Floats, wanted: Ints) -> Floats:
-    """Return the angle left to a wanted mode, positive below it and negative above."""
+    """Angle left to a wanted mode, positive below it and negative above."""
     below = counts <= wanted
     side = np.where(below[:, None], angles, -angles)
     # an angle of nought has a side all the same
@@ -177,13 +174,13 @@ class _Attached:
         self._row, self._ends, self._open = row, ends, open_circuit
 
     def nearest(self, frequencies: Floats, unit: float) -> Floats:
-        """Return the angle (n,) that is nearest to zero; see :meth:`count`."""
+        """Angle (n,) that is nearest to zero; see :meth:`count`."""
         angles = self.count(frequencies, unit)[1]
         at = np.abs(angles).argmin(axis=1)
         return np.asarray(np.take_along_axis(angles, at[:, None], axis=1)[:, 0])
 
     def count(self, frequencies: Floats, unit: float = 1.0) -> tuple[Ints, Floats]:
-        """Return the number (n,) of modes below each frequency (Hz) and angles π/2 − θ (n, k).
+        """Number (n,) of modes below each frequency (Hz) and angles π/2 − θ (n, k).
 
         `unit` changes the reference stiffness, and nothing but rounding and the angles' size.
         """
@@ -219,7 +216,7 @@ class _Attached:
         return counts.astype(int), np.asarray(angles)
 
     def _stiffnesses(self, omega: Floats) -> list[tuple[int, Floats | None]]:
-        """Return the ports to which something is attached, with it (n,); None holds the port."""
+        """Ports to which something is attached, with it (n,); None holds the port."""
         springs, load, o2 = self._ends.base, self._ends.conservative_tip, omega**2
         tip = load.stiffness - o2 * load.mass
         base: list[Floats | None] = [None, None]
@@ -230,7 +227,7 @@ class _Attached:
 
 
 def _descent(value: Complex) -> Floats:
-    """Return −arg (n,) of numbers in the lower half plane, between 0 and π but for rounding."""
+    """−arg (n,) of numbers in the lower half plane, between 0 and π but for rounding."""
     angle = -np.angle(value)
     return np.asarray(np.where(angle < -0.5 * np.pi, angle + 2.0 * np.pi, angle))
 
@@ -250,7 +247,7 @@ def _cut(row: Row, omega: float) -> list[Element]:
 
 
 def _joined(made: Complex, order: list[int]) -> tuple[Complex, Floats]:
-    """Return X (n, 5, 5) of the row and Θ (n,), from the X (k, n, 5, 5) of its entries.
+    """X (n, 5, 5) of the row and Θ (n,), from the X (k, n, 5, 5) of its entries.
 
     Neighbours are joined, then pairs of neighbours, and so on; equal pairs once.
     """
@@ -267,7 +264,7 @@ def _joined(made: Complex, order: list[int]) -> tuple[Complex, Floats]:
 
 
 def _turned(x: Complex) -> Floats:
-    """Return Θ (k, n) of short elements from X (k, n, 4, 4)."""
+    """Θ (k, n) of short elements from X (k, n, 4, 4)."""
     through = THROUGH[:, :4]
     # S of no length has the eigenvalues −1 and 1 twice, each θ a quarter turn and none
     turned = np.asarray(np.pi - 0.5 * np.angle(np.linalg.det(np.eye(4) + through @ x)))
@@ -280,7 +277,7 @@ def _turned(x: Complex) -> Floats:
 
 
 def _first_guess(row: Row) -> float:
-    """Return a frequency (Hz) of the order of the first mode of the whole row."""
+    """Frequency (Hz) of the order of the first mode of the whole row."""
     length = sum(element_length for _, element_length in row)
     beam = next(element for element, _ in reversed(row) if isinstance(element, Section))
     bending = np.sqrt(complex(beam.EI).real / beam.m) / length**2

@@ -104,7 +104,7 @@ def mounted_response(
     tip: Any,
     chunk: int = BLOCK,
 ) -> MountedResponse:
-    """Return the response of a uniform beam to a voltage of 1 V.
+    """Response of a uniform beam to a voltage of 1 V.
 
     Equal to :func:`tmm.ports.multiport.respond` on the beam's D, but several times faster, right
     also at the poles of D, and in constant memory beside inputs and results.
@@ -125,10 +125,7 @@ def mounted_response(
     chunk : int
         Points worked on at a time.
 
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        If nothing holds the beam at 0 Hz.
+    Raises numpy.linalg.LinAlgError if nothing holds the beam at 0 Hz.
     """
     ends = (tip,) if base is None else (tip, *base)
     constants = (beam.EI, beam.GA, beam.m, beam.rhoI, beam.K, beam.C)
@@ -148,7 +145,7 @@ def mounted_response(
 def uniform_response(
     row: Sequence[Element], ends: Ends, frequencies: Floats, *, series: bool
 ) -> MountedResponse | None:
-    """Return the response of a row that is one uniform beam, None for any other row.
+    """Response of a row that is one uniform beam, None for any other row.
 
     Parameters
     ----------
@@ -175,7 +172,7 @@ def uniform_response(
 
 
 def _respond(mounted: _Mounted) -> _Found:
-    """Return tip displacement, rotation and charge per volt, and the condition number."""
+    """Tip displacement, rotation and charge per volt, and the condition number."""
     values, sizes, roundings = span(mounted.beam, mounted.length, mounted.omega, Span)
     found = _quotients(mounted, values, sizes)
     hard = ~(EPS * roundings * found[-1] < TOLERATED)
@@ -212,7 +209,7 @@ def _quotients(mounted: _Mounted, values: Span, sizes: Span) -> _Found:
 def _cramer(
     s: Span, base: tuple[Numbers, Numbers] | None, tip: Numbers, minus: float
 ) -> tuple[Any, Any, Any, Any]:
-    """Return P, N, V and R of the docstring; with sizes and `minus` 1, their sizes."""
+    """P, N, V and R of the docstring; with sizes and `minus` 1, their sizes."""
     cc, ss, x, y = s.cc, s.ss, s.x, s.y
     stiff, inert, cross = s.shear * ss, s.beta4 * ss, s.beta4 * x
     # products that several minors share; `pull` is the tip's 2 D_ww Δ, `turn` its 2 D_ψψ Δ
@@ -250,12 +247,12 @@ def _cramer(
 
 
 def _at(mounted: _Mounted, mask: Bools) -> _Mounted:
-    """Return the masked points."""
+    """Masked points."""
     return _each(mounted, lambda v: v[mask])
 
 
 def _wide(mounted: _Mounted) -> _Mounted:
-    """Return the same numbers in extended precision."""
+    """Same numbers in extended precision."""
     return _each(mounted, lambda v: v.astype(EXTENDED))
 
 

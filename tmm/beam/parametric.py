@@ -60,12 +60,12 @@ class Actuator:
         return ends_of(self.support, self.load)
 
     def value(self, key: str) -> float:
-        """Return the value of a scene key such as ``piezo.s11`` (SI)."""
+        """Value of a scene key such as ``piezo.s11`` (SI)."""
         group, name = key.split(".")
         return float(getattr(self.group(group), name))
 
     def with_values(self, values: Values) -> Actuator:
-        """Return the actuator with other values (unchecked: arrays and complex ones pass)."""
+        """Actuator with other values (unchecked: arrays and complex ones pass)."""
         changes: dict[str, dict[str, Any]] = {}
         for key, value in values.items():
             group, name = key.split(".")
@@ -75,13 +75,13 @@ class Actuator:
         return replace(self, device=self.device.model_copy(update=groups), **own)
 
     def group(self, name: str) -> Any:
-        """Return a group of parameters by its scene key."""
+        """Group of parameters by its scene key."""
         return getattr(self if name in ("support", "load", "beam", "drive") else self.device, name)
 
 
 @lru_cache(maxsize=4)  # asked by several for one scene
 def parameter_keys(actuator: Actuator) -> tuple[str, ...]:
-    """Return the scene keys of all numbers that the model reads and that can be varied.
+    """Scene keys of all numbers that the model reads and that can be varied.
 
     Found by trying.  Left out are numbers that are zero, of which there is no percentage,
     and lengths at which a piece of the row of beams appears or vanishes (a rod that ends
@@ -113,10 +113,7 @@ def _number_keys(actuator: Actuator) -> list[str]:
 def check_keys(actuator: Actuator, keys: Sequence[str]) -> None:
     """Refuse a key that the model cannot vary.
 
-    Raises
-    ------
-    InputError
-        With the keys that it reads.
+    Raises InputError with the keys that it reads.
     """
     known = _number_keys(actuator)
     for key in keys:
@@ -137,10 +134,7 @@ def _unvariable(actuator: Actuator, key: str) -> InputError:
 def check_length_free(bimorph: Bimorph) -> None:
     """Refuse to vary the ceramic's length where a profile is stated for the present one.
 
-    Raises
-    ------
-    InputError
-        Naming the profile.
+    Raises InputError naming the profile.
     """
     for name in bimorph.profiles:
         raise InputError(
@@ -157,7 +151,7 @@ def terminated(
     lossless: bool = False,
     inertia: Any = 1.0,
 ) -> Multiport:
-    """Return D(Ω) with support and load attached, wired as the device is.
+    """D(Ω) with support and load attached, wired as the device is.
 
     Parameters
     ----------
@@ -171,10 +165,7 @@ def terminated(
         Factor on all masses.  Ω enters a lossless model with the masses only, as Ω² m, so
         this is also the factor on Ω².
 
-    Raises
-    ------
-    InputError
-        If the row of pieces does not follow a key smoothly; see :func:`check_keys`.
+    Raises InputError if the row of pieces does not follow a key smoothly; see :func:`check_keys`.
     """
     row, ends, series = _mounted(actuator, values, lossless=lossless, inertia=inertia)
     return attach(_wired(chain(row, frequencies), series=series), ends)
@@ -183,7 +174,7 @@ def terminated(
 def tip_response(
     actuator: Actuator, values: Values, frequencies: Floats, *, lossless: bool = False
 ) -> Response:
-    """Return motion of the tip and charge (n,) per volt, wired as the device is.
+    """Motion of the tip and charge (n,) per volt, wired as the device is.
 
     In closed form for one uniform beam, by D(Ω) for any other row, a block of points at a
     time; arguments as of :func:`terminated`.
@@ -212,7 +203,7 @@ def _wired(port: Multiport, *, series: bool) -> Multiport:
 def _mounted(
     actuator: Actuator, values: Values, *, lossless: bool, inertia: Any = 1.0
 ) -> tuple[list[Element], Ends, bool]:
-    """Return the row of elements, what is attached to it, and whether it is wired in series."""
+    """Row of elements, what is attached to it, and whether it is wired in series."""
     now = actuator.with_values(values)
     row: list[Element] = []
     for piece in _pieces(actuator, values):
@@ -227,7 +218,7 @@ def _mounted(
 
 
 def _pieces(actuator: Actuator, values: Values) -> list[Piece]:
-    """Return the row of pieces with their dimensions at the varied values.
+    """Row of pieces with their dimensions at the varied values.
 
     Which pieces there are is decided by the actuator's own values.  Their dimensions are
     sums and differences of parameters, so that one step gives each slope exactly; a piece
@@ -245,7 +236,7 @@ def _pieces(actuator: Actuator, values: Values) -> list[Piece]:
 
 
 def _slopes(actuator: Actuator, key: str) -> Floats | None:
-    """Return how all dimensions of the pieces change with a parameter, (pieces, 8).
+    """How all dimensions of the pieces change with a parameter, (pieces, 8).
 
     None if pieces appear or vanish.
     """
@@ -268,7 +259,7 @@ def _slopes(actuator: Actuator, key: str) -> Floats | None:
 
 
 def _dimensions(piece: Piece) -> tuple[float, ...]:
-    """Return length, radius, and the layers at both ends (0 where they are the device's)."""
+    """Length, radius, and the layers at both ends (0 where they are the device's)."""
     if piece.ends is None:
         return (piece.length, piece.radius, *[0.0] * 6)
     ends = ((end.width, end.piezo_thickness, end.shim_thickness) for end in piece.ends)

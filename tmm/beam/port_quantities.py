@@ -28,7 +28,7 @@ from tactgen.tmm.ports.readout import ELECTRICAL, Readout
 
 
 def evaluate(actuator: Actuator, read: Readout, values: Values, frequencies: Floats) -> Complex:
-    """Return what is read at every point, (n,); static quantities have no imaginary part."""
+    """What is read at every point, (n,); static quantities have no imaginary part."""
     frequencies = np.asarray(frequencies, dtype=float)
     at = np.zeros_like(frequencies) if read.static else frequencies
     voltage = actuator.with_values(values).drive.voltage
@@ -53,7 +53,7 @@ _TRIALS, _REACH, _NARROWER = 17, 0.1, 8.0
 def first_frequency(
     actuator: Actuator, values: Values, start: Floats, *, open_circuit: bool
 ) -> Floats:
-    """Return the first natural frequency (n,) in Hz of the lossless actuator at every point.
+    """First natural frequency (n,) in Hz of the lossless actuator at every point.
 
     Newton's method on the eigenvalue of the symmetric port matrix that vanishes there.
     Eigenvalues fall with frequency and are finite up to the first mode with all ports
@@ -92,7 +92,7 @@ def first_frequency(
 def resonance_peak(
     actuator: Actuator, read: Readout, values: Values, start: Floats, rounds: int = 5
 ) -> tuple[Floats, Floats]:
-    """Return frequency (Hz) and height of the first peak of what is read, both (n,).
+    """Frequency (Hz) and height of the first peak of what is read, both (n,).
 
     For a free tip, whose peak lies close to the first short-circuit frequency `start` (n,).
     Each round narrows a grid of frequencies around its highest.
@@ -148,7 +148,7 @@ class DrivenCeramic:
 def driven_ceramic(
     device: Device, beam: Beam, ends: Ends, frequencies: Floats, response: Response
 ) -> DrivenCeramic:
-    """Return what the ceramic carries, from the tip's motion and the charge at 1 V as wired.
+    """What the ceramic carries, from the tip's motion and the charge at 1 V as wired.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def driven_ceramic(
 def _stress(
     device: Device, beam: Beam, ends: Ends, frequencies: Floats, response: Response, layer: float
 ) -> Floats:
-    """Return the largest stress over height and faces (n,), Pa per volt of the drive."""
+    """Largest stress over height and faces (n,), Pa per volt of the drive."""
     b = device.bimorph
     key = beyond_plain_layers(b)
     if key and key != "glue_thickness":
@@ -196,7 +196,7 @@ def _stress(
 
 
 def _moment(above: Complex, tip: Complex, force: Complex, voltage: float) -> Complex:
-    """Return the bending moment (..., n) at the lower end of what is above a height.
+    """Bending moment (..., n) at the lower end of what is above a height.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ _STATIONS = 80
 
 
 def cut(row: Row) -> Row:
-    """Return the row with its beams divided, so that there are about so many stations."""
+    """Row with its beams divided, so that there are about so many stations."""
     total = sum(float(length) for _, length in row)
     parts: list[Element] = []
     for element, length in row:
@@ -233,14 +233,14 @@ def cut(row: Row) -> Row:
 
 
 def mode_lines(row: Row, ends: Ends, count: int, *, open_circuit: bool) -> list[CentreLine]:
-    """Return the lowest `count` modes of a lossless row, ascending, of unit tip displacement."""
+    """Lowest `count` modes of a lossless row, ascending, of unit tip displacement."""
     parts = cut(row)
     frequencies = bending_frequencies(row, ends, count, open_circuit=open_circuit)
     return [_mode(parts, ends.lossless, float(f), open_circuit=open_circuit) for f in frequencies]
 
 
 def driven_line(row: Row, ends: Ends, frequency: float, voltage: complex) -> CentreLine:
-    """Return the motion at a voltage (V) across each layer."""
+    """Motion at a voltage (V) across each layer."""
     parts = cut(row)
     matrix, coupling, capacitance = _assembled(parts, ends, frequency)
     free = _free(matrix.shape[0], ends)
@@ -253,7 +253,7 @@ def driven_line(row: Row, ends: Ends, frequency: float, voltage: complex) -> Cen
 
 
 def static_line(row: Row, ports: Numbers, charge: complex, frequency: float) -> CentreLine:
-    """Return the static line between ends that move as given: the lumped model's shape.
+    """Static line between ends that move as given: the lumped model's shape.
 
     Parameters
     ----------
@@ -273,12 +273,12 @@ def static_line(row: Row, ports: Numbers, charge: complex, frequency: float) -> 
 
 
 def _as(kind: Any, values: Complex) -> Numbers:
-    """Return values as real numbers where the rest is real."""
+    """Values as real numbers where the rest is real."""
     return values if np.issubdtype(kind, np.complexfloating) else values.real
 
 
 def _mode(parts: Row, ends: Ends, frequency: float, *, open_circuit: bool) -> CentreLine:
-    """Return the null vector of the matrix at a natural frequency."""
+    """Null vector of the matrix at a natural frequency."""
     dynamic, per_volt, complex_capacitance = _assembled(parts, ends, frequency)
     matrix, coupling = dynamic.real, per_volt.real
     capacitance = complex_capacitance.real
@@ -297,7 +297,7 @@ def _mode(parts: Row, ends: Ends, frequency: float, *, open_circuit: bool) -> Ce
 
 
 def _assembled(parts: Row, ends: Ends, frequency: float) -> tuple[Complex, Complex, complex]:
-    """Return the stiffness over [w, ψ] at all stations, forces per volt to hold it, and C (F).
+    """Stiffness over [w, ψ] at all stations, forces per volt to hold it, and C (F).
 
     The charge is minus the forces per volt times the motion, and C times the voltage.
     """

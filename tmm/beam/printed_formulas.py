@@ -120,7 +120,7 @@ MISPRINTS: dict[int, Formula] = {
 
 
 def printed_section(beam: Section, device: Device, misprints: frozenset[int]) -> Section:
-    """Return the section with eqs 49 and 55 as printed where asked for.
+    """Section with eqs 49 and 55 as printed where asked for.
 
     Eq 49's "s" is read as 1, the only reading with which it has a value at all.
     """
@@ -146,7 +146,7 @@ def matrix_a(
     frequencies: Floats,
     misprints: frozenset[int] = frozenset(),
 ) -> Complex:
-    """Return A (n, 5, 5) of paper eqs 13-48, with the named equations as printed.
+    """A (n, 5, 5) of paper eqs 13-48, with the named equations as printed.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def matrix_a(
 def wave_parameters(
     beam: Section, length: float, frequencies: Floats, misprints: frozenset[int] = frozenset()
 ) -> tuple[Complex, Complex, Complex]:
-    """Return σ, τ and β⁴ (n,) of paper eqs 39, 41 and 43."""
+    """Σ, τ and β⁴ (n,) of paper eqs 39, 41 and 43."""
     o2 = (2.0 * np.pi * np.asarray(frequencies, dtype=float)) ** 2
     of_sigma = beam.EI if 39 in misprints else beam.GA
     of_tau = beam.GA if 41 in misprints else beam.EI
@@ -210,7 +210,7 @@ def wave_parameters(
 def eigenvalues(
     sigma: Complex, tau: Complex, beta4: Complex, *, as_printed: bool = False
 ) -> tuple[Complex, Complex]:
-    """Return λ₁ and λ₂ (n,) of paper eq 47."""
+    """Λ₁ and λ₂ (n,) of paper eq 47."""
     inner = np.sqrt(beta4 + 0.25 * (sigma - tau) ** 2)
     outer = 0.5 * ((sigma - tau) if as_printed else (sigma + tau))
     return np.sqrt(inner - outer), np.sqrt(inner + outer)
@@ -219,7 +219,7 @@ def eigenvalues(
 def functions(
     sigma: Complex, tau: Complex, beta4: Complex, *, as_printed: bool = False
 ) -> tuple[Complex, ...]:
-    """Return C0 … C5 (n,), paper eqs 38-48; `as_printed` takes eq 47 so."""
+    """C0 … C5 (n,), paper eqs 38-48; `as_printed` takes eq 47 so."""
     x, y = eigenvalues(sigma, tau, beta4, as_printed=as_printed)
     total = x**2 + y**2
     cosh, cos, sinh, sin = np.cosh(x), np.cos(y), np.sinh(x), np.sin(y)
@@ -234,7 +234,7 @@ def functions(
 
 
 def from_dynamic_stiffness(stiffness: Complex, frequencies: Floats) -> Complex:
-    """Return the transfer matrix A (n, 5, 5) that belongs to D(Ω): a change of variables.
+    """Transfer matrix A (n, 5, 5) that belongs to D(Ω): a change of variables.
 
     Internal force and moment at the lower end are minus the port's; velocities are jΩ
     times displacements, current jΩ times charge.

@@ -60,7 +60,7 @@ def tree(made: Complex, order: list[int]) -> Complex:
 
 
 def star(lower: Complex, upper: Complex) -> Complex:
-    """Return X (..., 5, 5) of two elements joined: both see the same U, charges add.
+    """X (..., 5, 5) of two elements joined: both see the same U, charges add.
 
     At the joint a of one end is −b of the other: forces cancel, displacements agree.  The
     wave up out of the lower element is −a_0 + up, the one down into it a_1 + down:
@@ -106,13 +106,13 @@ class Reference:
     slide: Floats
 
     def units(self) -> tuple[Floats, Floats]:
-        """Return the units of [w, ψ] and of [F, M], (n, 2) each."""
+        """Units of [w, ψ] and of [F, M], (n, 2) each."""
         kappa, one = self.wavenumber, np.ones_like(self.wavenumber)
         force = np.stack([kappa**2 / self.slide, kappa], axis=1) * self.stiffness[:, None]
         return np.stack([self.slide / kappa, one], axis=1), force
 
     def at(self, points: Any) -> Reference:
-        """Return the reference at some of the points."""
+        """Reference at some of the points."""
         return Reference(self.stiffness[points], self.wavenumber[points], self.slide[points])
 
 
@@ -128,7 +128,7 @@ class _Stack:
 
 
 def joined(row: Sequence[Element], omega: Floats) -> Complex:
-    """Return D(Ω) (n, 5, 5) of elements joined end to end; see :mod:`tmm.ports.multiport`.
+    """D(Ω) (n, 5, 5) of elements joined end to end; see :mod:`tmm.ports.multiport`.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def joined(row: Sequence[Element], omega: Floats) -> Complex:
 def in_waves(
     row: Sequence[Element], omega: Floats, unit: float = 1.0
 ) -> tuple[Complex, list[int], Reference]:
-    """Return X (k, n, 5, 5) of the k different entries of a row, its order and its reference.
+    """X (k, n, 5, 5) of the k different entries of a row, its order and its reference.
 
     The row, see :func:`joined`, is entries `order[0]`, `order[1]` and so on.  Its reference
     stiffness is `unit` times the usual one.
@@ -170,7 +170,7 @@ def in_waves(
 
 
 def element_stiffness(element: Section | Joint, length: Any, omega: Floats) -> Complex:
-    """Return D(Ω) (n, 5, 5) of one element."""
+    """D(Ω) (n, 5, 5) of one element."""
     if isinstance(element, Section):
         return dynamic_stiffness(element, length, omega)
     d = np.zeros((omega.size, 5, 5), dtype=complex)
@@ -181,7 +181,7 @@ def element_stiffness(element: Section | Joint, length: Any, omega: Floats) -> C
 
 
 def change_along(element: Section | Joint, length: Any, omega: Floats) -> Complex:
-    """Return T − 1 (n, 5, 5): the change of [w, ψ, F, M, U] from base to tip, per its value there.
+    """T − 1 (n, 5, 5): the change of [w, ψ, F, M, U] from base to tip, per its value there.
 
     F and M are what the part above exerts on the part below.  By power series: for
     elements short in wavelengths.
@@ -194,7 +194,7 @@ def change_along(element: Section | Joint, length: Any, omega: Floats) -> Comple
 
 
 def scattering(beam: Section, length: Any, omega: Floats, reference: Reference) -> Complex:
-    """Return X (n, 5, 5) of n beams: outgoing waves and charge from incoming and U.
+    """X (n, 5, 5) of n beams: outgoing waves and charge from incoming and U.
 
     Constants and lengths are (n,) arrays.
     """
@@ -215,14 +215,14 @@ def scattering(beam: Section, length: Any, omega: Floats, reference: Reference) 
 
 
 def _different(row: Sequence[Element]) -> tuple[list[Element], list[int]]:
-    """Return the entries that differ as objects, and the place of each of the row's among them."""
+    """Entries that differ as objects, and the place of each of the row's among them."""
     entries = {id(entry): entry for entry in row}
     place = {key: i for i, key in enumerate(entries)}
     return list(entries.values()), [place[id(entry)] for entry in row]
 
 
 def _stacked(entries: Sequence[Element], n: int) -> _Stack:
-    """Return different elements by kind, their constants along n points."""
+    """Different elements by kind, their constants along n points."""
     beams = [i for i, (element, _) in enumerate(entries) if isinstance(element, Section)]
     joints = {i: e.compliance for i, (e, _) in enumerate(entries) if isinstance(e, Joint)}
 
@@ -241,7 +241,7 @@ def _stacked(entries: Sequence[Element], n: int) -> _Stack:
 
 
 def _scattering(stack: _Stack, part: slice, omega: Floats, reference: Reference) -> Complex:
-    """Return X (k, n, 5, 5) of k elements at a part of the points, all beams in one go."""
+    """X (k, n, 5, 5) of k elements at a part of the points, all beams in one go."""
     count = len(stack.beams_at)
     s = np.empty((count + len(stack.joints_at), omega.size, 5, 5), dtype=complex)
     units = _state_units(reference)
@@ -270,13 +270,13 @@ def _reference(row: Sequence[Element], stack: _Stack, omega: Floats) -> Referenc
 
 
 def _state_units(reference: Reference) -> Floats:
-    """Return the units of [w, ψ, F, M, U] (n, 5); the voltage stays in volts."""
+    """Units of [w, ψ, F, M, U] (n, 5); the voltage stays in volts."""
     displacement, force = reference.units()
     return np.concatenate([displacement, force, np.ones((force.shape[0], 1))], axis=1)
 
 
 def _system(beam: Section, omega: Floats) -> Complex:
-    """Return A (n, 5, 5) of d/dz [w, ψ, F, M, U] = A [w, ψ, F, M, U]."""
+    """A (n, 5, 5) of d/dz [w, ψ, F, M, U] = A [w, ψ, F, M, U]."""
     o2 = omega**2
     a = np.zeros((omega.size, 5, 5), dtype=complex)
     a[:, 0, 1], a[:, 0, 2] = -1.0, 1.0 / beam.GA  # w' = −ψ + F/GA
@@ -287,7 +287,7 @@ def _system(beam: Section, omega: Floats) -> Complex:
 
 
 def _exponential_less_one(a: Complex) -> Complex:
-    """Return exp(a) − 1 (n, 5, 5) by Horner's scheme; every entry is led by its first term."""
+    """Exp(a) − 1 (n, 5, 5) by Horner's scheme; every entry is led by its first term."""
     one = np.eye(5)
     out: Complex = np.broadcast_to(one, a.shape).astype(complex)
     for n in range(_SERIES_TERMS, 1, -1):
@@ -296,7 +296,7 @@ def _exponential_less_one(a: Complex) -> Complex:
 
 
 def _from_transfer(e: Complex, coupling: Numbers, capacitance: Numbers) -> Complex:
-    """Return X from T − 1 in reference units; charge = coupling (ψ_1 − ψ_0) + capacitance U.
+    """X from T − 1 in reference units; charge = coupling (ψ_1 − ψ_0) + capacitance U.
 
     From a_1 = r_1 + j u_1 and b_1 = r_1 − j u_1, r_0 = −(a_0 + b_0)/2, u_0 = (a_0 − b_0)/2j,
     with b_0 = −a_1 + x, b_1 = −a_0 + y.
@@ -321,7 +321,7 @@ def _from_transfer(e: Complex, coupling: Numbers, capacitance: Numbers) -> Compl
 
 
 def _from_stiffness(d: Complex, reference: Reference) -> Complex:
-    """Return X from D: u = (D + j)⁻¹ (a − D_U U), b = a − 2 j u, Q = D_Q u + C U."""
+    """X from D: u = (D + j)⁻¹ (a − D_U U), b = a − 2 j u, Q = D_Q u + C U."""
     displacement, force = (np.tile(unit, 2) for unit in reference.units())
     scaled = d.copy()
     scaled[:, :4] /= force[:, :, None]
@@ -338,7 +338,7 @@ def _from_stiffness(d: Complex, reference: Reference) -> Complex:
 
 
 def _stiffness(s: Complex, reference: Reference) -> Complex:
-    """Return D from X: (1 − S) a = 2 j u + S_U U, f = a − j u."""
+    """D from X: (1 − S) a = 2 j u + S_U U, f = a − j u."""
     displacement, force = (np.tile(unit, 2) for unit in reference.units())
     n = s.shape[0]
     one = np.eye(4)

@@ -68,7 +68,7 @@ class Joint:
 def section(
     piece: Piece, device: Device, beam: Beam, *, lossy: bool, share: float = 0.5
 ) -> Section:
-    """Return the constants of a beam at a share of its length; `lossy` switches all losses on."""
+    """Constants of a beam at a share of its length; `lossy` switches all losses on."""
     layers = piece.layers(device.bimorph, share)
     if piece.section == "bimorph":
         active = _bimorph(layers, device, beam, lossy=lossy)
@@ -81,7 +81,7 @@ def section(
 
 
 def without_electrode(active: Section) -> Section:
-    """Return the same layers where the ceramic's faces carry no charge.
+    """Same layers where the ceramic's faces carry no charge.
 
     With D₃ through each layer zero (no charge on its faces, none inside, none flowing
     along) bending raises a voltage, K ψ' + C U = 0, that stiffens.  As everywhere in the
@@ -113,7 +113,7 @@ def _bimorph(layers: Layers, device: Device, beam: Beam, *, lossy: bool) -> Sect
     )
 
     def stacked(of_shim: Constant, of_glue: Constant, of_piezo: Constant) -> Constant:
-        """Return ∫ c x² dA of a constant c that each layer has."""
+        """∫ c x² dA of a constant c that each layer has."""
         return b * (
             of_shim * hs**3 / 12.0
             + 2.0 / 3.0 * (of_glue * _cubes(hs, tg) + of_piezo * _cubes(core, hp))
@@ -130,7 +130,7 @@ def _bimorph(layers: Layers, device: Device, beam: Beam, *, lossy: bool) -> Sect
 
 
 def _cubes(core: Constant, layer: Constant) -> Constant:
-    """Return (core/2 + layer)³ − (core/2)³ without cancellation for thin layers."""
+    """(core/2 + layer)³ − (core/2)³ without cancellation for thin layers."""
     return layer * (0.75 * core**2 + 1.5 * core * layer + layer**2)
 
 
@@ -168,7 +168,7 @@ def laminate_section(
     d32: bool = True,
     varying_field: bool = True,
 ) -> Section:
-    """Return the section constants of the plate, no moment across; all else as the beam's.
+    """Section constants of the plate, no moment across; all else as the beam's.
 
     Parameters
     ----------
@@ -184,10 +184,7 @@ def laminate_section(
         Let the field vary through each layer.  Without this and the two others the
         constants are those of the beam models.
 
-    Raises
-    ------
-    InputError
-        If there is glue between the layers.
+    Raises InputError if there is glue between the layers.
     """
     bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
     if bimorph.glue_thickness > 0.0:
@@ -219,7 +216,7 @@ def laminate_section(
 
 
 def _plane_stress(along: float, across: float, poisson_ratio: float) -> Floats:
-    """Return the (2, 2) stiffness (Pa) of an orthotropic sheet; ν is that of a pull along."""
+    """(2, 2) stiffness (Pa) of an orthotropic sheet; ν is that of a pull along."""
     minor = poisson_ratio * across
     sheet = np.array([[along, minor], [minor, across]])
     return sheet / (1.0 - poisson_ratio**2 * across / along)
@@ -235,7 +232,7 @@ class _Layer(NamedTuple):
 
 
 def energy_shear_correction(device: Device) -> float:
-    """Return the factor by which ``Σ G A`` of the layers is to be multiplied.
+    """Factor by which ``Σ G A`` of the layers is to be multiplied.
 
     Young's moduli are those of a beam (no transverse stress, short circuit).
     """
@@ -278,7 +275,7 @@ _STEEPEST = 8.0
 def segmented(
     at: Callable[[float], Section], length: float, segments: int
 ) -> list[tuple[Section, Constant]]:
-    """Return prismatic beams, two for each segment, with their lengths (m).
+    """Prismatic beams, two for each segment, with their lengths (m).
 
     `at` gives the section at a share of the length.
     """
@@ -291,7 +288,7 @@ def segmented(
 
 
 def _mean(near: Section, far: Section) -> Section:
-    """Return the prismatic section whose A is 2 a A_near + 2 b A_far."""
+    """Prismatic section whose A is 2 a A_near + 2 b A_far."""
     ratio = np.abs(near.EI / far.EI)
     if np.any((ratio > _STEEPEST) | (ratio < 1.0 / _STEEPEST)):
         return near

@@ -56,12 +56,9 @@ def values(
     frequencies: Floats | None = None,
     modes: int = 1,
 ) -> Numbers:
-    """Return a quantity: (n,) over frequencies, (modes,), or (1,) for a single number.
+    """Quantity: (n,) over frequencies, (modes,), or (1,) for a single number.
 
-    Raises
-    ------
-    InputError
-        If frequencies are missing.
+    Raises InputError if frequencies are missing.
     """
     if isinstance(read, Readout):
         found = evaluate(actuator, read, {}, _points(read, frequencies))
@@ -78,7 +75,7 @@ def derivatives(
     frequencies: Floats | None = None,
     modes: int = 1,
 ) -> dict[str, Numbers]:
-    """Return dq/dp for each key (all that the model reads by default), SI.
+    """Dq/dp for each key (all that the model reads by default), SI.
 
     Parameters
     ----------
@@ -96,10 +93,7 @@ def derivatives(
     dict of str to array
         Of the shape of :func:`values`; complex for quantities that are.
 
-    Raises
-    ------
-    InputError
-        If the model does not depend smoothly on a key, or frequencies are missing.
+    Raises InputError if the model does not depend smoothly on a key, or frequencies are missing.
     """
     if keys is None:
         keys = parameter_keys(actuator)
@@ -119,7 +113,7 @@ def logarithmic_sensitivities(
     frequencies: Floats | None = None,
     modes: int = 1,
 ) -> dict[str, Floats]:
-    """Return d ln|q| / d ln|p|: the percentage by which q changes per percent of p.
+    """D ln|q| / d ln|p|: the percentage by which q changes per percent of p.
 
     See :func:`derivatives`.
     """
@@ -133,7 +127,7 @@ def logarithmic_sensitivities(
 
 
 def _points(read: Readout, frequencies: Floats | None) -> Floats:
-    """Return the frequencies (n,) at which something is read; one, 0 Hz, for a static value."""
+    """Frequencies (n,) at which something is read; one, 0 Hz, for a static value."""
     if read.static:
         return np.zeros(1)
     if frequencies is None:
@@ -157,7 +151,7 @@ def _matrix_derivatives(
 def _on_contours(
     actuator: Actuator, keys: Sequence[str], frequencies: Floats, *, lossless: bool
 ) -> Complex:
-    """Return dA/dp (keys, n, k, k) from all points of all contours at once."""
+    """DA/dp (keys, n, k, k) from all points of all contours at once."""
     n, count = frequencies.size, len(keys)
     turns = np.exp(2j * np.pi * np.arange(_POINTS) / _POINTS)
     # of each key the centre and its contour, (keys, points + 1, n); others stay put there
@@ -208,7 +202,7 @@ def _of_readout(
 def _scaled_change(
     read: Readout, variable: Complex, change: Complex, voltage: float, at: Floats
 ) -> Complex:
-    """Return the change of the quantity with that of the port's variable per volt."""
+    """Change of the quantity with that of the port's variable per volt."""
     if read.level is None:
         return read.scaled(change, voltage, at)
     # the level stays, so that the voltage that reaches it falls as the variable's size rises

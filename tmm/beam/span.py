@@ -100,7 +100,7 @@ class DoubleDouble:
         return _tidy(first, rest.hi / other.hi)
 
     def sqrt(self) -> DoubleDouble:
-        """Return the root with the branch that numpy's has; one Newton step doubles it."""
+        """Root with the branch that numpy's has; one Newton step doubles it."""
         root = np.sqrt(self.hi)
         rest = self - DoubleDouble(root) * root
         return _tidy(root, rest.hi / np.where(root == 0.0, 1.0, 2.0 * root))
@@ -122,14 +122,14 @@ def _tidy(hi: Complex, lo: Complex) -> DoubleDouble:
 
 
 def _sum(a: Any, b: Any) -> tuple[Any, Any]:
-    """Return a + b and its rounding error; exact part by part."""
+    """+ b and its rounding error; exact part by part."""
     total = a + b
     back = total - a
     return total, (a - (total - back)) + (b - back)
 
 
 def _product(a: Complex, b: Complex) -> tuple[Complex, Complex]:
-    """Return a b and its rounding error."""
+    """B and its rounding error."""
     rr, rr_low = _real_product(a.real, b.real)
     ii, ii_low = _real_product(a.imag, b.imag)
     ri, ri_low = _real_product(a.real, b.imag)
@@ -166,35 +166,35 @@ EXTENDED_ROUNDINGS = 50.0
 
 
 def error_bound(condition: Floats | float) -> Floats:
-    """Return the relative error that results of these condition numbers may have."""
+    """Relative error that results of these condition numbers may have."""
     extended = 2.0 * EPS + EXTENDED_ROUNDINGS * EXTENDED_EPS * np.asarray(condition)
     return np.maximum(TOLERATED, extended)
 
 
 def sqrt(v: Any) -> Any:
-    """Return the root of an array or a double-double number."""
+    """Root of an array or a double-double number."""
     return v.sqrt() if isinstance(v, DoubleDouble) else np.sqrt(v)
 
 
 def head(v: Any) -> Complex:
-    """Return the number as doubles, for comparisons."""
+    """Number as doubles, for comparisons."""
     return v.hi if isinstance(v, DoubleDouble) else v
 
 
 def rounded(v: Any) -> Complex:
-    """Return the number in the working precision."""
+    """Number in the working precision."""
     return v.hi.astype(EXTENDED) + v.lo if isinstance(v, DoubleDouble) else v
 
 
 def phase(v: Any) -> tuple[Complex, Complex | None]:
-    """Return the number as a double and the rest, both in the working precision."""
+    """Number as a double and the rest, both in the working precision."""
     if isinstance(v, DoubleDouble):
         return v.hi.astype(EXTENDED), v.lo.astype(EXTENDED)
     return v, None
 
 
 def size(v: Any) -> Floats:
-    """Return the magnitude as doubles."""
+    """Magnitude as doubles."""
     return np.asarray(np.abs(v).astype(float, copy=False))
 
 
@@ -252,7 +252,7 @@ class _Waves:
 
 
 def span(beam: Section, length: Any, omega: Any, kind: type[S]) -> tuple[S, S, Floats]:
-    """Return the functions in double precision, their sizes, and the roundings in them.
+    """Functions in double precision, their sizes, and the roundings in them.
 
     All are flat over the common shape of the section's constants, the length and Ω.  The
     sizes are those of what each function is a sum of; its rounding error is of the order of
@@ -272,7 +272,7 @@ def span(beam: Section, length: Any, omega: Any, kind: type[S]) -> tuple[S, S, F
 def extended_span(
     beam: Section, length: Complex, omega: Complex, kind: type[S]
 ) -> tuple[S, S, Floats]:
-    """Return the same in extended precision; all constants are (n,) arrays like Ω.
+    """Same in extended precision; all constants are (n,) arrays like Ω.
 
     Rounding errors are here of the order of `EXTENDED_EPS` times the sizes, whatever |λ|, and
     the roundings returned have no meaning.
@@ -342,7 +342,7 @@ def _by_series(w: _Waves, kind: type[S]) -> tuple[S, S, Floats]:
 
 @cache
 def _series_factors(real: np.dtype[Any]) -> Floats:
-    """Return what multiplies H_0, H_1, … in ¼ g[s,t], ½ Σ g_n H_n, Σ h_n H_n, ½ h[s,t]."""
+    """What multiplies H_0, H_1, … in ¼ g[s,t], ½ Σ g_n H_n, Σ h_n H_n, ½ h[s,t]."""
     terms = 10 if real == np.float64 else 17
     even = [real.type(1)]  # 1/(2n)!, in the working precision
     for n in range(1, terms):
@@ -355,7 +355,7 @@ def _series_factors(real: np.dtype[Any]) -> Floats:
 
 
 def _summed(first: Sequence[Any], rates: Sequence[Any], kind: type[S], minus: float) -> S:
-    """Return the docstring's functions from X, Y, c₁c₂, S₁S₂; with sizes and `minus` 1, sizes."""
+    """Docstring's functions from X, Y, c₁c₂, S₁S₂; with sizes and `minus` 1, sizes."""
     (beta4, shear, x, y, cc, ss), (sigma, tau, phi) = first, rates
     even, even_free = y + minus * (sigma * x), y + minus * (tau * x)
     odd, odd_free = shear * x + phi * y, tau * y + beta4 * shear * x
@@ -421,7 +421,7 @@ class _Rates:
 
 
 def _less(part: Complex, p: Complex, other: Complex) -> Complex:
-    """Return 1 − `part`, which is p/`other`: by the quotient where the difference cancels."""
+    """1 − `part`, which is p/`other`: by the quotient where the difference cancels."""
     difference = 1.0 - part
     late = np.abs(part.real) > 0.5
     if late.any():
@@ -440,7 +440,7 @@ def _combined(
     kind: type[S],
     minus: float,
 ) -> S:
-    """Return the docstring's functions of c₁, c₂, S₁, S₂; with sizes and `minus` 1, sizes."""
+    """Docstring's functions of c₁, c₂, S₁, S₂; with sizes and `minus` 1, sizes."""
     one, other = second * c1, first * c2  # A and B
     parts = [
         k.beta4,
@@ -466,7 +466,7 @@ def _combined(
 
 
 def _hyperbolic(z: Complex, rest: Complex | None) -> tuple[Complex, Complex, Complex, Floats]:
-    """Return cosh z and sinh z, both times exp(−|Re z|), then z and exp(−2 |Re z|).
+    """Cosh z and sinh z, both times exp(−|Re z|), then z and exp(−2 |Re z|).
 
     `rest` is what z is too short by, small enough for a first-order term in the phase.
     """
@@ -487,7 +487,7 @@ def _hyperbolic(z: Complex, rest: Complex | None) -> tuple[Complex, Complex, Com
 
 
 def _over(sinh: Complex, z: Complex) -> Complex:
-    """Return sinh z/z, 1 where z is 0 (there the exponential taken out of sinh is 1)."""
+    """Sinh z/z, 1 where z is 0 (there the exponential taken out of sinh is 1)."""
     zero = z == 0.0
     return np.where(zero, 1.0, sinh / np.where(zero, 1.0, z)) if zero.any() else sinh / z
 
@@ -551,7 +551,7 @@ _PLACES = (
 
 
 def dynamic_stiffness(beam: Section, length: Any, omega: Any) -> Complex:
-    """Return D(Ω) over the ports [w_0, ψ_0, w_l, ψ_l, U].
+    """D(Ω) over the ports [w_0, ψ_0, w_l, ψ_l, U].
 
     The section's constants, the length and Ω broadcast against each other.  D is an
     analytic function of all of them: complex values give derivatives along a contour.
@@ -587,7 +587,7 @@ def dynamic_stiffness(beam: Section, length: Any, omega: Any) -> Complex:
 
 
 def condition(beam: Section, length: Any, omega: Any) -> Floats:
-    """Return the condition numbers (..., 5, 5) of D's entries, as the module defines them."""
+    """Condition numbers (..., 5, 5) of D's entries, as the module defines them."""
     _, conditions = _span_matrices(beam, length, omega)
     out = np.ones((*conditions.shape[1:], 5, 5))  # 1 for what is exact
     for at, values in enumerate(conditions):
@@ -597,7 +597,7 @@ def condition(beam: Section, length: Any, omega: Any) -> Floats:
 
 
 def wavenumbers(beam: Section, length: float, omega: Floats) -> tuple[Floats, Floats]:
-    """Return |λ₁| and |λ₂| (n,) of the lossless beam, for choosing how to divide it."""
+    """|λ₁| and |λ₂| (n,) of the lossless beam, for choosing how to divide it."""
     o2 = np.asarray(omega, dtype=float) ** 2
     ei = np.asarray(beam.EI).real
     sigma = beam.m * o2 * length**2 / beam.GA
@@ -608,7 +608,7 @@ def wavenumbers(beam: Section, length: float, omega: Floats) -> tuple[Floats, Fl
 
 
 def _span_matrices(beam: Section, length: Any, omega: Any) -> tuple[Complex, Floats]:
-    """Return D_ww, D_wψ, D_ψψ, then w-w, w-ψ, ψ-ψ through the beam, (6, ...), in EI/l³ and l.
+    """D_ww, D_wψ, D_ψψ, then w-w, w-ψ, ψ-ψ through the beam, (6, ...), in EI/l³ and l.
 
     And their condition numbers.
     """
@@ -630,7 +630,7 @@ def _span_matrices(beam: Section, length: Any, omega: Any) -> tuple[Complex, Flo
 
 
 def _entries(values: ThroughSpan, sizes: ThroughSpan) -> tuple[Complex, Floats]:
-    """Return the entries (6, n) and their condition numbers, of one block."""
+    """Entries (6, n) and their condition numbers, of one block."""
     numerators, bounds = _numerators(values, -1.0), np.abs(_numerators(sizes, 1.0))
     with np.errstate(divide="ignore", invalid="ignore"):  # exactly at a pole: infinite
         poles = sizes.even / np.abs(values.even) + sizes.odd / np.abs(values.odd)
@@ -640,7 +640,7 @@ def _entries(values: ThroughSpan, sizes: ThroughSpan) -> tuple[Complex, Floats]:
 
 
 def _numerators(s: ThroughSpan, minus: float) -> Any:
-    """Return the six numerators over Δ; with sizes and `minus` 1, the sizes (up to sign)."""
+    """Six numerators over Δ; with sizes and `minus` 1, the sizes (up to sign)."""
     return np.stack(
         [
             0.5 * (s.cc * s.even + minus * (s.beta4 * s.ss * s.odd)),

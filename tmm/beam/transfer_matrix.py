@@ -24,7 +24,7 @@ from tactgen.tmm.ports.multiport import BIMORPH, Multiport
 
 
 def bonded_tab(piece: Piece, device: Device, beam: Beam, *, lossy: bool = False) -> Joint:
-    """Return the joint that a piece of section ``bond`` is to what stands above the slot.
+    """Joint that a piece of section ``bond`` is to what stands above the slot.
 
     Analytic in all parameters, which may be arrays (n,); `lossy` switches the losses of glue
     and tab on.
@@ -51,7 +51,7 @@ def bonded_tab(piece: Piece, device: Device, beam: Beam, *, lossy: bool = False)
 
 
 def _diagonal(first: Constant, second: Constant) -> Constant:
-    """Return diagonal matrices (..., 2, 2)."""
+    """Diagonal matrices (..., 2, 2)."""
     return np.stack(np.broadcast_arrays(first, second), axis=-1)[..., None] * np.eye(2)
 
 
@@ -62,7 +62,7 @@ SEGMENTS = 32
 def sections(
     device: Device, support: Support, beam: Beam, *, lossy: bool, segments: int = SEGMENTS
 ) -> list[Element]:
-    """Return (section or joint, length) of every element from base to tip.
+    """(section or joint, length) of every element from base to tip.
 
     A tapered piece is divided into `segments`; the error of every result falls with the
     fourth power of their number.
@@ -75,14 +75,14 @@ def sections(
 
 
 def is_tapered(device: Device, support: Support) -> bool:
-    """Return whether some piece is tapered, so that the number of segments matters."""
+    """Whether some piece is tapered, so that the number of segments matters."""
     return any(piece.tapered for piece in beam_pieces(device, support))
 
 
 def elements(
     piece: Piece, device: Device, beam: Beam, *, lossy: bool, segments: int
 ) -> list[Element]:
-    """Return what one piece consists of: a joint, a prismatic beam or the segments of a taper."""
+    """What one piece consists of: a joint, a prismatic beam or the segments of a taper."""
     if piece.section == "bond":
         return [(bonded_tab(piece, device, beam, lossy=lossy), 0.0)]
     if piece.tapered:
@@ -96,7 +96,7 @@ def _section_at(piece: Piece, device: Device, beam: Beam, lossy: bool, share: fl
 
 
 def chain(row: Sequence[Element], frequencies: Floats) -> Multiport:
-    """Return the multiport of elements joined end to end."""
+    """Multiport of elements joined end to end."""
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     return Multiport(frequencies, joined(row, 2.0 * np.pi * frequencies), BIMORPH)
 
@@ -110,5 +110,5 @@ def multiport(
     lossy: bool = True,
     segments: int = SEGMENTS,
 ) -> Multiport:
-    """Return the transfer-matrix model of the device over its five ports (parallel wiring)."""
+    """Transfer-matrix model of the device over its five ports (parallel wiring)."""
     return chain(sections(device, support, beam, lossy=lossy, segments=segments), frequencies)

@@ -40,7 +40,7 @@ UNIT = ("w_tip", "voltage", "w_board", "psi_board")
 def unit_ports(
     bimorph: Multiport, device: Device, place: RestingPlace, tip: TipLoad | Law
 ) -> Multiport:
-    """Return one generator over its tip, its voltage and the board under its head.
+    """One generator over its tip, its voltage and the board under its head.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def unit_ports(
 
 
 def _rigid(frequencies: Floats, device: Device) -> Multiport:
-    """Return rod and coil as a rigid mass over the motion of the rod's top face."""
+    """Rod and coil as a rigid mass over the motion of the rod's top face."""
     body = moving_rod(device)
     coupling = -body.mass * body.centre
     mass = np.array([[body.mass, coupling], [coupling, body.inertia_about(0.0)]])
@@ -87,7 +87,7 @@ def _rigid(frequencies: Floats, device: Device) -> Multiport:
 def joined(
     units: dict[str, Multiport], board: Multiport | None, sheet: Multiport | None
 ) -> Multiport:
-    """Return all generators as one, over each one's tip and voltage.
+    """All generators as one, over each one's tip and voltage.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def joined(
 
 
 def tip_motions(array: Multiport, driven: str, units: tuple[str, ...]) -> Complex:
-    """Return the tips' motions (n, units) in m per volt at one unit, the others short-circuited."""
+    """Tips' motions (n, units) in m per volt at one unit, the others short-circuited."""
     drive = {f"voltage_{name}": float(name == driven) for name in units}
     found = respond(array, drive)
     return np.stack([found.motion[f"w_{name}"] for name in units], axis=1)
@@ -153,7 +153,7 @@ class PlateWaves:
 
 
 def plate_waves(device: Device, display: Display) -> PlateWaves:
-    """Return the waves of the upper board between its spacers."""
+    """Waves of the upper board between its spacers."""
     from scipy.special import j1
 
     corner = spacer_axes(display.width, display.board_length, display)[-1]
@@ -179,7 +179,7 @@ def plate_waves(device: Device, display: Display) -> PlateWaves:
 
 
 def tilt_compliance(waves: PlateWaves, frequencies: Floats, loss: float) -> Complex:
-    """Return tilts per moment (n, units, units) in rad/(N m), symmetric."""
+    """Tilts per moment (n, units, units) in rad/(N m), symmetric."""
     omega2 = (2.0 * np.pi * frequencies) ** 2
     slow = waves.stiffness / waves.mass < _DYNAMIC**2 * max(float(omega2.max()), 1.0)
     still, moving = waves.slopes[~slow], waves.slopes[slow]
@@ -191,7 +191,7 @@ def tilt_compliance(waves: PlateWaves, frequencies: Floats, loss: float) -> Comp
 def board(
     device: Device, display: Display, frequencies: Floats, units: tuple[str, ...], mass: float
 ) -> Multiport:
-    """Return the upper board over ``w_board`` and a tilt ``psi_UNIT`` under each head.
+    """Upper board over ``w_board`` and a tilt ``psi_UNIT`` under each head.
 
     Parameters
     ----------
@@ -214,14 +214,14 @@ def board(
 
 
 def links(skin: Skin) -> tuple[float, float]:
-    """Return the stiffness (N/m) between neighbours along x and along y."""
+    """Stiffness (N/m) between neighbours along x and along y."""
     plane = skin.youngs_modulus * skin.thickness / (1.0 - skin.poisson_ratio**2)
     shear = 0.5 * skin.youngs_modulus * skin.thickness / (1.0 + skin.poisson_ratio)
     return plane, shear
 
 
 def sheet(skin: Skin, display: Display, frequencies: Floats, units: tuple[str, ...]) -> Multiport:
-    """Return the sheet over the tips' lateral motions, ``w_UNIT``; frequencies (n,) in Hz."""
+    """Sheet over the tips' lateral motions, ``w_UNIT``; frequencies (n,) in Hz."""
     along_x, along_y = links(skin)
     count = len(units)
     ties = np.zeros((count, count))
@@ -265,12 +265,9 @@ class NetworkForces:
 
 
 def between_heads(device: Device, pitch: float) -> float:
-    """Return the permeance (H) between the heads of two neighbours.
+    """Permeance (H) between the heads of two neighbours.
 
-    Raises
-    ------
-    InputError
-        If the heads touch.
+    Raises InputError if the heads touch.
     """
     radius = device.rod.head_radius
     if pitch <= 2.0 * radius:
@@ -284,12 +281,9 @@ def between_heads(device: Device, pitch: float) -> float:
 def network_forces(
     device: Device, display: Display, current: float, gap: float, cells: int = CELLS
 ) -> NetworkForces:
-    """Return the pulls of the display's units at a current (A) and gap (m).
+    """Pulls of the display's units at a current (A) and gap (m).
 
-    Raises
-    ------
-    InputError
-        If the parts cannot form the circuit, or the heads touch.
+    Raises InputError if the parts cannot form the circuit, or the heads touch.
     """
     over = between_heads(device, display.pitch)
     alone = circuit(device, np.array([gap]), FULL, cells)
@@ -299,7 +293,7 @@ def network_forces(
 
 
 def beside(ladder: Ladder, permeance: float) -> Ladder:
-    """Return a circuit with a permeance (H) parallel to its working gap, which pulls nothing."""
+    """Circuit with a permeance (H) parallel to its working gap, which pulls nothing."""
     top, slope = ladder.reluctance[:, -1], ladder.d_reluctance[:, -1]
     joined = 1.0 / (1.0 / top + permeance)
     reluctance, d_reluctance = ladder.reluctance.copy(), ladder.d_reluctance.copy()
@@ -317,7 +311,7 @@ def _force(found: LadderSolution) -> float:
 
 
 def _one_driven(alone: Ladder, current: float, pull: float, display: Display, over: float) -> float:
-    """Return the pull (N) of one driven unit among others without current, heads as nodes.
+    """Pull (N) of one driven unit among others without current, heads as nodes.
 
     A unit's permeance from head to sleeve, its iron and winding's path included, is what halves
     the head's magnetic voltage when as much is put beside it.
@@ -333,7 +327,7 @@ def _one_driven(alone: Ladder, current: float, pull: float, display: Display, ov
 
 
 def head_levels(display: Display, ratio: float) -> Floats:
-    """Return all heads' magnetic voltages (units,) over that of the driven middle one if alone.
+    """All heads' magnetic voltages (units,) over that of the driven middle one if alone.
 
     `ratio` is the permeance between two heads over a unit's own.
     """

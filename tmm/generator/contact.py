@@ -71,20 +71,20 @@ class RoughContact:
     reference_load: float = 0.1
 
     def energy(self, approach: Floats | float, tilt: Floats | float) -> Floats:
-        """Return the stored energy V (J), 0 far apart."""
+        """Stored energy V (J), 0 far apart."""
         shape = self._shape(tilt)[0]
         return np.asarray(self.decay_length * self._scale(approach, tilt) * shape)
 
     def load(self, approach: Floats | float, tilt: Floats | float) -> Floats:
-        """Return the load N = ∂V/∂δ (N), with which the surfaces push each other apart."""
+        """Load N = ∂V/∂δ (N), with which the surfaces push each other apart."""
         return np.asarray(self._scale(approach, tilt) * self._shape(tilt)[0])
 
     def moment(self, approach: Floats | float, tilt: Floats | float) -> Floats:
-        """Return the moment M = ∂V/∂ψ (N m) that tilts the head by ψ at this approach."""
+        """Moment M = ∂V/∂ψ (N m) that tilts the head by ψ at this approach."""
         return np.asarray(self.radius * self._scale(approach, tilt) * self._shape(tilt)[1])
 
     def tangent(self, approach: Floats | float, tilt: Floats | float) -> Floats:
-        """Return the stiffness (..., 2, 2), ∂(N, M)/∂(δ, ψ): symmetric, positive definite."""
+        """Stiffness (..., 2, 2), ∂(N, M)/∂(δ, ψ): symmetric, positive definite."""
         value, slope, bend = self._shape(tilt)
         r = self.radius
         rows = np.array([[value, r * slope], [r * slope, r * r * bend]])
@@ -92,7 +92,7 @@ class RoughContact:
         return np.asarray(np.moveaxis(rows * scale, (0, 1), (-2, -1)))
 
     def moving(self, approach: Floats, tilt: Floats, rate: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return efforts, stiffness and what both change by, in one go, at n instants.
+        """Efforts, stiffness and what both change by, in one go, at n instants.
 
         Parameters
         ----------
@@ -126,32 +126,32 @@ class RoughContact:
         return efforts, stiffness, change
 
     def is_apart(self, approach: Floats, tilt: Floats) -> bool:
-        """Return whether at all of these places less than 1e-40 of the reference load acts."""
+        """Whether at all of these places less than 1e-40 of the reference load acts."""
         at = np.max(np.asarray(approach) / self.decay_length + np.abs(self._relative(tilt)))
         return bool(at < _APART)
 
     def approach(self, load: Floats | float, tilt: Floats | float = 0.0) -> Floats:
-        """Return the approach (m) at which the tilted head carries a load above 0."""
+        """Approach (m) at which the tilted head carries a load above 0."""
         growth = np.asarray(load) / (self.reference_load * self._shape(tilt)[0])
         return np.asarray(self.decay_length * (np.log(growth) - np.abs(self._relative(tilt))))
 
     def moment_under(self, load: Floats | float, tilt: Floats | float) -> Floats:
-        """Return the moment (N m) that tilts the head while the load stays: N R S'/S."""
+        """Moment (N m) that tilts the head while the load stays: N R S'/S."""
         value, slope, _ = self._shape(tilt)
         return np.asarray(np.asarray(load) * self.radius * slope / value)
 
     def stiffness_under(self, load: Floats | float, tilt: Floats | float = 0.0) -> Floats:
-        """Return the slope ∂M/∂ψ (N m/rad) while the load stays."""
+        """Slope ∂M/∂ψ (N m/rad) while the load stays."""
         value, slope, bend = self._shape(tilt)
         factor = bend / value - (slope / value) ** 2
         return np.asarray(np.asarray(load) * self.radius**2 / self.decay_length * factor)
 
     def tangential_stiffness(self, load: Floats | float) -> Floats:
-        """Return the stiffness along the surfaces (N/m), the head upright."""
+        """Stiffness along the surfaces (N/m), the head upright."""
         return np.asarray(self.tangential_ratio * np.asarray(load) / self.decay_length)
 
     def uplift_moment(self, load: Floats | float) -> Floats:
-        """Return the moment (N m) at which a bed of linear springs would begin to lift.
+        """Moment (N m) at which a bed of linear springs would begin to lift.
 
         N R/2 of a ring and N R/4 of a disc: a measure of where softening counts, since rough
         surfaces unload gradually.
@@ -159,7 +159,7 @@ class RoughContact:
         return np.asarray(np.asarray(load) * self.radius * self._upright_bend)
 
     def tipping_moment(self, load: Floats | float) -> Floats:
-        """Return the moment (N m) at which the head stands on its edge, N R: the most it bears."""
+        """Moment (N m) at which the head stands on its edge, N R: the most it bears."""
         return np.asarray(np.asarray(load) * self.radius)
 
     @property
@@ -171,13 +171,13 @@ class RoughContact:
         return np.asarray(self.radius * np.asarray(tilt, dtype=float) / self.decay_length)
 
     def _scale(self, approach: Floats | float, tilt: Floats | float) -> Floats:
-        """Return P e^{δ/u₀ + |a|}, which S e^{-|a|} multiplies: no overflow on a tilted head."""
+        """P e^{δ/u₀ + |a|}, which S e^{-|a|} multiplies: no overflow on a tilted head."""
         exponent = np.asarray(approach, dtype=float) / self.decay_length
         exponent = exponent + np.abs(self._relative(tilt))
         return np.asarray(self.reference_load * np.exp(np.minimum(exponent, _LARGEST)))
 
     def _shape(self, tilt: Floats | float) -> tuple[Floats, Floats, Floats]:
-        """Return S, S' and S'' at a = R ψ/u₀, each times e^{-|a|}.
+        """S, S' and S'' at a = R ψ/u₀, each times e^{-|a|}.
 
         A ring's S'' = I₀ − I₁/a loses no digits, and its two functions cost a tenth of the others.
         A disc's differences would: by I_n/a = (I_{n-1} − I_{n+1})/(2n) it divides by no a.
@@ -194,7 +194,7 @@ class RoughContact:
         return i0 - i2, 0.5 * (i1 - i3), (i0 - i2) - 6.0 * second
 
     def _third(self, tilt: Floats | float) -> Floats:
-        """Return the third derivative of S at a = R ψ/u₀, times e^{-|a|}."""
+        """Third derivative of S at a = R ψ/u₀, times e^{-|a|}."""
         from scipy.special import i0e, i1e, ive
 
         a = self._relative(tilt)
@@ -208,7 +208,7 @@ class RoughContact:
 
 
 def _symmetric(first: Floats, both: Floats, second: Floats) -> Floats:
-    """Return matrices (n, 2, 2) of their entries (n,)."""
+    """Matrices (n, 2, 2) of their entries (n,)."""
     out = np.empty((first.size, 2, 2))
     out[:, 0, 0], out[:, 1, 1] = first, second
     out[:, 0, 1] = out[:, 1, 0] = both
@@ -240,12 +240,12 @@ class Stops:
     stroke: float
 
     def energy(self, lift: Floats | float, tilt: Floats | float) -> Floats:
-        """Return the energy stored in both contacts (J)."""
+        """Energy stored in both contacts (J)."""
         low = self._lowered(lift)
         return np.asarray(self.upper.energy(lift, tilt) + self.lower.energy(low, tilt))
 
     def forces(self, lift: Floats | float, tilt: Floats | float) -> Floats:
-        """Return the energy's gradient (..., 2): N along u, N m along ψ.
+        """Energy's gradient (..., 2): N along u, N m along ψ.
 
         What must act on the head from elsewhere, upwards and turning, to hold it there.
         """
@@ -255,7 +255,7 @@ class Stops:
         return np.stack(np.broadcast_arrays(along, turning), axis=-1)
 
     def tangent(self, lift: Floats | float, tilt: Floats | float) -> Floats:
-        """Return the stiffness (..., 2, 2) over (u, ψ): symmetric, positive definite."""
+        """Stiffness (..., 2, 2) over (u, ψ): symmetric, positive definite."""
         upper = self.upper.tangent(lift, tilt)
         lower = self.lower.tangent(self._lowered(lift), tilt)
         return np.asarray(upper + lower * np.outer(_TURNED, _TURNED))
@@ -263,7 +263,7 @@ class Stops:
     def moving(
         self, lift: Floats, tilt: Floats, rate: Floats
     ) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return what the stops do at n instants to a head that moves.
+        """What the stops do at n instants to a head that moves.
 
         Parameters
         ----------
@@ -297,15 +297,15 @@ class Stops:
         return forces, stiff, damping, alters
 
     def holding(self, lift: float) -> RoughContact:
-        """Return the law of the nearer stop, which carries a head at rest."""
+        """Law of the nearer stop, which carries a head at rest."""
         return self.lower if self.is_below(lift) else self.upper
 
     def is_below(self, lift: float) -> bool:
-        """Return whether the lower stop is the nearer one."""
+        """Whether the lower stop is the nearer one."""
         return lift < -0.5 * self.stroke
 
     def loads(self, lift: Floats | float, tilt: Floats | float = 0.0) -> tuple[Floats, Floats]:
-        """Return what the upper and the lower stop carry (N), both positive."""
+        """What the upper and the lower stop carry (N), both positive."""
         return self.upper.load(lift, tilt), self.lower.load(self._lowered(lift), tilt)
 
     def _lowered(self, lift: Floats | float) -> Floats:
@@ -313,12 +313,9 @@ class Stops:
 
 
 def stops_of(device: Device) -> Stops:
-    """Return the stops of a device.
+    """Stops of a device.
 
-    Raises
-    ------
-    InputError
-        If there is nothing between them.
+    Raises InputError if there is nothing between them.
     """
     stroke = device.gap - device.spring.stop_gap
     if not stroke > 0.0:
@@ -330,7 +327,7 @@ def stops_of(device: Device) -> Stops:
 
 
 def contact_of(device: Device, stop: Literal["upper", "lower"]) -> RoughContact:
-    """Return the law of the head on one of its stops."""
+    """Law of the head on one of its stops."""
     c, lower = device.contact, stop == "lower"
     return RoughContact(
         radius=device.rod.head_radius,
@@ -349,12 +346,12 @@ class Play:
     play: float
 
     def force(self, motion: Floats | float) -> Floats:
-        """Return the force or moment against a motion (m or rad), of any shape."""
+        """Force or moment against a motion (m or rad), of any shape."""
         motion = np.asarray(motion, dtype=float)
         return np.asarray(self.stiffness * (motion - np.clip(motion, -self.play, self.play)))
 
     def slope(self, motion: Floats | float = 0.0) -> Floats:
-        """Return the force's derivative: the stiffness from the play's edge on, inside it 0."""
+        """Force's derivative: the stiffness from the play's edge on, inside it 0."""
         return np.asarray(np.where(np.abs(motion) >= self.play, self.stiffness, 0.0))
 
     @property
@@ -364,12 +361,12 @@ class Play:
 
 
 def lateral_guide(device: Device) -> Play:
-    """Return what holds the rod laterally."""
+    """What holds the rod laterally."""
     return Play(device.guide.lateral_stiffness, 0.5 * device.guide.clearance)
 
 
 def tilt_guide(device: Device) -> Play:
-    """Return what holds the rod against tilting."""
+    """What holds the rod against tilting."""
     guide = device.guide
     return Play(guide.rotational_stiffness, guide.clearance / guide.guided_length)
 
@@ -393,12 +390,12 @@ class RigidBody:
     inertia: float
 
     def inertia_about(self, height: float) -> float:
-        """Return the inertia about a transverse axis at a height (kg m²), by Steiner."""
+        """Inertia about a transverse axis at a height (kg m²), by Steiner."""
         return self.inertia + self.mass * (self.centre - height) ** 2
 
 
 def moving_rod(device: Device) -> RigidBody:
-    """Return rod and coil as one body; the bimorph on top is not in it."""
+    """Rod and coil as one body; the bimorph on top is not in it."""
     rings = list(_weighed(device))
     mass = sum(m for _, m in rings)
     centre = sum(m * _middle(ring) for ring, m in rings) / mass
@@ -423,6 +420,6 @@ def _middle(ring: Ring) -> float:
 
 
 def _turned_inertia(ring: Ring) -> float:
-    """Return inertia over mass about a transverse axis through the ring's centre (m²)."""
+    """Inertia over mass about a transverse axis through the ring's centre (m²)."""
     radii, height = ring.inner**2 + ring.outer**2, (ring.high - ring.low) ** 2
     return (3.0 * radii + height) / 12.0 / MM**2

@@ -42,10 +42,10 @@ class Pull(Protocol):
     """The magnetic pull, positive when it closes the gap, such as a CoenergyMap."""
 
     def force(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return the pull (N) at a current (A) and gap (m)."""
+        """Pull (N) at a current (A) and gap (m)."""
 
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return its slope with the gap at constant current (N/m)."""
+        """Its slope with the gap at constant current (N/m)."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class AxialForces:
     pressed: float = 0.0
 
     def finger_force(self, current: Floats | float, lift: Floats | float) -> Floats:
-        """Return spring less pull (N), upwards."""
+        """Spring less pull (N), upwards."""
         spring = self.device.spring
         up = spring.preload - spring.stiffness * np.asarray(lift, dtype=float)
         if self.pull is None:
@@ -109,7 +109,7 @@ class AxialForces:
         return np.asarray(up - self.pull.force(current, self.gap(lift)))
 
     def gap(self, lift: Floats | float) -> Floats:
-        """Return the working gap (m), at most as far as a map of the pull goes.
+        """Working gap (m), at most as far as a map of the pull goes.
 
         A head that presses its stop is closer by a few decay lengths at most.
         """
@@ -118,19 +118,19 @@ class AxialForces:
         return np.asarray(gap if limits is None else np.clip(gap, *limits))
 
     def total(self, current: Floats | float, lift: Floats | float) -> Floats:
-        """Return the force on the upright rod (N), upwards; 0 where it rests."""
+        """Force on the upright rod (N), upwards; 0 where it rests."""
         held = self.stops.forces(lift, 0.0)[..., 0]
         return np.asarray(self.finger_force(current, lift) - self.pressed - held)
 
     def stiffness(self, current: Floats | float, lift: Floats | float) -> Floats:
-        """Return −∂(total)/∂u (N/m)."""
+        """−∂(total)/∂u (N/m)."""
         slope = self.device.spring.stiffness + self.stops.tangent(lift, 0.0)[..., 0, 0]
         if self.pull is None:
             return np.asarray(slope)
         return np.asarray(slope + self.pull.force_gradient(current, self.gap(lift)))
 
     def lifts(self) -> Floats:
-        """Return lifts from the lower to the upper stop among which forces are compared (m)."""
+        """Lifts from the lower to the upper stop among which forces are compared (m)."""
         stroke = self.stops.stroke
         near = np.linspace(-_REACH, _REACH, _AT_STOP)
         found = np.concatenate(
@@ -144,26 +144,20 @@ class AxialForces:
 
 
 def axial_forces(device: Device, pull: Pull | None, pressed: float = 0.0) -> AxialForces:
-    """Return what acts on a device's rod.
+    """What acts on a device's rod.
 
-    Raises
-    ------
-    InputError
-        If there is nothing between the stops.
+    Raises InputError if there is nothing between the stops.
     """
     return AxialForces(device, stops_of(device), pull, pressed)
 
 
 def resting_places(forces: AxialForces, current: float) -> tuple[RestingPlace, ...]:
-    """Return all places where the rod can rest at a constant current, from the top down.
+    """All places where the rod can rest at a constant current, from the top down.
 
     One is stable if a small displacement is driven back: the slope of spring, pull and contact
     together is positive.
 
-    Raises
-    ------
-    InputError
-        If there is none, or the map of the pull does not reach so high a current.
+    Raises InputError if there is none, or the map of the pull does not reach so high a current.
     """
     lifts = forces.lifts()
     total = forces.total(current, lifts)
@@ -180,22 +174,19 @@ def resting_places(forces: AxialForces, current: float) -> tuple[RestingPlace, .
 
 
 def resting_place(forces: AxialForces, current: float, history: History) -> RestingPlace:
-    """Return where the rod is after its current rose slowly from 0, or fell from far above.
+    """Where the rod is after its current rose slowly from 0, or fell from far above.
 
     The pull grows with the current.  Rising, the rod has not passed the uppermost stable place
     yet; falling, it has not left the lowest.
 
-    Raises
-    ------
-    InputError
-        If it rests nowhere.
+    Raises InputError if it rests nowhere.
     """
     stable = [place for place in resting_places(forces, current) if place.stable]
     return stable[0] if history == "rising" else stable[-1]
 
 
 def settled_place(forces: AxialForces, current: float, near: RestingPlace) -> RestingPlace | None:
-    """Return what a place by almost the same forces becomes; None if there is none close to it.
+    """What a place by almost the same forces becomes; None if there is none close to it.
 
     Close is within five times the way that what is missing there and its slope tell.
     """
@@ -245,12 +236,9 @@ class PositionLoop:
 
 
 def position_loop(forces: AxialForces, currents: Floats) -> PositionLoop:
-    """Return all resting places while the current rises through (c,) A, and falls again.
+    """All resting places while the current rises through (c,) A, and falls again.
 
-    Raises
-    ------
-    InputError
-        If it rests nowhere, or the map of the pull does not reach so high a current.
+    Raises InputError if it rests nowhere, or the map of the pull does not reach so high a current.
     """
     return PositionLoop(currents, tuple(resting_places(forces, float(i)) for i in currents))
 
@@ -280,7 +268,7 @@ def _place(forces: AxialForces, current: float, lift: float) -> RestingPlace:
 
 
 def pressed_support(device: Device, contact: RoughContact, load: float) -> Support:
-    """Return the springs of a head that a stop carries with `load` (N), 0 or more."""
+    """Springs of a head that a stop carries with `load` (N), 0 or more."""
     rocking = float(contact.stiffness_under(load))
     return Support(
         kind="spring",
@@ -298,7 +286,7 @@ def held_support(
     history: History,
     pressed: float = 0.0,
 ) -> tuple[RestingPlace, Support]:
-    """Return where the rod rests, and the springs that it is there to the bimorph.
+    """Where the rod rests, and the springs that it is there to the bimorph.
 
     Parameters
     ----------
@@ -313,10 +301,7 @@ def held_support(
     pressed : float
         Force of a finger that presses the tip down (N).
 
-    Raises
-    ------
-    InputError
-        If the rod rests nowhere.
+    Raises InputError if the rod rests nowhere.
     """
     forces = axial_forces(device, pull, pressed)
     place = resting_place(forces, current, history)

@@ -71,13 +71,13 @@ class Map(Protocol):
     """Slopes of the magnetic circuit, such as a CoenergyMap's: arrays of current and gap."""
 
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂F/∂g at constant current (N/m)."""
+        """∂F/∂g at constant current (N/m)."""
 
     def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂λ/∂g (V s/m)."""
+        """∂λ/∂g (V s/m)."""
 
     def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂λ/∂i (H)."""
+        """∂λ/∂i (H)."""
 
 
 @dataclass(frozen=True)
@@ -110,12 +110,9 @@ class Linearised:
 def linearised(
     device: Device, beam: Beam, place: RestingPlace, current: float, magnetic: Map
 ) -> Linearised:
-    """Return the rod about the place where it rests at a current (A).
+    """Rod about the place where it rests at a current (A).
 
-    Raises
-    ------
-    InputError
-        If the spring presses so far off the axis that the head tips.
+    Raises InputError if the spring presses so far off the axis that the head tips.
     """
     tilt = resting_tilt(device, place)
     stiffness, damping = _contact(device, place, tilt)
@@ -135,12 +132,9 @@ def linearised(
 
 
 def resting_tilt(device: Device, place: RestingPlace) -> float:
-    """Return the tilt (rad) at which contact and guide balance the spring's moment.
+    """Tilt (rad) at which contact and guide balance the spring's moment.
 
-    Raises
-    ------
-    InputError
-        If they cannot: the head tips over its edge.
+    Raises InputError if they cannot: the head tips over its edge.
     """
     lever = device.spring.eccentricity
     if lever == 0.0:
@@ -168,7 +162,7 @@ def resting_tilt(device: Device, place: RestingPlace) -> float:
 
 
 def rod_ports(linear: Linearised, frequencies: Floats) -> Multiport:
-    """Return the rod over its ports: dynamic stiffness, and the coil's flux linkage."""
+    """Rod over its ports: dynamic stiffness, and the coil's flux linkage."""
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     omega = 2.0 * np.pi * f[:, None, None]
     d = np.zeros((f.size, 4, 4), dtype=complex)
@@ -179,7 +173,7 @@ def rod_ports(linear: Linearised, frequencies: Floats) -> Multiport:
 
 
 def machine(bimorph: Multiport, linear: Linearised) -> Multiport:
-    """Return bimorph and rod as one, over tip, lift, voltage and the coil's current.
+    """Bimorph and rod as one, over tip, lift, voltage and the coil's current.
 
     The bimorph moves along the axis as a rigid mass, which is in `linear`; so u is the tip's
     axial motion, too.
@@ -188,7 +182,7 @@ def machine(bimorph: Multiport, linear: Linearised) -> Multiport:
 
 
 def joined(bimorph: Multiport, linear: Linearised) -> Multiport:
-    """Return bimorph and rod as :func:`machine`, over the bimorph's foot and the tip's turn, too.
+    """Bimorph and rod as :func:`machine`, over the bimorph's foot and the tip's turn, too.
 
     Its condition is what the machine costs in digits: much on a contact that hardly holds.
     """
@@ -197,7 +191,7 @@ def joined(bimorph: Multiport, linear: Linearised) -> Multiport:
 
 
 def axial_poles(linear: Linearised, *, voltage: bool) -> Complex:
-    """Return the poles (rad/s) of axial motion and coil, (2,) or with a voltage supply (3,).
+    """Poles (rad/s) of axial motion and coil, (2,) or with a voltage supply (3,).
 
     m s² + d s + k = 0 with the current held; a voltage held adds the circuit,
     (m s² + d s + k)(R + s L) + s T² = 0.  The head does not rock.
@@ -216,7 +210,7 @@ def _sorted(poles: Numbers) -> Complex:
 
 
 def _mass(device: Device, beam: Beam) -> Floats:
-    """Return the rigid rod's mass matrix; along the axis the bimorph's mass is in it."""
+    """Rigid rod's mass matrix; along the axis the bimorph's mass is in it."""
     body = moving_rod(device)
     coupling = -body.mass * body.centre
     carried = sum(
@@ -234,7 +228,7 @@ def _mass(device: Device, beam: Beam) -> Floats:
 
 
 def _contact(device: Device, place: RestingPlace, tilt: float) -> tuple[Floats, Floats]:
-    """Return stiffness and damping (3, 3) of the stop that holds the rod."""
+    """Stiffness and damping (3, 3) of the stop that holds the rod."""
     stops = stops_of(device)
     law, below = stops.holding(place.lift), stops.is_below(place.lift)
     # a tilted head carries the same load closer to or farther from its stop
@@ -291,7 +285,7 @@ class RockingHead:
     attached: Tabulated
 
     def response(self, orbit: Orbit) -> Response:
-        """Return all motions and the charge at the harmonics (H + 1,) of an orbit."""
+        """All motions and the charge at the harmonics (H + 1,) of an orbit."""
         n = np.arange(orbit.harmonics + 1)
         drive = np.stack([orbit.spectrum[:, 1], orbit.level * (n == 1)], axis=-1)
         answers = self.attached(n * orbit.frequency).reshape(-1, 5, 2) @ drive[..., None]
@@ -303,7 +297,7 @@ class RockingHead:
         )
 
     def contact(self, orbit: Orbit, samples: int) -> tuple[Floats, Floats]:
-        """Return what the stops do to the head over a period, without their damping.
+        """What the stops do to the head over a period, without their damping.
 
         Returns
         -------
@@ -326,7 +320,7 @@ def rocking_head(
     current: float,
     bimorph_mass: float,
 ) -> RockingHead:
-    """Return the bimorph on a head that rests on a stop.
+    """Bimorph on a head that rests on a stop.
 
     Parameters
     ----------
@@ -388,7 +382,7 @@ def rocking_head(
 
 
 def _seen(port: Multiport) -> Complex:
-    """Return efforts at tilt and voltage, then the free motions, per tilt and per volt (n, 10)."""
+    """Efforts at tilt and voltage, then the free motions, per tilt and per volt (n, 10)."""
     seen, follows = eliminated(port, _DRIVEN)
     parts = (seen.stiffness, follows)
     return np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1)

@@ -96,7 +96,7 @@ class Orbit:
         return self.omega / (2.0 * np.pi)
 
     def motion(self, samples: int) -> Floats:
-        """Return q (samples, k) at equal steps over one period, which begins with the drive's peak.
+        """Q (samples, k) at equal steps over one period, which begins with the drive's peak.
 
         Parameters
         ----------
@@ -109,7 +109,7 @@ class Orbit:
         return np.asarray(np.fft.irfft(padded, n=samples, axis=0))
 
     def with_harmonics(self, harmonics: int) -> Orbit:
-        """Return the same orbit with more harmonics, which are 0, or with fewer."""
+        """Same orbit with more harmonics, which are 0, or with fewer."""
         spectrum = np.zeros((harmonics + 1, self.spectrum.shape[1]), dtype=complex)
         kept = min(harmonics, self.harmonics) + 1
         spectrum[:kept] = self.spectrum[:kept]
@@ -161,19 +161,19 @@ class LawHarmonics:
 
 
 def samples(harmonics: int) -> int:
-    """Return the number of instants per period, a power of two."""
+    """Number of instants per period, a power of two."""
     wanted = max(_LEAST_SAMPLES, _SAMPLES * harmonics)
     return int(2 ** np.ceil(np.log2(wanted)))
 
 
 def rates(orbit: Orbit) -> Orbit:
-    """Return q̇ as an orbit."""
+    """Q̇ as an orbit."""
     n = np.arange(orbit.harmonics + 1)[:, None]
     return Orbit(orbit.omega, orbit.level, 1j * n * orbit.omega * orbit.spectrum)
 
 
 def law_harmonics(oscillator: Oscillator, orbit: Orbit) -> LawHarmonics:
-    """Return what the law does along an orbit."""
+    """What the law does along an orbit."""
     count, highest, k = samples(orbit.harmonics), 2 * orbit.harmonics, oscillator.size
     # motions and rates, then all that the law says, in one transform each
     both = np.concatenate([orbit.spectrum, rates(orbit).spectrum], axis=1)
@@ -189,20 +189,20 @@ def law_harmonics(oscillator: Oscillator, orbit: Orbit) -> LawHarmonics:
 
 
 def real_vector(spectrum: Complex) -> Floats:
-    """Return harmonics (H + 1, k) as real unknowns (m,)."""
+    """Harmonics (H + 1, k) as real unknowns (m,)."""
     parts = np.stack([spectrum.real, spectrum.imag], axis=1)
     flat, k = parts.ravel(), spectrum.shape[1]
     return np.concatenate([flat[:k], flat[2 * k :]])
 
 
 def complex_spectrum(vector: Floats, k: int) -> Complex:
-    """Return real unknowns (m,) as harmonics (H + 1, k)."""
+    """Real unknowns (m,) as harmonics (H + 1, k)."""
     parts = np.concatenate([vector[:k], np.zeros(k), vector[k:]]).reshape(-1, 2, k)
     return np.asarray(parts[:, 0] + 1j * parts[:, 1])
 
 
 def balance(oscillator: Oscillator, orbit: Orbit) -> Balance:
-    """Return the residual of an orbit and all its derivatives."""
+    """Residual of an orbit and all its derivatives."""
     k, n = oscillator.size, np.arange(orbit.harmonics + 1)
     at, above, below = (n * orbit.omega * (1.0 + s) for s in (0.0, _STEP, -_STEP))
     linear = oscillator.linear(np.concatenate([at, above, below]))
@@ -228,7 +228,7 @@ def balance(oscillator: Oscillator, orbit: Orbit) -> Balance:
 
 
 def _columns(tangent: Complex, highest: int) -> tuple[Complex, Complex]:
-    """Return dF_n by the real and by the imaginary part of Q_l, (H + 1, H + 1, k, k) each."""
+    """DF_n by the real and by the imaginary part of Q_l, (H + 1, H + 1, k, k) each."""
     n = np.arange(highest + 1)
     zero = 2 * highest
     difference = tangent[zero + n[:, None] - n]
@@ -247,7 +247,7 @@ def _jacobian(
     by_rate: tuple[Complex, Complex],
     omega: float,
 ) -> Floats:
-    """Return the derivatives (m, m); tangents as :func:`_columns`, the first of which is spent."""
+    """Derivatives (m, m); tangents as :func:`_columns`, the first of which is spent."""
     harmonics, k = d.shape[0] - 1, d.shape[1]
     n = np.arange(harmonics + 1)
     real, imaginary = by_motion
@@ -267,7 +267,7 @@ def _jacobian(
 
 
 def _times(columns: tuple[Complex, Complex], motion: Complex) -> Complex:
-    """Return harmonics of a tangent's product with a motion's (H + 1, k); see :func:`_columns`."""
+    """Harmonics of a tangent's product with a motion's (H + 1, k); see :func:`_columns`."""
     real, imaginary = columns
     product = np.einsum("nlij,lj->ni", real, motion.real)
     product += np.einsum("nlij,lj->ni", imaginary, motion.imag)
@@ -275,7 +275,7 @@ def _times(columns: tuple[Complex, Complex], motion: Complex) -> Complex:
 
 
 def missing_motion(oscillator: Oscillator, orbit: Orbit) -> float:
-    """Return the share of the motion that the harmonics left out would have.
+    """Share of the motion that the harmonics left out would have.
 
     The law's efforts between the orbit's highest harmonic and twice that, answered by the
     linear system, relative to the orbit's own oscillation; of the worst coordinate, each
@@ -306,7 +306,7 @@ def converge(
     scale: Floats,
     most: int,
 ) -> tuple[Floats, int, Floats]:
-    """Return the zero of a function, the number of steps taken, and the Jacobian there (m, m).
+    """Zero of a function, the number of steps taken, and the Jacobian there (m, m).
 
     Parameters
     ----------
@@ -319,10 +319,7 @@ def converge(
     most : int
         Steps allowed.
 
-    Raises
-    ------
-    NoConvergence
-        If the steps do not become small.
+    Raises NoConvergence if the steps do not become small.
     """
     x = start
     residual, jacobian = evaluate(x)

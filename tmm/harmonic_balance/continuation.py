@@ -62,19 +62,19 @@ class Course:
     _weights: dict[int, Floats] = field(init=False, default_factory=dict, compare=False)
 
     def weights(self, harmonics: int) -> Floats:
-        """Return the size (m + 1,) of each unknown, the parameter last."""
+        """Size (m + 1,) of each unknown, the parameter last."""
         if harmonics not in self._weights:
             sizes = np.tile(self.scales, 2 * harmonics + 1)
             self._weights[harmonics] = np.append(sizes, self.high - self.low)
         return self._weights[harmonics]
 
     def pack(self, orbit: Orbit) -> Floats:
-        """Return an orbit's unknowns with the parameter, each over its size."""
+        """Orbit's unknowns with the parameter, each over its size."""
         y = np.append(real_vector(orbit.spectrum), getattr(orbit, self.parameter))
         return np.asarray(y / self.weights(orbit.harmonics))
 
     def unpack(self, scaled: Floats, like: Orbit) -> Orbit:
-        """Return the orbit of scaled unknowns; the other parameter is that of `like`."""
+        """Orbit of scaled unknowns; the other parameter is that of `like`."""
         k = self.scales.size
         harmonics = ((scaled.size - 1) // k - 1) // 2
         y = scaled * self.weights(harmonics)
@@ -104,7 +104,7 @@ class Step:
     length: float
 
     def at(self, oscillator: Oscillator, length: float) -> Step:
-        """Return the point at another length along the branch, as Newton's method finds it."""
+        """Point at another length along the branch, as Newton's method finds it."""
         return _advance(oscillator, self, length)[0]
 
 
@@ -144,7 +144,7 @@ def follow(
     most: int = 3000,
     announce: Callable[[Orbit], None] = lambda _: None,
 ) -> Branch:
-    """Return the branch through an orbit, until the parameter leaves its range.
+    """Branch through an orbit, until the parameter leaves its range.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def _sizes(oscillator: Oscillator, orbit: Orbit) -> Floats:
 
 
 def _rescaled(oscillator: Oscillator, step: Step) -> Step:
-    """Return the point in sizes that have grown with the motion."""
+    """Point in sizes that have grown with the motion."""
     scales = np.maximum(step.course.scales, _sizes(oscillator, step.orbit))
     if (scales <= _GROWN * step.course.scales).all():
         return step
@@ -211,7 +211,7 @@ def _rescaled(oscillator: Oscillator, step: Step) -> Step:
 def _bordered(
     oscillator: Oscillator, orbit: Orbit, course: Course, row: Floats
 ) -> tuple[Floats, Floats]:
-    """Return residual (m,) and the scaled Jacobian (m + 1, m + 1) with `row` below it."""
+    """Residual (m,) and the scaled Jacobian (m + 1, m + 1) with `row` below it."""
     found = balance(oscillator, orbit)
     by_parameter = found.by_omega if course.parameter == "omega" else found.by_level
     jacobian = np.column_stack([found.jacobian, by_parameter]) * course.weights(orbit.harmonics)
@@ -219,13 +219,13 @@ def _bordered(
 
 
 def _tangent(oscillator: Oscillator, orbit: Orbit, course: Course, direction: int) -> Floats:
-    """Return the tangent along which the parameter grows, or with direction −1 falls."""
+    """Tangent along which the parameter grows, or with direction −1 falls."""
     row = np.eye(course.weights(orbit.harmonics).size)[-1] * direction
     return _solved_tangent(_bordered(oscillator, orbit, course, row)[1])
 
 
 def _solved_tangent(bordered: Floats) -> Floats:
-    """Return the unit tangent from the scaled Jacobian with the direction of the way below it."""
+    """Unit tangent from the scaled Jacobian with the direction of the way below it."""
     try:
         tangent = np.linalg.solve(bordered, np.eye(bordered.shape[0])[-1])
     except np.linalg.LinAlgError:
@@ -234,7 +234,7 @@ def _solved_tangent(bordered: Floats) -> Floats:
 
 
 def _padded(tangent: Floats, size: int) -> Floats:
-    """Return a tangent over more or fewer harmonics; the parameter stays last."""
+    """Tangent over more or fewer harmonics; the parameter stays last."""
     unknowns = np.zeros(size - 1)
     kept = min(size, tangent.size) - 1
     unknowns[:kept] = tangent[:kept]
@@ -260,7 +260,7 @@ def _advance(oscillator: Oscillator, step: Step, length: float) -> tuple[Step, i
 def _advance_resolved(
     oscillator: Oscillator, step: Step, length: float, resolution: Resolution
 ) -> tuple[Step, int, float]:
-    """Return the next point with the harmonics it needs, the Newton steps, and what is missing."""
+    """Next point with the harmonics it needs, the Newton steps, and what is missing."""
     after, count = _advance(oscillator, step, length)
     left = missing_motion(oscillator, after.orbit)
     while left > resolution.missing and after.orbit.harmonics < resolution.most:
@@ -274,7 +274,7 @@ def _advance_resolved(
 
 
 def with_harmonics(step: Step, harmonics: int) -> Step:
-    """Return a point over more harmonics, which are 0, or fewer."""
+    """Point over more harmonics, which are 0, or fewer."""
     orbit = step.orbit.with_harmonics(harmonics)
     size = step.course.weights(harmonics).size
     tangent = _padded(step.tangent, size)
@@ -282,7 +282,7 @@ def with_harmonics(step: Step, harmonics: int) -> Step:
 
 
 def _at_end(oscillator: Oscillator, step: Step, after: Step, end: float) -> Step:
-    """Return the point at the end of the range, between two points of the branch."""
+    """Point at the end of the range, between two points of the branch."""
     name = after.course.parameter
     before = step.orbit.with_harmonics(after.orbit.harmonics)
     first, last = getattr(before, name), getattr(after.orbit, name)
@@ -316,12 +316,12 @@ class SpecialPoint:
 
 
 def folds(oscillator: Oscillator, branch: Branch) -> tuple[SpecialPoint, ...]:
-    """Return where the parameter turns back."""
+    """Where the parameter turns back."""
     return _zeros(oscillator, branch, lambda step: float(step.tangent[-1]), falling=False)
 
 
 def peaks(oscillator: Oscillator, branch: Branch, amplitude: Readout) -> tuple[SpecialPoint, ...]:
-    """Return where the magnitude of an amplitude is largest along the branch."""
+    """Where the magnitude of an amplitude is largest along the branch."""
 
     def slope(step: Step) -> float:
         y, course = step.course.pack(step.orbit), step.course
@@ -370,15 +370,12 @@ def steady_orbit(
     guess: Orbit | None = None,
     resolution: Resolution | None = None,
 ) -> Orbit:
-    """Return an orbit at a frequency (rad/s) and a drive.
+    """Orbit at a frequency (rad/s) and a drive.
 
     That nearest to the guess; without one, that to which the drive leads when it is raised from
     rest, round folds if there are any.  Where several orbits exist it is one of them.
 
-    Raises
-    ------
-    NoConvergence
-        If none is found.
+    Raises NoConvergence if none is found.
     """
     resolution = resolution or Resolution()
     if guess is not None:

@@ -43,22 +43,19 @@ class Resolution:
     most: int = 80
 
     def more(self, harmonics: int) -> int:
-        """Return the next larger number of harmonics."""
+        """Next larger number of harmonics."""
         return min(self.most, harmonics + max(2, harmonics // 2))
 
 
 def unknown_scale(oscillator: Oscillator, harmonics: int) -> Floats:
-    """Return the size (m,) of each real unknown."""
+    """Size (m,) of each real unknown."""
     return np.tile(oscillator.scales, 2 * harmonics + 1)
 
 
 def equilibrium(oscillator: Oscillator) -> Orbit:
-    """Return the state of rest under the static efforts alone, as an orbit at 0 rad/s.
+    """State of rest under the static efforts alone, as an orbit at 0 rad/s.
 
-    Raises
-    ------
-    NoConvergence
-        If none is found from the scales of the motions.
+    Raises NoConvergence if none is found from the scales of the motions.
     """
     k = oscillator.size
     at_rest = oscillator.linear(np.zeros(1))[0, :, :k].real
@@ -75,7 +72,7 @@ def equilibrium(oscillator: Oscillator) -> Orbit:
 
 
 def at_fixed_drive(oscillator: Oscillator, guess: Orbit) -> Orbit:
-    """Return the orbit near a guess with the guess's harmonics, frequency and drive."""
+    """Orbit near a guess with the guess's harmonics, frequency and drive."""
 
     def evaluate(x: Floats) -> tuple[Floats, Floats]:
         spectrum = complex_spectrum(x, oscillator.size)
@@ -88,12 +85,9 @@ def at_fixed_drive(oscillator: Oscillator, guess: Orbit) -> Orbit:
 
 
 def resolved(oscillator: Oscillator, guess: Orbit, resolution: Resolution) -> Orbit:
-    """Return the orbit near a guess with as many harmonics as it needs.
+    """Orbit near a guess with as many harmonics as it needs.
 
-    Raises
-    ------
-    NoConvergence
-        If none is found.
+    Raises NoConvergence if none is found.
     """
     found = at_fixed_drive(oscillator, guess.with_harmonics(max(guess.harmonics, resolution.least)))
     while missing_motion(oscillator, found) > resolution.missing:
@@ -114,7 +108,7 @@ def free_oscillation(
     *,
     resolution: Resolution | None = None,
 ) -> Orbit:
-    """Return the free oscillation that passes a turning point.
+    """Free oscillation that passes a turning point.
 
     Parameters
     ----------
@@ -125,10 +119,7 @@ def free_oscillation(
     guess : Orbit
         Of about that frequency and motion; only real parts are used.
 
-    Raises
-    ------
-    NoConvergence
-        If none is found, or its frequency is not positive.
+    Raises NoConvergence if none is found, or its frequency is not positive.
     """
     resolution = resolution or Resolution()
     orbit = guess.with_harmonics(max(guess.harmonics, resolution.least))
@@ -174,7 +165,7 @@ _TURN, _CLOSEST = 0.7, 1e-9
 
 
 def unstable_exponents(oscillator: Oscillator, orbit: Orbit) -> int | None:
-    """Return the number of Floquet exponents with a positive real part; None on the very edge.
+    """Number of Floquet exponents with a positive real part; None on the very edge.
 
     Parameters
     ----------
@@ -202,7 +193,7 @@ def unstable_exponents(oscillator: Oscillator, orbit: Orbit) -> int | None:
 
 
 def _diagonal(oscillator: Oscillator, orbit: Orbit, law: LawHarmonics, at: Floats) -> Complex:
-    """Return the blocks (a, 2 H + 1, k, k) of harmonics −H to H without coupling."""
+    """Blocks (a, 2 H + 1, k, k) of harmonics −H to H without coupling."""
     h, k = orbit.harmonics, oscillator.size
     omega = at[:, None] + orbit.omega * np.arange(-h, h + 1)
     d = oscillator.linear(np.abs(omega).ravel())[..., :k].reshape(*omega.shape, k, k)
@@ -212,7 +203,7 @@ def _diagonal(oscillator: Oscillator, orbit: Orbit, law: LawHarmonics, at: Float
 
 
 def _near_resonances(oscillator: Oscillator, orbit: Orbit, law: LawHarmonics) -> Floats:
-    """Return frequencies round those at which some harmonic without coupling is least held."""
+    """Frequencies round those at which some harmonic without coupling is least held."""
     scan = np.linspace(0.0, 0.5 * orbit.omega, _SCAN)
     size = np.abs(np.linalg.det(_diagonal(oscillator, orbit, law, scan)))
     least = (size[1:-1] < size[:-2]) & (size[1:-1] < size[2:])
@@ -221,7 +212,7 @@ def _near_resonances(oscillator: Oscillator, orbit: Orbit, law: LawHarmonics) ->
 
 
 def _determinants(oscillator: Oscillator, orbit: Orbit, law: LawHarmonics, at: Floats) -> Complex:
-    """Return det H(jω), over that without coupling, its magnitude brought near 1, at ω (a,)."""
+    """Det H(jω), over that without coupling, its magnitude brought near 1, at ω (a,)."""
     h, k = orbit.harmonics, oscillator.size
     diagonal = _diagonal(oscillator, orbit, law, at)
     n = np.arange(2 * h + 1)
@@ -277,7 +268,7 @@ class Tabulated:
         self._smooth: Bools = np.zeros(0, dtype=bool)
 
     def __call__(self, frequencies: Floats, entries: slice = _ALL) -> Complex:
-        """Return the entries."""
+        """Entries."""
         if self._asked < _FIRST_TABLE:
             self._asked += frequencies.size
             return self._function(frequencies)[:, entries]
@@ -335,7 +326,7 @@ class Tabulated:
 
 
 def _interpolated(values: Complex, places: Floats) -> Complex:
-    """Return polynomials (n, e) through values (n, degree + 1, e) at places (n,) from −1 to 1.
+    """Polynomials (n, e) through values (n, degree + 1, e) at places (n,) from −1 to 1.
 
     By the barycentric formula (Berrut and Trefethen, SIAM Review 46 (2004) 501).
     """

@@ -34,7 +34,7 @@ def spring(
     damping: float = 0.0,
     ends: tuple[str, str] = ("low", "high"),
 ) -> Multiport:
-    """Return a spring with a viscous damper between two motions of one kind.
+    """Spring with a viscous damper between two motions of one kind.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Chain:
     misfit: float = 0.0
 
     def stiffness_at(self, frequencies: Floats) -> Complex:
-        """Return the dynamic stiffness (n,) in N/m at the tip, at frequencies above 0 (Hz)."""
+        """Dynamic stiffness (n,) in N/m at the tip, at frequencies above 0 (Hz)."""
         s = 2j * np.pi * np.asarray(frequencies, dtype=float)[:, None, None]
         whole = self.mass * s**2 + self.damping * s + self.stiffness
         if whole.shape[1] == 1:
@@ -92,12 +92,9 @@ class Chain:
 
 
 def chain_of(tip: TipLoad | Law) -> Chain:
-    """Return the load of a tip as parts.
+    """Load of a tip as parts.
 
-    Raises
-    ------
-    InputError
-        If it is a law of frequency to which no parts are fitted.
+    Raises InputError if it is a law of frequency to which no parts are fitted.
     """
     if isinstance(tip, TipLoad):
         mass, damping, stiffness = np.reshape([tip.mass, tip.damping, tip.stiffness], (3, 1, 1))
@@ -114,7 +111,7 @@ def chain_of(tip: TipLoad | Law) -> Chain:
 
 @lru_cache(maxsize=1)
 def finger_chain() -> Chain:
-    """Return the paper's finger (eqs 1-3) as parts, fitted over its own range."""
+    """Paper's finger (eqs 1-3) as parts, fitted over its own range."""
     frequencies = np.geomspace(*FINGER_RANGE, _POINTS)
     impedance = finger_impedance(frequencies)
     fit = passive_fit(frequencies, impedance, _FEW)
@@ -123,7 +120,7 @@ def finger_chain() -> Chain:
 
 
 def _of_fit(fit: PassiveFit, misfit: float) -> Chain:
-    """Return the parts of a fit."""
+    """Parts of a fit."""
     width = 2.0 * fit.ratio * fit.omega
     grounded = fit.b / width
     rows = [(k, w, d) for k, w, d in zip(grounded, fit.omega, width, strict=True) if k > 0.0]
@@ -148,12 +145,9 @@ def _of_fit(fit: PassiveFit, misfit: float) -> Chain:
 
 
 def known_range(load: Load) -> tuple[float, float] | None:
-    """Return lowest and highest frequency (Hz) at which a load is known; None if at all.
+    """Lowest and highest frequency (Hz) at which a load is known; None if at all.
 
-    Raises
-    ------
-    InputError
-        If it is a table that cannot be used.
+    Raises InputError if it is a table that cannot be used.
     """
     if load.kind == "table":
         return measured_law(load).table.band
@@ -161,7 +155,7 @@ def known_range(load: Load) -> tuple[float, float] | None:
 
 
 def outside_known_range(load: Load, frequencies: Floats) -> Bools:
-    """Return which frequencies (n,) the load model does not cover."""
+    """Which frequencies (n,) the load model does not cover."""
     known = known_range(load)
     if known is None:
         return np.zeros(np.shape(frequencies), dtype=bool)
@@ -169,7 +163,7 @@ def outside_known_range(load: Load, frequencies: Floats) -> Bools:
 
 
 def ends_of(support: Support, load: Load) -> Ends:
-    """Return what a scene's support and load are at the ports.
+    """What a scene's support and load are at the ports.
 
     A base in the rod is part of the row of pieces or of the solid, whose own lower end is held.
     What a contact is depends on the force that presses it: tmm.generator gives its springs.
@@ -209,7 +203,7 @@ def _pad(load: Load) -> SkinPad:
 
 
 def base_stiffness(base: Springs, frequencies: Floats) -> tuple[Complex, Complex]:
-    """Return the lateral (N/m) and rotational (N m/rad) dynamic stiffness (n,) of springs.
+    """Lateral (N/m) and rotational (N m/rad) dynamic stiffness (n,) of springs.
 
     jΩ times the paper's R41 and R32 (eqs 7, 8).
     """
@@ -224,7 +218,7 @@ def base_stiffness(base: Springs, frequencies: Floats) -> tuple[Complex, Complex
 
 
 def tip_stiffness(tip: TipLoad | Law, frequencies: Floats) -> Complex:
-    """Return a load's lateral dynamic stiffness (n,) in N/m; jΩ times paper eq 11."""
+    """Load's lateral dynamic stiffness (n,) in N/m; jΩ times paper eq 11."""
     f = np.asarray(frequencies, dtype=float)
     if not isinstance(tip, TipLoad):
         return tip(f)
@@ -233,7 +227,7 @@ def tip_stiffness(tip: TipLoad | Law, frequencies: Floats) -> Complex:
 
 
 def attach(port: Multiport, ends: Ends) -> Multiport:
-    """Return the lateral actuator with its support and load; a clamped base is no port."""
+    """Lateral actuator with its support and load; a clamped base is no port."""
     loads = {"w_tip": tip_stiffness(ends.tip, port.frequencies)}
     if ends.base is None:
         return terminate(hold(port, "w_base", "psi_base"), loads)

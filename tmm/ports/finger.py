@@ -23,7 +23,7 @@ _Q = (8.327e-8, -1.584e-4, 1.036e-1, -38.67)
 
 
 def finger_impedance(frequencies: Floats) -> Complex:
-    """Return the fitted impedance Z(f) (N s/m), paper eqs 1-3, without any guard."""
+    """Fitted impedance Z(f) (N s/m), paper eqs 1-3, without any guard."""
     f = np.asarray(frequencies, dtype=float)
     p1, p2, p3, p4 = _P
     amplitude = (p1 * f**2 + p2 * f + p3) / (f + p4)
@@ -32,7 +32,7 @@ def finger_impedance(frequencies: Floats) -> Complex:
 
 
 def finger_spring_damper(frequencies: Floats) -> tuple[Floats, Floats]:
-    """Return stiffness c(f) in N/m and damping d(f) in N s/m, paper eqs 4-5.
+    """Stiffness c(f) in N/m and damping d(f) in N s/m, paper eqs 4-5.
 
     Held constant outside :data:`FINGER_RANGE`.
     """
@@ -42,7 +42,7 @@ def finger_spring_damper(frequencies: Floats) -> tuple[Floats, Floats]:
 
 
 def finger_stiffness(frequencies: Floats) -> Complex:
-    """Return the finger's lateral dynamic stiffness (n,) in N/m: a law of frequency."""
+    """Finger's lateral dynamic stiffness (n,) in N/m: a law of frequency."""
     f = np.asarray(frequencies, dtype=float)
     stiffness, damping = finger_spring_damper(f)
     return np.asarray(stiffness + 2j * np.pi * f * damping)
@@ -68,14 +68,14 @@ class FingerForm:
     q: Floats
 
     def impedance(self, frequencies: Floats) -> Complex:
-        """Return Z (n,) in N s/m."""
+        """Z (n,) in N s/m."""
         f = np.asarray(frequencies, dtype=float)
         size = np.polyval(self.p[:3], f) / (f + self.p[3])
         return np.asarray(size * np.exp(1j * np.deg2rad(np.polyval(self.q, f))))
 
 
 def finger_form(table: LoadTable) -> FingerForm:
-    """Return the constants with the least squares of ln |Z| and of the phase.
+    """Constants with the least squares of ln |Z| and of the phase.
 
     Multiplied out, eq 1 is linear in its constants; weighted by the last solution's denominator
     that is the problem itself (Sanathanan and Koerner 1963).
@@ -128,7 +128,7 @@ class SkinPad:
     backing_stiffness: Any
 
     def __call__(self, frequencies: Floats) -> Complex:
-        """Return the dynamic stiffness (n,) in N/m: sheet and backing in series; 0 at 0 Hz.
+        """Dynamic stiffness (n,) in N/m: sheet and backing in series; 0 at 0 Hz.
 
         Notes
         -----

@@ -62,7 +62,7 @@ class PassiveFit:
     b: Floats
 
     def stiffness_at(self, frequencies: Floats) -> Complex:
-        """Return the dynamic stiffness s Z (n,) in N/m at frequencies from 0 on (Hz)."""
+        """Dynamic stiffness s Z (n,) in N/m at frequencies from 0 on (Hz)."""
         s = 2j * np.pi * np.asarray(frequencies, dtype=float)[:, None]
         below = s**2 + 2.0 * self.ratio * self.omega * s + self.omega**2
         resonators = (s * (self.a * s + self.b) / below).sum(axis=1)
@@ -73,7 +73,7 @@ class PassiveFit:
 def passive_fit(
     frequencies: Floats, impedance: Complex, dictionary: Dictionary = _RICH
 ) -> PassiveFit:
-    """Return the passive load with the least sum of squared relative errors.
+    """Passive load with the least sum of squared relative errors.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def passive_fit(
 
 
 def _resonators(dictionary: Dictionary, low: float, high: float) -> tuple[Floats, Floats]:
-    """Return angular frequency (rad/s) and damping ratio of all resonators."""
+    """Angular frequency (rad/s) and damping ratio of all resonators."""
     reach = dictionary.reach
     decades = np.log10(high / low * reach**2)
     count = int(np.ceil(dictionary.per_decade * decades)) + 1
@@ -153,12 +153,9 @@ class MeasuredLaw:
     fits: tuple[PassiveFit, ...] = ()
 
     def __call__(self, frequencies: Floats) -> Complex:
-        """Return the dynamic stiffness (n,) in N/m.
+        """Dynamic stiffness (n,) in N/m.
 
-        Raises
-        ------
-        InputError
-            For a frequency outside :attr:`reach`.
+        Raises InputError for a frequency outside :attr:`reach`.
         """
         f = np.asarray(frequencies, dtype=float)
         beyond = outside(self.reach, f)
@@ -186,7 +183,7 @@ class MeasuredLaw:
         )
 
     def error(self, frequencies: Floats) -> Floats:
-        """Return by how much the dynamic stiffness may be off (n,), in N/m.
+        """By how much the dynamic stiffness may be off (n,), in N/m.
 
         Between points what leaving out every other one changes; of a fit also its distance from
         the table, and beyond the band the difference of the two fits and the largest relative
@@ -215,7 +212,7 @@ class MeasuredLaw:
 
 @lru_cache(maxsize=16)
 def continued(table: LoadTable) -> MeasuredLaw:
-    """Return a table with the passive fits that continue it."""
+    """Table with the passive fits that continue it."""
     frequencies, impedance = _fitted_points(table)
     x = np.log(frequencies)
     inside = np.abs(x - 0.5 * (x[0] + x[-1])) <= (0.5 - _LEFT_OUT) * (x[-1] - x[0])
@@ -224,19 +221,16 @@ def continued(table: LoadTable) -> MeasuredLaw:
 
 
 def measured_law(load: Load) -> MeasuredLaw:
-    """Return the law of a scene's table, continued by passive fits if the scene says so.
+    """Law of a scene's table, continued by passive fits if the scene says so.
 
-    Raises
-    ------
-    InputError
-        If the table cannot be used.
+    Raises InputError if the table cannot be used.
     """
     table = load_table(load)
     return MeasuredLaw(table) if load.extrapolation == "refuse" else continued(table)
 
 
 def _fitted_points(table: LoadTable) -> tuple[Floats, Complex]:
-    """Return the points of a table to which a load is fitted, those without force left out."""
+    """Points of a table to which a load is fitted, those without force left out."""
     count = table.frequencies.size
     chosen = np.unique(np.linspace(0, count - 1, min(count, _FITTED)).round().astype(int))
     chosen = chosen[np.abs(table.impedance[chosen]) > 0.0]
@@ -244,19 +238,19 @@ def _fitted_points(table: LoadTable) -> tuple[Floats, Complex]:
 
 
 def outside(band: tuple[float, float], frequencies: Floats) -> Bools:
-    """Return which frequencies (n,) in Hz a band does not hold; a sweep's last may be rounded."""
+    """Which frequencies (n,) in Hz a band does not hold; a sweep's last may be rounded."""
     f = np.asarray(frequencies, dtype=float)
     return np.asarray((f < band[0] * (1.0 - 1e-9)) | (f > band[1] * (1.0 + 1e-9)))
 
 
 def _thinned(table: LoadTable) -> LoadTable:
-    """Return every other point of a table, and its last."""
+    """Every other point of a table, and its last."""
     chosen = np.unique([*range(0, table.frequencies.size, 2), table.frequencies.size - 1])
     return LoadTable(table.source, table.frequencies[chosen], table.impedance[chosen])
 
 
 def _interpolated(table: LoadTable, frequencies: Floats) -> Complex:
-    """Return the dynamic stiffness (n,) in N/m between the points of a table."""
+    """Dynamic stiffness (n,) in N/m between the points of a table."""
     from scipy.interpolate import PchipInterpolator
 
     at = np.log(np.clip(frequencies, *table.band))
@@ -266,7 +260,7 @@ def _interpolated(table: LoadTable, frequencies: Floats) -> Complex:
 
 
 def disturbed(ends: Ends) -> tuple[Ends, ...]:
-    """Return the same with its table off by its error, in phase and a quarter turn later.
+    """Same with its table off by its error, in phase and a quarter turn later.
 
     None for other loads.  What is analytic in the load moves by as much either way, and what is
     a magnitude by no more than both together.

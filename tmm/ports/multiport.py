@@ -94,10 +94,7 @@ class Multiport:
     ports : tuple of Port
         The k ports in order.
 
-    Raises
-    ------
-    InputError
-        If two ports have one name.
+    Raises InputError if two ports have one name.
     """
 
     frequencies: Floats
@@ -110,7 +107,7 @@ class Multiport:
             raise InputError(f'two ports are named "{twice[0]}"; rename one of them')
 
     def __getitem__(self, entry: tuple[str, str]) -> Complex:
-        """Return one entry (n,) of D: the effort at a port per motion at another."""
+        """One entry (n,) of D: the effort at a port per motion at another."""
         row, column = entry
         return self.stiffness[:, self.index(row), self.index(column)]
 
@@ -125,12 +122,9 @@ class Multiport:
         return 2.0 * np.pi * self.frequencies
 
     def index(self, name: str) -> int:
-        """Return the position of a port.
+        """Position of a port.
 
-        Raises
-        ------
-        InputError
-            With the nearest name, if there is no such port.
+        Raises InputError with the nearest name, if there is no such port.
         """
         if name in self.names:
             return self.names.index(name)
@@ -139,30 +133,30 @@ class Multiport:
         raise InputError(f'port "{name}" is unknown{hint}; there are {", ".join(self.names)}')
 
     def others(self, names: Iterable[str]) -> list[str]:
-        """Return the ports that are not named, in order."""
+        """Ports that are not named, in order."""
         named = {self.index(name) for name in names}
         return [name for i, name in enumerate(self.names) if i not in named]
 
     def block(self, *names: str) -> Multiport:
-        """Return the rows and columns of some ports in that order, all others held."""
+        """Rows and columns of some ports in that order, all others held."""
         at = [self.index(name) for name in names]
         stiffness = self.stiffness[:, at][:, :, at]
         return Multiport(self.frequencies, stiffness, tuple(self.ports[i] for i in at))
 
     def renamed(self, names: Mapping[str, str]) -> Multiport:
-        """Return the same with other names, given as {old: new}."""
+        """Same with other names, given as {old: new}."""
         new = {self.index(old): name for old, name in names.items()}
         ports = (replace(p, name=new.get(i, p.name)) for i, p in enumerate(self.ports))
         return replace(self, ports=tuple(ports))
 
 
 def hold(port: Multiport, *names: str) -> Multiport:
-    """Return the multiport with some motions held at 0; of a voltage: short-circuited."""
+    """Multiport with some motions held at 0; of a voltage: short-circuited."""
     return port.block(*port.others(names))
 
 
 def terminate(port: Multiport, loads: Mapping[str, Any]) -> Multiport:
-    """Return the multiport with something that answers at some ports, which stay ports.
+    """Multiport with something that answers at some ports, which stay ports.
 
     Parameters
     ----------
@@ -177,7 +171,7 @@ def terminate(port: Multiport, loads: Mapping[str, Any]) -> Multiport:
 
 
 def in_series(port: Multiport) -> Multiport:
-    """Return the port seen when the two equal layers are wired in series.
+    """Port seen when the two equal layers are wired in series.
 
     Each layer then takes half the voltage and both carry the same charge.  Exact for
     a device that is mirror-symmetric about x = 0.
@@ -192,7 +186,7 @@ def connect(
     joints: Mapping[str, str],
     prefixes: tuple[str, str] | None = None,
 ) -> Multiport:
-    """Return two multiports joined: motions equal, efforts added.
+    """Two multiports joined: motions equal, efforts added.
 
     The joints stay ports under the first one's names, free or to be loaded further.
 
@@ -204,11 +198,8 @@ def connect(
     prefixes : (str, str), optional
         Put before names that both have, as in ``left.w_tip``.
 
-    Raises
-    ------
-    InputError
-        If a port is unknown or joined twice, two joined ports are of different kinds, names
-        clash without prefixes, or the frequencies differ.
+    Raises InputError if a port is unknown or joined twice, two joined ports are of different kinds,
+    names clash without prefixes, or the frequencies differ.
     """
     if not np.array_equal(first.frequencies, second.frequencies):
         raise InputError("two multiports at different frequencies cannot be joined; use the same")
@@ -245,12 +236,12 @@ def _check_joint(one: Port, other: Port) -> None:
 
 
 def reduce(port: Multiport, keep: Iterable[str]) -> Multiport:
-    """Return what is seen at some ports, in that order, while no effort acts on the others."""
+    """What is seen at some ports, in that order, while no effort acts on the others."""
     return eliminated(port, keep)[0]
 
 
 def eliminated(port: Multiport, keep: Iterable[str]) -> tuple[Multiport, Complex]:
-    """Return :func:`reduce`, and the motions (n, f, k) of the f others per motion kept."""
+    """:func:`reduce`, and the motions (n, f, k) of the f others per motion kept."""
     keep = list(keep)
     kept, free = ([port.index(n) for n in names] for names in (keep, port.others(keep)))
     seen = port.block(*keep)
@@ -280,7 +271,7 @@ class Response:
 def respond(
     port: Multiport, drive: Mapping[str, Any], efforts: Mapping[str, Any] | None = None
 ) -> Response:
-    """Return the response to prescribed motions (a voltage is one) and efforts.
+    """Response to prescribed motions (a voltage is one) and efforts.
 
     Parameters
     ----------
@@ -327,7 +318,7 @@ def respond(
 
 
 def _free_motion(d: Complex, free: list[int], right: Complex) -> Complex:
-    """Return the motion (n, f) of free ports under efforts (n, f, 1)."""
+    """Motion (n, f) of free ports under efforts (n, f, 1)."""
     if not free:
         return right[..., 0]
     return _balanced_solve(d[:, free][:, :, free], right)[..., 0]
@@ -350,13 +341,13 @@ def _scale(matrix: Numbers) -> Floats:
 
 
 def balanced(matrix: Complex) -> Complex:
-    """Return matrices (n, k, k) with rows and columns scaled to a largest entry of about 1."""
+    """Matrices (n, k, k) with rows and columns scaled to a largest entry of about 1."""
     scale = _scale(matrix)
     return np.asarray(matrix * scale[:, :, None] * scale[:, None, :])
 
 
 def round_off(port: Multiport, driven: Iterable[str] = ("voltage",)) -> Floats:
-    """Return a relative round-off bound (n,): machine epsilon times the condition number.
+    """Relative round-off bound (n,): machine epsilon times the condition number.
 
     The condition number is that of the balanced matrix which :func:`respond` solves.
     """
@@ -365,13 +356,13 @@ def round_off(port: Multiport, driven: Iterable[str] = ("voltage",)) -> Floats:
 
 
 def symmetric_form(port: Multiport) -> Complex:
-    """Return S (n, k, k), D with each row times its pair's sign: symmetric if reciprocal."""
+    """S (n, k, k), D with each row times its pair's sign: symmetric if reciprocal."""
     signs = np.array([p.pair.sign for p in port.ports])
     return np.asarray(port.stiffness * signs[:, None])
 
 
 def passivity_margin(port: Multiport) -> Floats:
-    """Return the smallest eigenvalue (n,) of the dissipation form, scaled to the largest.
+    """Smallest eigenvalue (n,) of the dissipation form, scaled to the largest.
 
     The mean power taken in is ½ Ω Im(xᴴ S x); a passive model has Im S positive semidefinite,
     so the margin is ≥ 0 up to rounding.
@@ -382,7 +373,7 @@ def passivity_margin(port: Multiport) -> Floats:
 
 
 def reciprocity_error(port: Multiport) -> Floats:
-    """Return max |S − Sᵀ| (n,), each entry relative to its two diagonal neighbours."""
+    """Max |S − Sᵀ| (n,), each entry relative to its two diagonal neighbours."""
     s = symmetric_form(port)
     size = np.sqrt(np.abs(np.einsum("nii->ni", s)))
     scale = np.maximum(size[:, :, None] * size[:, None, :], np.abs(s))

@@ -75,7 +75,7 @@ class Readout:
         return self.port != ELECTRICAL
 
     def read(self, port: Multiport, voltage: Any) -> Complex:
-        """Return the quantity (n,), real with a level; its voltage is nan where nothing moves.
+        """Quantity (n,), real with a level; its voltage is nan where nothing moves.
 
         Parameters
         ----------
@@ -88,15 +88,15 @@ class Readout:
         return self.scaled(self.variable(response), voltage, port.frequencies)
 
     def drive(self, port: Multiport, voltage: float) -> dict[str, float]:
-        """Return the motions that are prescribed: the voltage, and what is held."""
+        """Motions that are prescribed: the voltage, and what is held."""
         return {ELECTRICAL: voltage} | {name: 0.0 for name in self.held if name in port.names}
 
     def variable(self, response: Response) -> Complex:
-        """Return the port's variable (n,)."""
+        """Port's variable (n,)."""
         return (response.motion if self.of == "motion" else response.effort)[self.port]
 
     def scaled(self, variable: Complex, voltage: Any, frequencies: Floats) -> Complex:
-        """Return the quantity (n,) from the port's variable (n,) per volt."""
+        """Quantity (n,) from the port's variable (n,) per volt."""
         found = variable if self.unit_voltage else variable * voltage
         for _ in range(self.rate):
             found = 2j * np.pi * frequencies * found

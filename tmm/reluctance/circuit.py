@@ -49,12 +49,9 @@ class GapPermeance:
 
 
 def pole_radii(device: Device) -> tuple[float, float]:
-    """Return inner and outer radius (m) where the head's underside faces the sleeve's top.
+    """Inner and outer radius (m) where the head's underside faces the sleeve's top.
 
-    Raises
-    ------
-    InputError
-        If they do not face each other, or the collar touches the shaft.
+    Raises InputError if they do not face each other, or the collar touches the shaft.
     """
     inner = device.sleeve.collar_radius
     if not inner > device.rod.radius:
@@ -73,20 +70,20 @@ def pole_radii(device: Device) -> tuple[float, float]:
 
 
 def pole_area(device: Device) -> float:
-    """Return the area in which head and sleeve face each other (m²)."""
+    """Area in which head and sleeve face each other (m²)."""
     inner, outer = pole_radii(device)
     return math.pi * (outer**2 - inner**2)
 
 
 def straight(device: Device, gaps: Floats) -> GapPermeance:
-    """Return P = µ0 A/g: no field beside the pole faces."""
+    """P = µ0 A/g: no field beside the pole faces."""
     p = MU0 * pole_area(device) / gaps
     none = np.zeros_like(gaps)
     return GapPermeance(p, -p / gaps, none, none)
 
 
 def with_fringing(device: Device, gaps: Floats) -> GapPermeance:
-    """Return the pole faces' permeance with the tubes beside them.
+    """Pole faces' permeance with the tubes beside them.
 
     Outside, head and sleeve are taken as flush.  Inside, the collar's edge faces the plane
     of the head.  From depth d down the bore a quarter circle to the head is s π/2 long,
@@ -179,16 +176,13 @@ class _Path:
 
 
 def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int = CELLS) -> Ladder:
-    """Return the circuit of the device at all `gaps` (m,).
+    """Circuit of the device at all `gaps` (m,).
 
     The cells follow the path upward; the last one is the head with the working gap.
     Half of a cell's leakage leaves at each of its ends.  Cells with no rung between them
     carry one flux and become one.
 
-    Raises
-    ------
-    InputError
-        If the parts cannot form the circuit at one of the gaps.
+    Raises InputError if the parts cannot form the circuit at one of the gaps.
     """
     path = _path(device, gaps, cells, parasitic_gap=refinements.parasitic_gap)
     gap = (with_fringing if refinements.fringing else straight)(device, gaps)
@@ -244,7 +238,7 @@ class IronPlaces:
 
 
 def iron_places(device: Device, gap: float) -> IronPlaces:
-    """Return where the iron elements of the full circuit at a gap (m) lie."""
+    """Where the iron elements of the full circuit at a gap (m) lie."""
     path = _path(device, np.array([gap]), CELLS, parasitic_gap=True)
     length = path.length[0]
     none, head = np.zeros(length.size, dtype=bool), np.zeros(_RINGS + 1, dtype=bool)
@@ -302,10 +296,7 @@ def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _
 def check_circuit(device: Device, gaps: Floats) -> None:
     """Refuse gaps (m) at which the parts, moved, do not form this circuit.
 
-    Raises
-    ------
-    InputError
-        With the first of them, or what is too long at any.
+    Raises InputError with the first of them, or what is too long at any.
     """
     rod, sleeve = device.rod, device.sleeve
     check_gap(device, float(gaps.max()))
@@ -327,7 +318,7 @@ def check_circuit(device: Device, gaps: Floats) -> None:
 
 
 def _coil_above_sleeve(device: Device, gaps: Floats) -> tuple[Floats, Floats]:
-    """Return the length of coil above the sleeve (m,) and its slope; its turns link the gap."""
+    """Length of coil above the sleeve (m,) and its slope; its turns link the gap."""
     coil = device.coil
     top = gaps - NOMINAL_GAP
     length = np.clip(top - coil.position, 0.0, coil.length)
@@ -335,7 +326,7 @@ def _coil_above_sleeve(device: Device, gaps: Floats) -> tuple[Floats, Floats]:
 
 
 def widest_circuit(device: Device) -> float:
-    """Return the widest gap (m) at which the parts form this circuit: the flange at the collar."""
+    """Widest gap (m) at which the parts form this circuit: the flange at the collar."""
     rod, sleeve = device.rod, device.sleeve
     return float(NOMINAL_GAP + rod.flange_position - sleeve.collar_thickness)
 
@@ -343,7 +334,7 @@ def widest_circuit(device: Device) -> float:
 def _rung_permeance(
     device: Device, path: _Path, gap: GapPermeance, refinements: Refinements
 ) -> tuple[Floats, Floats]:
-    """Return the permeance of the rungs (m, k + 1) below each cell and above the last, dP/dg.
+    """Permeance of the rungs (m, k + 1) below each cell and above the last, dP/dg.
 
     Coaxial cylinders, 2π µ0/ln(r2/r1) per length; the collar's bore only as far as the tubes
     of the gap's fringing leave it.
@@ -372,7 +363,7 @@ def _rung_permeance(
 
 
 def _iron(device: Device, gaps: Floats, path: _Path) -> tuple[Floats, Floats, Floats, Ints]:
-    """Return areas, lengths, their slopes (m, E) and the cells (E,) of the iron elements.
+    """Areas, lengths, their slopes (m, E) and the cells (E,) of the iron elements.
 
     Rod and sleeve beside every cell; in the last cell the shaft up to the middle of the
     head, and rings of the head from the shaft to the middle of the pole.

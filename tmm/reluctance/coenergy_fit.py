@@ -56,12 +56,9 @@ _UNKNOWN = MapError(np.nan, np.nan)
 
 
 def fit(samples: Samples) -> CoenergyMap:
-    """Return the map that fits the samples best.
+    """Map that fits the samples best.
 
-    Raises
-    ------
-    InputError
-        If the samples are too few, not finite, or no co-energy can have them.
+    Raises InputError if the samples are too few, not finite, or no co-energy can have them.
     """
     _check(samples)
     found = _fitted(samples)
@@ -78,7 +75,7 @@ def fit(samples: Samples) -> CoenergyMap:
 
 
 def thinned(found: CoenergyMap) -> tuple[CoenergyMap, float]:
-    """Return the map of every second sample, and what its distance from the whole map's counts.
+    """Map of every second sample, and what its distance from the whole map's counts.
 
     That factor times the distance of an answer by the one from the answer by the other is the
     error that the samples' density leaves in the answer.
@@ -118,7 +115,7 @@ def _check(samples: Samples) -> None:
 
 
 def _fitted(samples: Samples) -> CoenergyMap:
-    """Return the map without an estimate of its interpolation error."""
+    """Map without an estimate of its interpolation error."""
     offset = _gap_offset(samples)
     width = samples.gap + offset
     points = np.union1d(samples.current, 0.0)
@@ -142,7 +139,7 @@ def _fitted(samples: Samples) -> CoenergyMap:
 
 
 def _gap_offset(samples: Samples) -> float:
-    """Return g0 such that λ ∝ 1/(g + g0) at the lowest current, within reason (m)."""
+    """G0 such that λ ∝ 1/(g + g0) at the lowest current, within reason (m)."""
     lowest = int(np.count_nonzero(samples.current == 0.0))
     first, last = samples.flux_linkage[lowest, [0, -1]]
     low, high = samples.gap[[0, -1]]
@@ -152,7 +149,7 @@ def _gap_offset(samples: Samples) -> float:
 
 
 def _breaks(points: Floats, spans: int) -> Floats:
-    """Return spans + 1 breaks spread like the points."""
+    """Spans + 1 breaks spread like the points."""
     share = np.linspace(0.0, 1.0, points.size)
     return np.asarray(np.interp(np.linspace(0.0, 1.0, spans + 1), share, points))
 
@@ -160,7 +157,7 @@ def _breaks(points: Floats, spans: int) -> Floats:
 def _equations(
     samples: Samples, basis: SplineBasis, across: SplineBasis, width: Floats
 ) -> tuple[Floats, Floats]:
-    """Return rows (r, j·k) and right sides (r,) of all samples, each relative to its size.
+    """Rows (r, j·k) and right sides (r,) of all samples, each relative to its size.
 
     What vanishes with the current does so in the surface as well, and says nothing there.
     """
@@ -186,7 +183,7 @@ def _equations(
 
 
 def _pull_size(values: Floats) -> Floats:
-    """Return what a pull (c, m) counts relative to: itself, or a tenth of a lower current's.
+    """What a pull (c, m) counts relative to: itself, or a tenth of a lower current's.
 
     It grows with the current until the steel is saturated; then it may fall, through zero.
     """
@@ -195,7 +192,7 @@ def _pull_size(values: Floats) -> Floats:
 
 
 def _positive_least_squares(rows: Floats, targets: Floats) -> Floats:
-    """Return the solution with all coefficients positive; the free one if it is so already."""
+    """Solution with all coefficients positive; the free one if it is so already."""
     size = np.linalg.norm(rows, axis=0)
     scaled = rows / size
     found = np.asarray(np.linalg.lstsq(scaled, targets, rcond=None)[0] / size)
@@ -209,7 +206,7 @@ def _positive_least_squares(rows: Floats, targets: Floats) -> Floats:
 
 
 def _kept(samples: Samples) -> tuple[Ints, Ints]:
-    """Return which currents and gaps are left when every second goes.
+    """Which currents and gaps are left when every second goes.
 
     The first current above zero goes, so that the stretch down to zero is judged too; other ends
     stay.
@@ -236,7 +233,7 @@ def _picked(samples: Samples, i: Ints, g: Ints) -> Samples:
 
 
 def _miss(found: CoenergyMap, samples: Samples) -> MapError:
-    """Return how far a map misses samples."""
+    """How far a map misses samples."""
     said = found.sampled(samples.current, samples.gap)
     return MapError(
         largest_share(said.flux_linkage - samples.flux_linkage, samples.flux_linkage),
@@ -245,7 +242,7 @@ def _miss(found: CoenergyMap, samples: Samples) -> MapError:
 
 
 def largest_share(error: Floats, values: Floats) -> float:
-    """Return the largest error relative to the value there, or to a tenth of the gap's largest."""
+    """Largest error relative to the value there, or to a tenth of the gap's largest."""
     size = np.abs(values)
     return float((np.abs(error) / np.maximum(size, _SMALL * size.max(axis=0))).max())
 
@@ -270,10 +267,7 @@ _OPTIONAL = ("coenergy", "incremental_inductance", "force_error")
 def write_map(path: str | Path, found: CoenergyMap) -> None:
     """Write a map's samples, with units and sign conventions, whole or not at all.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     from scipy.io import netcdf_file  # slow to import
 
@@ -298,12 +292,9 @@ def write_map(path: str | Path, found: CoenergyMap) -> None:
 
 
 def read_map(path: str | Path) -> CoenergyMap:
-    """Return the map whose samples a file holds.
+    """Map whose samples a file holds.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is no co-energy map, or holds no usable samples.
+    Raises InputError if the file cannot be read, is no co-energy map, or holds no usable samples.
     """
     from scipy.io import netcdf_file
 

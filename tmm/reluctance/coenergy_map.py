@@ -38,7 +38,7 @@ class SplineBasis:
     coefficients: Floats
 
     def __call__(self, x: Floats, derivative: int = 0) -> Floats:
-        """Return the functions or a derivative of them at `x` (...,), shape (..., n)."""
+        """Functions or a derivative of them at `x` (...,), shape (..., n)."""
         x = np.asarray(x, dtype=float)
         span = np.searchsorted(self.breaks[1:-1], x, side="right")
         c, s = self.coefficients[span], (x - self.breaks[span])[..., None]
@@ -49,7 +49,7 @@ class SplineBasis:
         return value
 
     def integral(self) -> SplineBasis:
-        """Return the integrals of the functions from the first break."""
+        """Integrals of the functions from the first break."""
         powers = np.arange(1, self.coefficients.shape[-1] + 1)
         grown = np.concatenate(
             [np.zeros_like(self.coefficients[..., :1]), self.coefficients / powers], axis=-1
@@ -61,7 +61,7 @@ class SplineBasis:
 
 
 def b_splines(breaks: Floats, degree: int) -> SplineBasis:
-    """Return the s + `degree` B-splines on `breaks` (s + 1,), which sum to 1.
+    """S + `degree` B-splines on `breaks` (s + 1,), which sum to 1.
 
     All are ≥ 0, so a sum of them with coefficients ≥ 0 is so too; they are `degree` − 1
     times continuously differentiable.
@@ -189,35 +189,35 @@ class CoenergyMap:
         return float(self.samples.gap[0]), float(self.samples.gap[-1])
 
     def coenergy(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return W' (J)."""
+        """W' (J)."""
         return self._surface(current, gap, 0, 0)
 
     def flux_linkage(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return λ = ∂W'/∂i (Wb), odd in the current."""
+        """Λ = ∂W'/∂i (Wb), odd in the current."""
         return self._surface(current, gap, 1, 0)
 
     def force(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return F = −∂W'/∂g (N), positive when it closes the gap."""
+        """F = −∂W'/∂g (N), positive when it closes the gap."""
         return -self._surface(current, gap, 0, 1)
 
     def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂λ/∂i (H), positive."""
+        """∂λ/∂i (H), positive."""
         return self._surface(current, gap, 2, 0)
 
     def energy(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return the stored energy W = iλ − W' (J)."""
+        """Stored energy W = iλ − W' (J)."""
         return np.asarray(current) * self.flux_linkage(current, gap) - self.coenergy(current, gap)
 
     def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂λ/∂g = −∂F/∂i (V s/m): voltage per speed of the gap, negative for i > 0."""
+        """∂λ/∂g = −∂F/∂i (V s/m): voltage per speed of the gap, negative for i > 0."""
         return self._surface(current, gap, 1, 1)
 
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂F/∂g at constant current (N/m), usually negative: a destabilising spring."""
+        """∂F/∂g at constant current (N/m), usually negative: a destabilising spring."""
         return -self._surface(current, gap, 0, 2)
 
     def sampled(self, currents: Floats, gaps: Floats) -> Samples:
-        """Return what the map says on a grid of currents (c,) and gaps (m,)."""
+        """What the map says on a grid of currents (c,) and gaps (m,)."""
         i, g = np.asarray(currents, dtype=float)[:, None], np.asarray(gaps, dtype=float)[None]
         return Samples(
             current=i[:, 0],
@@ -233,7 +233,7 @@ class CoenergyMap:
     def _surface(
         self, current: Floats | float, gap: Floats | float, by_current: int, by_gap: int
     ) -> Floats:
-        """Return a derivative of W' by current and gap."""
+        """Derivative of W' by current and gap."""
         i, g = np.broadcast_arrays(np.asarray(current, dtype=float), np.asarray(gap, dtype=float))
         size, width = np.abs(i), g + self.gap_offset
         self._check(size, g)
@@ -260,7 +260,7 @@ class CoenergyMap:
 
 
 def current_basis(inductance_basis: SplineBasis, derivative: int) -> SplineBasis:
-    """Return the functions of the current in W' (0), λ (1) or ∂λ/∂i (2)."""
+    """Functions of the current in W' (0), λ (1) or ∂λ/∂i (2)."""
     basis = inductance_basis
     for _ in range(2 - derivative):
         basis = basis.integral()
@@ -268,7 +268,7 @@ def current_basis(inductance_basis: SplineBasis, derivative: int) -> SplineBasis
 
 
 def gap_derivative(gap_basis: SplineBasis, width: Floats, derivative: int) -> Floats:
-    """Return d^n/dg^n of the functions of ln(g + g0) at `width` = g + g0, n up to 2."""
+    """D^n/dg^n of the functions of ln(g + g0) at `width` = g + g0, n up to 2."""
     y = np.log(width)
     if derivative == 0:
         return gap_basis(y)
@@ -284,7 +284,7 @@ def closed_loop_work(
     gaps: tuple[float, float],
     panels: int = 64,
 ) -> tuple[float, float]:
-    """Return ∮ (λ di − F dg) (J) around a rectangle in the plane of current and gap.
+    """∮ (λ di − F dg) (J) around a rectangle in the plane of current and gap.
 
     A model whose flux linkage and force come from one co-energy does no net work.
 
@@ -336,7 +336,7 @@ class Coenergy(Protocol):
     """Anything that has a co-energy: a map, or a closed form."""
 
     def at(self, current: float, gap: float) -> CoenergyPoint:
-        """Return W' and its derivatives at a current (A) and gap (m)."""
+        """W' and its derivatives at a current (A) and gap (m)."""
         ...
 
 
@@ -366,7 +366,7 @@ class CoenergyCells:
         object.__setattr__(self, "_a", self.coefficients.tolist())
 
     def at(self, current: float, gap: float) -> CoenergyPoint:
-        """Return W' and its derivatives at a current (A, either sign) and gap (m)."""
+        """W' and its derivatives at a current (A, either sign) and gap (m)."""
         i, y, a = self._i, self._y, self._a  # type: ignore[attr-defined]
         size, width = abs(current), gap + self.gap_offset
         # an iteration that strays below the iron is led back by the steep end of the map
@@ -402,7 +402,7 @@ class CoenergyCells:
 
 
 def cells(found: CoenergyMap) -> CoenergyCells:
-    """Return a map cell by cell."""
+    """Map cell by cell."""
     along = current_basis(found.inductance_basis, 0)
     across = found.gap_basis
     return CoenergyCells(

@@ -95,15 +95,13 @@ class LadderSolution:
 
 
 def solve(ladder: Ladder, currents: Floats) -> LadderSolution:
-    """Return the circuit's state at all `currents` (c,) and all gaps of the ladder.
+    """Circuit's state at all `currents` (c,) and all gaps of the ladder.
 
     Newton's method with the exact Hessian; the step is halved until the energy falls, so
     it converges from any start, at any saturation.
 
-    Raises
-    ------
-    ArithmeticError
-        If the minimum was not reached, which a convex Π excludes short of overflow.
+    Raises ArithmeticError if the minimum was not reached, which a convex Π excludes short of
+    overflow.
     """
     currents = np.asarray(currents, dtype=float)
     sign = np.sign(currents)[:, None]
@@ -130,7 +128,7 @@ def solve(ladder: Ladder, currents: Floats) -> LadderSolution:
 
 
 def _first_guess(ladder: Ladder, drive: Floats) -> Floats:
-    """Return the fluxes with the iron's reluctivity as it is at one flux density."""
+    """Fluxes with the iron's reluctivity as it is at one flux density."""
     diagonal, beside = _rungs(ladder, drive.shape)
     if ladder.curve is not None:
         reluctivity = float(ladder.curve.field_strength(np.array(_GUESSED)))
@@ -152,12 +150,12 @@ def _descend(ladder: Ladder, flux: Floats, step: Floats, drive: Floats, moving: 
 
 
 def _flux_density(ladder: Ladder, flux: Floats) -> Floats:
-    """Return B (c, m, E), signed (T)."""
+    """B (c, m, E), signed (T)."""
     return np.asarray(flux[..., ladder.cell] / ladder.area)
 
 
 def _across_rungs(flux: Floats) -> Floats:
-    """Return the flux through each rung (c, m, n + 1) (Wb)."""
+    """Flux through each rung (c, m, n + 1) (Wb)."""
     through = np.empty((*flux.shape[:-1], flux.shape[-1] + 1))
     through[..., 0], through[..., -1] = flux[..., 0], -flux[..., -1]
     np.subtract(flux[..., 1:], flux[..., :-1], out=through[..., 1:-1])
@@ -165,7 +163,7 @@ def _across_rungs(flux: Floats) -> Floats:
 
 
 def _energy(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floats]:
-    """Return Π (c, m) and its rounding (c, m)."""
+    """Π (c, m) and its rounding (c, m)."""
     stored = 0.5 * (ladder.reluctance * _across_rungs(flux) ** 2).sum(axis=-1)
     if ladder.curve is not None:
         density = ladder.curve.energy_density(np.abs(_flux_density(ladder, flux)))
@@ -175,7 +173,7 @@ def _energy(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floats
 
 
 def _energy_slope(ladder: Ladder, flux: Floats, currents: Floats) -> Floats:
-    """Return ∂Π/∂g (c, m) at fixed fluxes."""
+    """∂Π/∂g (c, m) at fixed fluxes."""
     rungs = 0.5 * (ladder.d_reluctance * _across_rungs(flux) ** 2).sum(axis=-1)
     total = rungs - currents[:, None] * (ladder.d_turns * flux).sum(axis=-1)
     if ladder.curve is not None:
@@ -185,7 +183,7 @@ def _energy_slope(ladder: Ladder, flux: Floats, currents: Floats) -> Floats:
 
 
 def _gradient(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floats]:
-    """Return ∂Π/∂φ (c, m, n), the residual mmf, and what of it is negligible (A)."""
+    """∂Π/∂φ (c, m, n), the residual mmf, and what of it is negligible (A)."""
     rungs = ladder.reluctance * _across_rungs(flux)
     gradient = rungs[..., :-1] - rungs[..., 1:] - drive
     if ladder.curve is not None:
@@ -199,7 +197,7 @@ def _gradient(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floa
 
 
 def _hessian(ladder: Ladder, flux: Floats) -> tuple[Floats, Floats]:
-    """Return diagonal (c, m, n) and off-diagonal (c, m, n − 1) of ∂²Π/∂φ²."""
+    """Diagonal (c, m, n) and off-diagonal (c, m, n − 1) of ∂²Π/∂φ²."""
     diagonal, beside = _rungs(ladder, flux.shape)
     if ladder.curve is not None:
         slope = ladder.curve.slope(np.abs(_flux_density(ladder, flux)))

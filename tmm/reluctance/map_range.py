@@ -57,7 +57,7 @@ _POSITIONS, _CELLS = 9, 4
 def map_grid(
     device: Device, currents: int = 13, gaps: int = 12, *, shared: bool = False
 ) -> tuple[Floats, Floats]:
-    """Return currents (A) and gaps (m) at which a model is sampled for the device's map.
+    """Currents (A) and gaps (m) at which a model is sampled for the device's map.
 
     Currents from 0 to twice what moves the rod, denser where the map bends, at small ones;
     beyond, up to half as much again as the device's own, in even ratios.  Gaps from a little
@@ -74,10 +74,7 @@ def map_grid(
         Whether the range is rounded outwards to whole steps, so that devices that differ a
         little in gap, current and spring have the same: one map is then all of theirs.
 
-    Raises
-    ------
-    InputError
-        If there is no stroke.
+    Raises InputError if there is no stroke.
     """
     needed, most = _switching_range(device), _BEYOND_CURRENT * abs(device.coil.current)
     least, largest = min(_BELOW_STOP * device.spring.stop_gap, 0.5 * device.gap), None
@@ -93,7 +90,7 @@ def map_grid(
 
 
 def _within(device: Device, largest: float | None) -> float:
-    """Return a largest gap (m) if it is well before where a model ends.
+    """Largest gap (m) if it is well before where a model ends.
 
     Else a quarter beyond the upper stop, or half the way to that end.
     """
@@ -106,7 +103,7 @@ def _within(device: Device, largest: float | None) -> float:
 
 
 def _rounded(value: float, unit: float, whole: Callable[[float], int]) -> float:
-    """Return a current or gap rounded to a whole step from a unit; 0 is one."""
+    """Current or gap rounded to a whole step from a unit; 0 is one."""
     if value == 0.0:
         return value
     steps = math.log(value / unit) / math.log(_STEP)
@@ -115,7 +112,7 @@ def _rounded(value: float, unit: float, whole: Callable[[float], int]) -> float:
 
 
 def _switching_range(device: Device) -> float:
-    """Return the largest current (A) that switching may be about."""
+    """Largest current (A) that switching may be about."""
     gaps = between_stops(device, _POSITIONS)
     against = spring_force(device, gaps)
     area = pole_area(device)
@@ -139,12 +136,9 @@ def _switching_range(device: Device) -> float:
 
 
 def network_pull(device: Device) -> CoenergyMap:
-    """Return the network's co-energy map of a device, made once for one magnetic circuit.
+    """Network's co-energy map of a device, made once for one magnetic circuit.
 
-    Raises
-    ------
-    InputError
-        If the parts cannot form the circuit.
+    Raises InputError if the parts cannot form the circuit.
     """
     coil = device.coil.model_copy(update={"history": "rising"})  # no matter to the circuit
     return _network_pull(device.rod, coil, device.sleeve, device.spring, device.steel, device.gap)

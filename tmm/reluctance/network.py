@@ -29,7 +29,7 @@ from tactgen.tmm.reluctance.flux_ladder import LadderSolution, solve
 
 
 def textbook_force(device: Device, current: float, gap: float) -> float:
-    """Return F = µ0 N² i² A / (2 g²) (N): all the winding's mmf across one straight gap."""
+    """F = µ0 N² i² A / (2 g²) (N): all the winding's mmf across one straight gap."""
     return float(MU0 * (device.coil.turns * current / gap) ** 2 * pole_area(device) / 2.0)
 
 
@@ -40,7 +40,7 @@ def network_samples(
     refinements: Refinements = FULL,
     cells: int = CELLS,
 ) -> Samples:
-    """Return the network's flux linkage, force, co-energy and inductance.
+    """Network's flux linkage, force, co-energy and inductance.
 
     The force's error bar is the difference from half as many cells.
 
@@ -53,10 +53,7 @@ def network_samples(
     gaps : (m,) float
         Working gaps (m), above 0.
 
-    Raises
-    ------
-    InputError
-        If the parts cannot form the circuit at one of the gaps.
+    Raises InputError if the parts cannot form the circuit at one of the gaps.
     """
     currents = np.atleast_1d(np.asarray(currents, dtype=float))
     gaps = np.atleast_1d(np.asarray(gaps, dtype=float))
@@ -80,7 +77,7 @@ def fine_and_coarse(
     refinements: Refinements = FULL,
     cells: int = CELLS,
 ) -> tuple[LadderSolution, LadderSolution]:
-    """Return the network's state with `cells` and with half as many; arguments as above."""
+    """Network's state with `cells` and with half as many; arguments as above."""
     fine, coarse = (
         solve(circuit(device, gaps, refinements, n), currents) for n in (cells, max(cells // 2, 1))
     )
@@ -88,7 +85,7 @@ def fine_and_coarse(
 
 
 def iron_beyond_table(device: Device, current: float, gap: float) -> float:
-    """Return the share of the iron's volume beyond the end of a curve that ends early.
+    """Share of the iron's volume beyond the end of a curve that ends early.
 
     Zero for a curve that goes on until the steel is saturated.
     """
@@ -122,7 +119,7 @@ class BridgeRow:
 
 
 def network_bridge(device: Device, current: float, gap: float) -> tuple[BridgeRow, ...]:
-    """Return what each refinement does to force and flux linkage, one after the other."""
+    """What each refinement does to force and flux linkage, one after the other."""
     at = np.array([current]), np.array([gap])
     rows: list[BridgeRow] = []
     for step, stage in _stages():
@@ -135,7 +132,7 @@ def network_bridge(device: Device, current: float, gap: float) -> tuple[BridgeRo
 
 
 def _stages() -> tuple[tuple[str, Refinements], ...]:
-    """Return the way from the one-gap formula to the full network, one switch at a time."""
+    """Way from the one-gap formula to the full network, one switch at a time."""
     fringing = replace(ONE_GAP, fringing=True)
     parasitic = replace(fringing, parasitic_gap=True)
     leakage = replace(parasitic, leakage=True)
@@ -175,20 +172,20 @@ class DirectPull:
     step: float = STEP
 
     def force(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return the pull (N)."""
+        """Pull (N)."""
         return self._at(current, gap, "force")
 
     def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂λ/∂i (H)."""
+        """∂λ/∂i (H)."""
         return self._at(current, gap, "incremental_inductance")
 
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂F/∂g (N/m)."""
+        """∂F/∂g (N/m)."""
         place = np.broadcast_arrays(current, gap)[1]
         return _slope(lambda g: self.force(current, g), place, self.step)
 
     def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂λ/∂g = −∂F/∂i (N/A)."""
+        """∂λ/∂g = −∂F/∂i (N/A)."""
         place = np.broadcast_arrays(current, gap)[1]
         return _slope(lambda g: self._at(current, g, "flux_linkage"), place, self.step)
 
@@ -202,7 +199,7 @@ class DirectPull:
 
 
 def _slope(of: Callable[[Floats], Floats], at: Floats | float, step: float) -> Floats:
-    """Return the central difference of order four, all its points at once."""
+    """Central difference of order four, all its points at once."""
     x = np.asarray(at, dtype=float)
     h = step * x
     further, before, after, furthest = of(x + np.multiply.outer(_PLACES, h))
@@ -215,7 +212,7 @@ _TO_AIR = 25.0
 
 
 def steady_temperature_rise(device: Device, current: float) -> float:
-    """Return how much warmer (K) than still air the actuator would stay, at the least.
+    """How much warmer (K) than still air the actuator would stay, at the least.
 
     Free convection at its best from the sleeve's outside and the head's top; what the
     circuit board and the finger lead away is left out, and so is the wire's own rise.
@@ -224,7 +221,7 @@ def steady_temperature_rise(device: Device, current: float) -> float:
 
 
 def largest_rms_current(device: Device, limits: Limits) -> float:
-    """Return the effective current (A) that takes the winding to its temperature limit for good.
+    """Effective current (A) that takes the winding to its temperature limit for good.
 
     From the sleeve's outside and the head's top to still air alone, the hot wire's resistance
     included.  A current switched much faster than the actuator warms (tens of seconds) with the
@@ -237,13 +234,13 @@ def largest_rms_current(device: Device, limits: Limits) -> float:
 
 
 def _surface(device: Device) -> float:
-    """Return the area of the sleeve's outside and the head's top (m²)."""
+    """Area of the sleeve's outside and the head's top (m²)."""
     sleeve, head = device.sleeve, device.rod.head_radius
     return float(2.0 * math.pi * sleeve.outer_radius * sleeve.length + math.pi * head**2)
 
 
 def thermal_statement(device: Device, current: float) -> str:
-    """Return in plain words what the current means for the wire."""
+    """In plain words what the current means for the wire."""
     if current == 0.0:
         return "no current, no heat"
     wound = winding(device.coil)

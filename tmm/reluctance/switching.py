@@ -74,7 +74,7 @@ class Switching:
 
 
 def spring_force(device: Device, gap: Floats | float) -> Floats:
-    """Return the spring's force (N), which opens the gap."""
+    """Spring's force (N), which opens the gap."""
     return np.asarray(
         device.spring.preload + device.spring.stiffness * (device.gap - np.asarray(gap))
     )
@@ -83,7 +83,7 @@ def spring_force(device: Device, gap: Floats | float) -> Floats:
 def finger_force(
     device: Device, pull: CoenergyMap, current: Floats | float, gap: Floats | float
 ) -> Floats:
-    """Return the force on a finger that holds the rod at `gap`: spring less pull (N).
+    """Force on a finger that holds the rod at `gap`: spring less pull (N).
 
     Positive when the rod pushes against the finger.
     """
@@ -91,7 +91,7 @@ def finger_force(
 
 
 def balance_current(device: Device, pull: CoenergyMap, gap: Floats) -> Floats:
-    """Return the least current (A) whose pull balances the spring at each `gap`; inf if none does.
+    """Least current (A) whose pull balances the spring at each `gap`; inf if none does.
 
     The least: in saturated steel the pull may fall again with more current.
     """
@@ -110,15 +110,12 @@ def balance_current(device: Device, pull: CoenergyMap, gap: Floats) -> Floats:
 
 
 def switching(device: Device, pull: CoenergyMap) -> Switching:
-    """Return the currents at which the rod moves between its stops.
+    """Currents at which the rod moves between its stops.
 
     The balance current i_b(g) tells all: rising, the rod gets past every gap whose i_b it
     exceeds, so it arrives at the largest; falling, it is back at the smallest.
 
-    Raises
-    ------
-    InputError
-        If the stops do not fit the gap or the map.
+    Raises InputError if the stops do not fit the gap or the map.
     """
     gaps = between_stops(device, _POSITIONS)
     needed = balance_current(device, pull, gaps)
@@ -135,7 +132,7 @@ def switching(device: Device, pull: CoenergyMap) -> Switching:
 
 
 def resting_gaps(device: Device, pull: CoenergyMap, currents: Floats, *, rising: bool) -> Floats:
-    """Return where the rod is (m) while the current rises slowly from 0, or falls from far above.
+    """Where the rod is (m) while the current rises slowly from 0, or falls from far above.
 
     Rising, it stays above every gap whose balance current is larger; falling, below every
     gap whose balance current is smaller.
@@ -156,7 +153,7 @@ def resting_gaps(device: Device, pull: CoenergyMap, currents: Floats, *, rising:
 
 
 def equilibria(device: Device, pull: CoenergyMap, current: float) -> tuple[Equilibrium, ...]:
-    """Return all places where the rod can rest at a constant current, from the top down.
+    """All places where the rod can rest at a constant current, from the top down.
 
     Floating is stable if the spring stiffens faster than the pull: ∂F/∂g + k > 0.
     """
@@ -175,12 +172,9 @@ def equilibria(device: Device, pull: CoenergyMap, current: float) -> tuple[Equil
 
 
 def between_stops(device: Device, count: int) -> Floats:
-    """Return `count` gaps from the lower stop to the upper (m).
+    """`count` gaps from the lower stop to the upper (m).
 
-    Raises
-    ------
-    InputError
-        If there is nothing between them.
+    Raises InputError if there is nothing between them.
     """
     stop = device.spring.stop_gap
     if not stop < device.gap:
@@ -198,7 +192,7 @@ def _extreme(
     needed: Floats,
     pick: Callable[[Floats], Any],
 ) -> tuple[float, float]:
-    """Return gap and balance current where it is extreme, looked at closer there."""
+    """Gap and balance current where it is extreme, looked at closer there."""
     at = int(pick(needed))
     if not np.isfinite(needed[at]):
         return float(gaps[at]), float(needed[at])
@@ -209,7 +203,7 @@ def _extreme(
 
 
 def _root(device: Device, pull: CoenergyMap, current: float, low: float, high: float) -> float:
-    """Return the gap between `low` and `high` where the forces balance (m)."""
+    """Gap between `low` and `high` where the forces balance (m)."""
     sign = math.copysign(1.0, float(finger_force(device, pull, current, low)))
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)

@@ -101,10 +101,7 @@ class Page:
 def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], None]) -> Path:
     """Write the book of verified rows into a folder and return its index.
 
-    Raises
-    ------
-    InputError
-        If a page cannot be written.
+    Raises InputError if a page cannot be written.
     """
     by_case = groupby(rows, key=lambda row: (row.group, row.case.id))
     pages = [_page(tuple(of_case), announce) for _, of_case in by_case]
@@ -152,7 +149,7 @@ def _environment() -> Callable[..., str]:
 
 
 def _provenance() -> dict[str, str]:
-    """Return what made the book: program, commit where there is one, libraries, machine."""
+    """What made the book: program, commit where there is one, libraries, machine."""
     origin = this_origin()
     return {
         "program": f"{origin.program} {origin.version}",

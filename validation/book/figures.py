@@ -43,7 +43,7 @@ class Scatter:
 
 
 def scatter(rows: Sequence[Verified]) -> Scatter | None:
-    """Return the scatter of the rows that were to agree, or None if fewer than two have a number.
+    """Scatter of the rows that were to agree, or None if fewer than two have a number.
 
     Rows that differ for a stated reason are not counted: they say nothing about the models.
     """
@@ -79,7 +79,7 @@ class Curve(NamedTuple):
 
 
 def convergence(curves: Sequence[Curve], measure: str, tolerance: float) -> str:
-    """Return relative errors over a measure of fineness, with the row's tolerance."""
+    """Relative errors over a measure of fineness, with the row's tolerance."""
     figure, axis = panels(6.4, 3.4)
     for curve, (mark, color) in zip(curves, _STYLES[: len(curves)], strict=True):
         axis.plot(
@@ -101,7 +101,7 @@ def convergence(curves: Sequence[Curve], measure: str, tolerance: float) -> str:
 
 
 def scattered(groups: dict[str, Scatter]) -> str:
-    """Return all groups' values over their references, on one logarithmic square."""
+    """All groups' values over their references, on one logarithmic square."""
     figure = new_figure(6.4, 5.6)
     axis = figure.add_subplot()
     low = min(float(s.reference.min()) for s in groups.values())
@@ -136,7 +136,7 @@ class Convergence(NamedTuple):
 
 
 def converged(rows: Sequence[Verified]) -> Convergence:
-    """Return how the first of a case's rows that can be solved more coarsely converges."""
+    """How the first of a case's rows that can be solved more coarsely converges."""
     case = rows[0].case
     if case.refinement is not None:
         return _errors(rows[0].group, case.id, case.refinement)
@@ -168,7 +168,7 @@ def _levels(row: Verified) -> Iterator[Division]:
 
 
 def _values(row: Verified, levels: Sequence[Division]) -> Convergence:
-    """Return errors against the reference where it is one number, and changes to the finest."""
+    """Errors against the reference where it is one number, and changes to the finest."""
     levels, check = sorted(levels, key=lambda level: level.below), row.check
     finest = levels[0]
     assert finest.kind is not None
@@ -190,7 +190,7 @@ def _values(row: Verified, levels: Sequence[Division]) -> Convergence:
 
 
 def _errors(group: str, name: str, refinement: Refinement) -> Convergence:
-    """Return the errors by which a case shows its order."""
+    """Errors by which a case shows its order."""
     errors = [
         remembered(group, f"{name} {level}", partial(refinement.error, level))
         for level in refinement.levels

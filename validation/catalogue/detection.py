@@ -51,14 +51,14 @@ class ThresholdCurve:
         return self.points[0].frequency, self.points[-1].frequency
 
     def outside(self, frequencies: Floats) -> Bools:
-        """Return which frequencies (n,) have no value."""
+        """Which frequencies (n,) have no value."""
         f = np.asarray(frequencies, dtype=float)
         low, high = self.range
         tolerance = 1e-9 * high  # a sweep's last frequency may be off by rounding
         return np.asarray((f < low - tolerance) | (f > high + tolerance))
 
     def at(self, frequencies: Floats) -> Floats:
-        """Return the threshold (n,) in m; nan outside the range."""
+        """Threshold (n,) in m; nan outside the range."""
         f = np.asarray(frequencies, dtype=float)
         beyond = self.outside(f)
         inside = np.where(beyond, self.range[0], f)
@@ -66,12 +66,12 @@ class ThresholdCurve:
         return np.asarray(np.where(beyond, np.nan, np.exp(level)))
 
     def weights(self, frequency: float) -> Floats:
-        """Return d ln threshold(frequency) / d ln amplitude of each point, shape (points,)."""
+        """D ln threshold(frequency) / d ln amplitude of each point, shape (points,)."""
         knots = np.log(self._frequencies)
         return np.array([np.interp(np.log(frequency), knots, row) for row in np.eye(knots.size)])
 
     def scaled(self, number: int, factor: float) -> ThresholdCurve:
-        """Return the curve with the amplitude of one point multiplied."""
+        """Curve with the amplitude of one point multiplied."""
         point = self.points[number]
         changed = replace(point, amplitude=point.amplitude * factor)
         return replace(self, points=(*self.points[:number], changed, *self.points[number + 1 :]))
@@ -99,12 +99,9 @@ _EXAMPLE = "frequency (Hz), threshold (um)"
 
 
 def threshold_of(threshold: Threshold) -> ThresholdCurve:
-    """Return the threshold that a scene names.
+    """Threshold that a scene names.
 
-    Raises
-    ------
-    InputError
-        If it is a table without file, or one that cannot be used.
+    Raises InputError if it is a table without file, or one that cannot be used.
     """
     if threshold.kind == "paper":
         return DISPLAY_THRESHOLD

@@ -106,5 +106,5 @@ SETTINGS: Mapping[str, tuple[str, ...]] = {
 
 
 def plain_keys(entries: tuple[str, ...]) -> tuple[str, ...]:
-    """Return keys and groups without their conditions."""
+    """Keys and groups without their conditions."""
     return tuple(dict.fromkeys(entry.partition(" if ")[0] for entry in entries))

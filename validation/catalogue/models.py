@@ -89,11 +89,11 @@ class ModelRow:
         return self.theory == "beam"
 
     def reads(self, key: str) -> bool:
-        """Return whether some stage reads a scene key or group."""
+        """Whether some stage reads a scene key or group."""
         return any(key in plain_keys(entries) for entries in self.stages.values())
 
     def stages_for(self, quantity: QuantityRow) -> tuple[str, ...]:
-        """Return the names of the stages that a quantity needs, in order."""
+        """Names of the stages that a quantity needs, in order."""
         own = (f"{self.name}.{stage}" for need in quantity.needs for stage in self.gives[need])
         return tuple(dict.fromkeys(own))
 
@@ -231,7 +231,7 @@ MAPS = "tactgen.validation.models.reluctance.maps"
 
 
 def map_model(models: Iterable[str]) -> str:
-    """Return the model of the normal actuator whose co-energy map the machine takes.
+    """Model of the normal actuator whose co-energy map the machine takes.
 
     Of those asked for the one that knows most; the cheapest if none is.
     """
@@ -240,22 +240,22 @@ def map_model(models: Iterable[str]) -> str:
 
 
 def models_of(actuator: Actuator) -> tuple[str, ...]:
-    """Return the names of an actuator's models, cheapest first."""
+    """Names of an actuator's models, cheapest first."""
     return tuple(name for name, row in MODELS.items() if row.actuator == actuator)
 
 
 def ranked(models: Iterable[str]) -> list[str]:
-    """Return models in the order of their rank; the last is what the others are held against."""
+    """Models in the order of their rank; the last is what the others are held against."""
     return sorted(models, key=lambda name: MODELS[name].rank)
 
 
 def gives(model: str, quantity: str) -> bool:
-    """Return whether a model can compute a quantity."""
+    """Whether a model can compute a quantity."""
     return set(QUANTITIES[quantity].needs) <= set(MODELS[model].gives)
 
 
 def all_given(models: Iterable[str]) -> tuple[str, ...]:
-    """Return what "all" quantities are: those that the models give.
+    """What "all" quantities are: those that the models give.
 
     Of machine and display only what is named counts, since they want a bimorph on the rod's
     contact.
@@ -269,7 +269,7 @@ def all_given(models: Iterable[str]) -> tuple[str, ...]:
 
 
 def stage_reads() -> dict[str, tuple[str, ...]]:
-    """Return the entries of keys that each stage reads; a changed voltage re-meshes nothing."""
+    """Entries of keys that each stage reads; a changed voltage re-meshes nothing."""
     return {
         f"{row.name}.{stage}": reads
         for row in MODELS.values()
@@ -278,7 +278,7 @@ def stage_reads() -> dict[str, tuple[str, ...]]:
 
 
 def reading(model: str) -> tuple[str, ...]:
-    """Return the entries of keys that a model's answers are read with, beside its stages'."""
+    """Entries of keys that a model's answers are read with, beside its stages'."""
     return READING[MODELS[model].actuator]
 
 

@@ -27,7 +27,7 @@ REASONS = ("the ceramic's strength", "the field against the poling", "the amplif
 
 
 def voltage_limits(driven: DrivenCeramic, limits: Limits) -> Floats:
-    """Return the voltage (3, n) at which each of :data:`REASONS` is reached (V).
+    """Voltage (3, n) at which each of :data:`REASONS` is reached (V).
 
     Infinite where nothing is strained or drawn, or where the stress is not known.
     """
@@ -46,12 +46,12 @@ _LARGEST = 1e3
 
 
 def coupling_factor(short: Any, opened: Any) -> Any:
-    """Return the electromechanical coupling factor of a mode from its two frequencies."""
+    """Electromechanical coupling factor of a mode from its two frequencies."""
     return np.sqrt(np.maximum(1.0 - (short / opened) ** 2, 0.0))
 
 
 def coupling_rounding(value: float, of: float) -> float:
-    """Return what relative rounding of both frequencies together does to a coupling factor.
+    """What relative rounding of both frequencies together does to a coupling factor.
 
     k² is the difference of nearly equal numbers, and k its root, also where nothing is left of it.
     """
@@ -339,10 +339,10 @@ QUANTITIES: dict[str, QuantityRow] = {
 
 
 def quantities_of(actuator: Actuator) -> tuple[str, ...]:
-    """Return the names of an actuator's quantities."""
+    """Names of an actuator's quantities."""
     return tuple(name for name, row in QUANTITIES.items() if row.actuator == actuator)
 
 
 def measurable() -> dict[str, QuantityRow]:
-    """Return the quantities that can be measured as a response, by the column's name."""
+    """Quantities that can be measured as a response, by the column's name."""
     return {row.curve.kind: row for row in QUANTITIES.values() if row.curve is not None}

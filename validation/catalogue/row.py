@@ -123,7 +123,7 @@ class QuantityRow:
         object.__setattr__(self, "label", self.label or self.name.replace("_", " "))
 
     def at_threshold(self, threshold: ThresholdCurve) -> QuantityRow:
-        """Return the row with a level, if it has one, that is this detection threshold."""
+        """Row with a level, if it has one, that is this detection threshold."""
         if not (isinstance(self.read, Readout) and self.read.level is not None):
             return self
         return replace(self, read=replace(self.read, level=threshold.at))

@@ -75,7 +75,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def format_help(self) -> str:
-        """Return the help text, with what is listed in it."""
+        """Help text, with what is listed in it."""
         if self.listing is not None:
             self.description, self.epilog = self.listing()
         return super().format_help()
@@ -99,7 +99,7 @@ class _Parser(argparse.ArgumentParser):
         raise InputError(f"{message}{self._nearest(message)}; see {self.prog} --help")
 
     def _nearest(self, message: str) -> str:
-        """Return what a misspelt command, choice or option may have meant."""
+        """What a misspelt command, choice or option may have meant."""
         from tactgen.geometry.names import nearest
 
         chosen = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
@@ -196,13 +196,13 @@ def _refuse_empty(action: argparse.Action, value: object) -> None:
 
 
 def _command(arguments: Sequence[str] | None) -> str | None:
-    """Return the command that is asked for, None where all must be known."""
+    """Command that is asked for, None where all must be known."""
     first = next(iter(sys.argv[1:] if arguments is None else arguments), "")
     return first if first in _COMMANDS and first != "completion" else None
 
 
 def _parser(only: str | None = None) -> argparse.ArgumentParser:
-    """Return the parser of all commands, or of one: to declare all takes a tenth of an answer."""
+    """Parser of all commands, or of one: to declare all takes a tenth of an answer."""
     parser = _Parser(
         prog="tactgen",
         description="Verification suite for a tactile generator: a piezo bimorph on a "
@@ -220,7 +220,7 @@ def _parser(only: str | None = None) -> argparse.ArgumentParser:
 
 
 def commands() -> dict[str, argparse.ArgumentParser]:
-    """Return the commands by name, each with what it takes."""
+    """Commands by name, each with what it takes."""
     found: dict[str, argparse.ArgumentParser] = {}
     for action in _parser()._actions:
         if isinstance(action, argparse._SubParsersAction):

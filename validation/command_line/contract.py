@@ -13,14 +13,11 @@ if TYPE_CHECKING:
 def under_contract(
     scene: Scene, origins: Mapping[str, str], announce: Callable[[str], None]
 ) -> tuple[Scene, Choice | None]:
-    """Return the scene with the models that the accuracy asks for, and why.
+    """Scene with the models that the accuracy asks for, and why.
 
     Unchanged, and None, where models are named or no accuracy is.
 
-    Raises
-    ------
-    InputError
-        If no model is known to meet the accuracy.
+    Raises InputError if no model is known to meet the accuracy.
     """
     if "accuracy" not in origins or "models" in origins:
         return scene, None

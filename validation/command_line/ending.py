@@ -75,7 +75,7 @@ def unwound_when_told_to_end() -> Iterator[None]:
 
 
 def _loading(frame: FrameType | None) -> bool:
-    """Return whether a compiled module is being loaded."""
+    """Whether a compiled module is being loaded."""
     while frame is not None:
         if frame.f_code in _LOADERS:
             return True
@@ -84,7 +84,7 @@ def _loading(frame: FrameType | None) -> bool:
 
 
 def said_of_the_end(interrupt: KeyboardInterrupt) -> tuple[int, str]:
-    """Return exit code, 128 and the signal's number as shells have it, and words."""
+    """Exit code, 128 and the signal's number as shells have it, and words."""
     number = interrupt.args[0] if interrupt.args else signal.SIGINT
     how = "interrupted" if number == signal.SIGINT else "told to end"
     return 128 + number, f"{how}; nothing half-written was kept"

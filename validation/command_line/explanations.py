@@ -11,7 +11,7 @@ _MORE = "free some, raise the limit of the process (ulimit -v), or ask for less"
 
 
 def explained(error: Exception, scene: str) -> str | None:
-    """Return the sentence for an error that a user can act on, None for a mistake of ours."""
+    """Sentence for an error that a user can act on, None for a mistake of ours."""
     if isinstance(error, InputError):
         return str(error)
     short = _of_memory(error) or _of_a_full_disk(error)
@@ -36,7 +36,7 @@ def explained(error: Exception, scene: str) -> str | None:
 
 
 def _of_memory(error: Exception) -> str:
-    """Return the sentence for what comes of too little memory, "" for anything else."""
+    """Sentence for what comes of too little memory, "" for anything else."""
     if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
         return f"there is not enough memory for this; {_MORE}"
     if isinstance(error, ImportError) and not (error.name or "").startswith("tactgen"):
@@ -50,7 +50,7 @@ def _of_memory(error: Exception) -> str:
 
 
 def _of_a_full_disk(error: Exception) -> str:
-    """Return the sentence for a compiled module that Python left cut short, "" for all else.
+    """Sentence for a compiled module that Python left cut short, "" for all else.
 
     Where the disk is full it writes what goes in, takes that for the whole, and reads it ever
     after.

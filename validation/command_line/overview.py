@@ -65,7 +65,7 @@ def _print_rows(rows: Sequence[tuple[str, ...]], labels: int) -> None:
 
 
 def _part(actuator: Actuator, solution: Solution) -> _Part:
-    """Return the rows about an actuator; none if none of its quantities is asked for."""
+    """Rows about an actuator; none if none of its quantities is asked for."""
     asked = [
         q
         for q in solution.quantities
@@ -84,12 +84,12 @@ def _part(actuator: Actuator, solution: Solution) -> _Part:
 
 
 def _is_nothing(q: Quantity) -> bool:
-    """Return whether a response is 0 at every frequency."""
+    """Whether a response is 0 at every frequency."""
     return q.frequency is not None and not q.value.any()
 
 
 def _rows(name: str, solution: Solution, models: list[str]) -> list[tuple[str, list[str]]]:
-    """Return label and cells of a quantity: a number, the first of a list, or the largest value."""
+    """Label and cells of a quantity: a number, the first of a list, or the largest value."""
     found, label = solution.by_model(name), QUANTITIES[name].label
     first = next(iter(found.values()))
     if all(q.value.ndim == 0 for q in found.values()):
@@ -114,7 +114,7 @@ def _rows(name: str, solution: Solution, models: list[str]) -> list[tuple[str, l
 
 
 def _cell(q: Quantity | None, at: int | tuple[()], *, of_class: bool = False) -> str:
-    """Return one value with its unit and error bar, nothing where the model has none."""
+    """One value with its unit and error bar, nothing where the model has none."""
     if q is None or (isinstance(at, int) and at >= q.value.size):
         return ""
     number = complex(q.value[at])
@@ -133,7 +133,7 @@ def _cell(q: Quantity | None, at: int | tuple[()], *, of_class: bool = False) ->
 
 
 def _pole(value: complex) -> str:
-    """Return a pole (rad/s) as its natural frequency and damping ratio, or its rate of decay."""
+    """Pole (rad/s) as its natural frequency and damping ratio, or its rate of decay."""
     if not value.imag:
         return engineering(-value.real, "1/s")
     natural = engineering(abs(value) / (2.0 * math.pi), "Hz")

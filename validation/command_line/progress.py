@@ -39,7 +39,7 @@ class Clock:
         return self._now() - self._start
 
     def words(self, text: str) -> str:
-        """Return the text with times; of equal steps ("gap 3 of 9") also about how long to go."""
+        """Text with times; of equal steps ("gap 3 of 9") also about how long to go."""
         stage = ""
         if text in self._stages:
             stage = f" (stage {self._stages.index(text) + 1} of {len(self._stages)})"
@@ -78,7 +78,7 @@ def announcer(stages: Sequence[str] = ()) -> Iterator[Callable[[str], None]]:
 
 
 def _rewritten() -> Console | None:
-    """Return stderr where a line of it can be written over: a terminal that is not a dumb one."""
+    """Stderr where a line of it can be written over: a terminal that is not a dumb one."""
     if not sys.stderr.isatty():
         return None
     from rich.console import Console

@@ -54,10 +54,7 @@ def drop_output() -> None:
 def usable_streams() -> None:
     """Let both streams be there and take every character.
 
-    Raises
-    ------
-    InputError
-        If standard output is closed.
+    Raises InputError if standard output is closed.
     """
     if sys.stderr is None:  # closed: words and progress go nowhere, not to stdout
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
@@ -71,7 +68,7 @@ def usable_streams() -> None:
 
 
 def _plainly(error: UnicodeError) -> tuple[str, int]:
-    """Return plain text for what a stream cannot encode, and where to go on."""
+    """Plain text for what a stream cannot encode, and where to go on."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     refused = error.object[error.start : error.end]

@@ -46,7 +46,7 @@ def axis_options(parser: argparse.ArgumentParser) -> None:
 
 
 def stated(options: argparse.Namespace, before: Statement | None = None) -> Statement:
-    """Return what the options ask; where they are silent, what a study asked before."""
+    """What the options ask; where they are silent, what a study asked before."""
     from tactgen.validation.scene.scene import scene_values
     from tactgen.validation.studies.whatif.request import (
         asks_accuracy,
@@ -102,7 +102,7 @@ def check_seed(seed: str | None, samples: int) -> None:
 
 
 def whole_number(text: str, option: str, least: int, most: int, example: str) -> int:
-    """Return the whole number that an option gives; InputError if it is none in the range."""
+    """Whole number that an option gives; InputError if it is none in the range."""
     number = int(text) if text.strip().isdecimal() and len(text) < 12 else least - 1
     if not least <= number <= most:
         raise InputError(
@@ -113,7 +113,7 @@ def whole_number(text: str, option: str, least: int, most: int, example: str) ->
 
 
 def under_accuracy(statement: Statement) -> tuple[Statement, Choice | None]:
-    """Return the statement with the models that its accuracy chooses, if no model is named."""
+    """Statement with the models that its accuracy chooses, if no model is named."""
     if not statement.by_accuracy:
         return statement, None
     from tactgen.validation.command_line.progress import announcer

@@ -61,7 +61,7 @@ class Answer:
     seconds: float = 0.0
 
     def get(self, name: str) -> Quantity | None:
-        """Return one quantity by name, None if there is none."""
+        """One quantity by name, None if there is none."""
         return next((q for q in self.quantities if q.name == name), None)
 
 
@@ -97,7 +97,7 @@ def quantity_rows(q: Quantity, status: str = "ok", reason: str = "") -> Iterator
 
 
 def _labels(q: Quantity, place: tuple[int, ...]) -> tuple[float | None, int | None]:
-    """Return frequency and index of one place in a quantity's array."""
+    """Frequency and index of one place in a quantity's array."""
     if q.frequency is None:
         return None, place[0] + 1 if place else None
     inner = place[1:]
@@ -121,7 +121,7 @@ def write_csv(path: Path, axes: Iterable[str], table: Iterable[Sequence[Any]]) -
 
 
 def quantity_json(q: Quantity) -> dict[str, Any]:
-    """Return a quantity as plain JSON values; complex numbers as [re, im], no value as null."""
+    """Quantity as plain JSON values; complex numbers as [re, im], no value as null."""
     parts = np.stack([q.value.real, q.value.imag], axis=-1) if np.iscomplexobj(q.value) else q.value
     return {
         "name": q.name,
@@ -137,7 +137,7 @@ def quantity_json(q: Quantity) -> dict[str, Any]:
 
 
 def quantity_from_json(entry: Mapping[str, Any]) -> Quantity:
-    """Return the quantity that :func:`quantity_json` wrote; null is nan."""
+    """Quantity that :func:`quantity_json` wrote; null is nan."""
     value, error = (np.array(entry[name], dtype=float) for name in ("value", "uncertainty"))
     if value.ndim == error.ndim + 1:
         value = value[..., 0] + 1j * value[..., 1]
@@ -151,7 +151,7 @@ def quantity_from_json(entry: Mapping[str, Any]) -> Quantity:
 
 
 def answer_json(answer: Answer) -> dict[str, Any]:
-    """Return an answer as plain JSON values."""
+    """Answer as plain JSON values."""
     return {
         "status": answer.status, "reason": answer.reason, "seconds": answer.seconds,
         "quantities": [quantity_json(q) for q in answer.quantities],
@@ -160,7 +160,7 @@ def answer_json(answer: Answer) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Return dataclasses as dicts, arrays as lists, and None for numbers that are not finite."""
+    """Dataclasses as dicts, arrays as lists, and None for numbers that are not finite."""
     if isinstance(value, np.ndarray):
         if value.dtype.kind == "f" and not np.isfinite(value).all():
             value = np.where(np.isfinite(value), value.astype(object), np.array(None))
@@ -180,7 +180,7 @@ def plain(value: Any) -> Any:
 
 
 def format_value(value: Any, unit: str) -> str:
-    """Return a real number with its unit, or magnitude and phase of a complex one."""
+    """Real number with its unit, or magnitude and phase of a complex one."""
     if np.iscomplexobj(value):
         phase = math.degrees(math.atan2(value.imag, value.real))
         return f"{engineering(abs(value), unit, _DIGITS)} ∠ {phase:.2f}°"
@@ -188,7 +188,7 @@ def format_value(value: Any, unit: str) -> str:
 
 
 def format_error(value: Any, error: float, unit: str) -> str:
-    """Return an error as a share of its value, in the value's unit where that is zero."""
+    """Error as a share of its value, in the value's unit where that is zero."""
     size = float(abs(value))
     if math.isnan(error) or math.isnan(size):
         return "-"
@@ -249,7 +249,7 @@ class Representative:
 
 
 def representative(q: Quantity) -> Representative:
-    """Return the number itself, of modes and poles the first, of a response the largest magnitude.
+    """Number itself, of modes and poles the first, of a response the largest magnitude.
 
     Of what is complex it is the magnitude: a pole's is its natural angular frequency.
     Of one frequency it is the magnitude there, of a matrix its largest entry, without an error.
@@ -308,7 +308,7 @@ def dataset(
     quantities: Sequence[str],
     answers: Sequence[Mapping[str, Answer]],
 ) -> Dataset:
-    """Return answers as arrays.
+    """Answers as arrays.
 
     Parameters
     ----------
@@ -356,7 +356,7 @@ def dataset(
 
 
 def _filled(found: list[list[Quantity | None]], known: list[Quantity]) -> tuple[Array, Array]:
-    """Return values and errors over model and point, nan where there are none."""
+    """Values and errors over model and point, nan where there are none."""
     inner = tuple(max(sizes) for sizes in zip(*(q.value.shape for q in known), strict=True))
     kind = np.result_type(*(q.value for q in known))
     value = np.full((len(found), len(found[0]), *inner), np.nan, kind)
@@ -370,7 +370,7 @@ def _filled(found: list[list[Quantity | None]], known: list[Quantity]) -> tuple[
 
 
 def _inner_dimensions(first: Quantity) -> tuple[str, ...]:
-    """Return the dimensions of a quantity itself."""
+    """Dimensions of a quantity itself."""
     if first.frequency is None:
         return ("mode",) if first.value.ndim else ()
     return ("frequency", "effort", "motion")[: first.value.ndim]
@@ -393,10 +393,7 @@ def _add_coordinates(
 def write_netcdf(path: Path, found: Dataset, attributes: Mapping[str, str]) -> Path:
     """Write arrays with units, errors and provenance as netCDF 3, whole or not at all.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     from scipy.io import netcdf_file  # slow to import
 

@@ -27,7 +27,7 @@ _CHANGED = 0.25
 
 
 def recorded() -> dict[str, float]:
-    """Return the seconds that stages took when they last ran, by name; of none that never did."""
+    """Seconds that stages took when they last ran, by name; of none that never did."""
     try:
         found: dict[str, float] = read_entry(store_folder() / (_NAME + SUFFIX))
     except (FileNotFoundError, Damaged):
@@ -62,7 +62,7 @@ class Prospect:
 
 
 def stage_prospects(plan: Plan) -> dict[str, Prospect]:
-    """Return the prospects of a plan's stages, by name.
+    """Prospects of a plan's stages, by name.
 
     Costs are those of the last run on this machine, of whatever scene: an order of magnitude.
     """
@@ -77,5 +77,5 @@ def stage_prospects(plan: Plan) -> dict[str, Prospect]:
 
 
 def total(prospects: dict[str, Prospect]) -> float:
-    """Return the seconds of all that is not kept and of which a cost is recorded."""
+    """Seconds of all that is not kept and of which a cost is recorded."""
     return sum(p.seconds for p in prospects.values() if not p.kept and p.seconds is not None)

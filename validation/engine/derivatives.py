@@ -59,12 +59,9 @@ def derivatives(
     keys: Sequence[str],
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[Derivatives]:
-    """Return quantities by a model, each with its derivatives by `keys`.
+    """Quantities by a model, each with its derivatives by `keys`.
 
-    Raises
-    ------
-    InputError
-        If the model cannot take the scene, or one next to it.
+    Raises InputError if the model cannot take the scene, or one next to it.
     """
     base = solve(scene, (model,), quantities, announce)
     start = [base.get(name, model) for name in quantities]
@@ -95,7 +92,7 @@ def derivatives(
 
 
 def extrapolated(values: Numbers, error: Floats, distance: float) -> tuple[Numbers, Floats]:
-    """Return the derivative (...) of values (5, ...) at 0 and at :data:`PLACES`, and its error.
+    """Derivative (...) of values (5, ...) at 0 and at :data:`PLACES`, and its error.
 
     Of two central differences the error h² is extrapolated away; by how far that moves the
     better one is what is left at most.  `error` (...) is that of the value at 0.  What is the same
@@ -115,7 +112,7 @@ def extrapolated(values: Numbers, error: Floats, distance: float) -> tuple[Numbe
 
 
 def within(changed: Changed, key: str, value: float, distance: float) -> float:
-    """Return the distance, or less of it where the parts would not fit together."""
+    """Distance, or less of it where the parts would not fit together."""
     nearest = NEAREST * abs(value)
     while distance > nearest:
         try:

@@ -37,7 +37,7 @@ SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES = 2.5, 5.0
 
 
 def observed_factor(before: Floats, last: Floats, order: float) -> Floats:
-    """Return the error bar of the finest of three meshes per difference from the next coarser.
+    """Error bar of the finest of three meshes per difference from the next coarser.
 
     Each mesh has the last one's elements halved.  The error falls by what the two differences
     show: at most by what the order promises, at least by :data:`LEAST_HALVED`.
@@ -54,7 +54,7 @@ def observed_factor(before: Floats, last: Floats, order: float) -> Floats:
 
 
 def least_difference(fine: Floats, coarse: Floats) -> Floats:
-    """Return the relative difference (...) that each answer of a group counts with at least.
+    """Relative difference (...) that each answer of a group counts with at least.
 
     Two levels may agree in one mode, or in one answer at rest, by chance, while they differ in
     its neighbours: a tenth of the largest difference in the group.
@@ -72,7 +72,7 @@ def least_difference(fine: Floats, coarse: Floats) -> Floats:
 
 
 def cancelling(change: float, most: float) -> float:
-    """Return the size that a difference of two errors counts with, estimated as `change`.
+    """Size that a difference of two errors counts with, estimated as `change`.
 
     Of two errors that are much alike next to nothing may be left by chance: a tenth of the `most`
     that it can be counts besides.  Chosen on coupling factors of 20 bimorphs and of 15 members of
@@ -83,7 +83,7 @@ def cancelling(change: float, most: float) -> float:
 
 
 def two_mesh_factor(ratio: float, order: float = ASSUMED_ORDER) -> float:
-    """Return the error bar of the finer mesh per difference between two meshes.
+    """Error bar of the finer mesh per difference between two meshes.
 
     Parameters
     ----------

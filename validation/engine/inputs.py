@@ -36,12 +36,12 @@ _LISTED = 4
 
 @lru_cache
 def _leaves(path: str) -> tuple[str, ...]:
-    """Return the scene keys that a key or group stands for."""
+    """Scene keys that a key or group stands for."""
     return tuple(key for key in scene_keys() if key == path or key.startswith(f"{path}."))
 
 
 def _holds(scene: Scene, condition: str) -> bool:
-    """Return whether a condition of an entry holds."""
+    """Whether a condition of an entry holds."""
     key, unequal, value = condition.partition("!=")
     if not unequal:
         key, _, value = condition.partition("=")
@@ -52,13 +52,13 @@ def _holds(scene: Scene, condition: str) -> bool:
 
 
 def _counts(scene: Scene, key: str) -> bool:
-    """Return whether a key counts for anyone, by the conditions of it and its group."""
+    """Whether a key counts for anyone, by the conditions of it and its group."""
     conditions = (CONDITIONS.get(key), CONDITIONS.get(key.partition(".")[0]))
     return not _profile(scene, key) and all(c is None or _holds(scene, c) for c in conditions)
 
 
 def _profile(scene: Scene, key: str) -> str:
-    """Return the key of the profile that gives a dimension of the ceramic instead, if one does."""
+    """Key of the profile that gives a dimension of the ceramic instead, if one does."""
     profile = f"{key}_profile"
     if key not in PROFILED or profile.removeprefix("bimorph.") not in scene.bimorph.profiles:
         return ""
@@ -68,7 +68,7 @@ def _profile(scene: Scene, key: str) -> str:
 
 
 def _own_keys(scene: Scene, entries: Iterable[str]) -> dict[str, None]:
-    """Return the keys that entries name and whose conditions hold, in order."""
+    """Keys that entries name and whose conditions hold, in order."""
     found: dict[str, None] = {}
     for entry in entries:
         path, _, condition = entry.partition(" if ")
@@ -78,7 +78,7 @@ def _own_keys(scene: Scene, entries: Iterable[str]) -> dict[str, None]:
 
 
 def keys_read(scene: Scene, entries: Iterable[str]) -> set[str]:
-    """Return all keys that a scene's entries read, those of a contact and of a map included."""
+    """All keys that a scene's entries read, those of a contact and of a map included."""
     entries = tuple(entries)
     keys = set(_own_keys(scene, entries))
     if "support" in entries and scene.support.kind == "contact":
@@ -89,7 +89,7 @@ def keys_read(scene: Scene, entries: Iterable[str]) -> set[str]:
 
 
 def values_read(scene: Scene, entries: Iterable[str]) -> dict[str, Any]:
-    """Return the values that entries read, as plain values that a hash can be made of."""
+    """Values that entries read, as plain values that a hash can be made of."""
     return _values(scene, scene.model_dump(mode="json"), tuple(entries))
 
 
@@ -124,7 +124,7 @@ def _values(scene: Scene, dump: dict[str, Any], entries: tuple[str, ...]) -> dic
 
 
 def stage_keys(names: Iterable[str], scene: Scene) -> dict[str, str]:
-    """Return the keys of stages by name: hashes of the scene values that they read."""
+    """Keys of stages by name: hashes of the scene values that they read."""
     dump, entries = scene.model_dump(mode="json"), stage_reads()
     digests: dict[tuple[str, ...], str] = {}
     for name in names:
@@ -138,7 +138,7 @@ def stage_keys(names: Iterable[str], scene: Scene) -> dict[str, str]:
 
 
 def stage_key(name: str, scene: Scene) -> str:
-    """Return the key of one stage."""
+    """Key of one stage."""
     return stage_keys((name,), scene)[name]
 
 
@@ -148,7 +148,7 @@ def stage_key(name: str, scene: Scene) -> str:
 def scene_warnings(
     scene: Scene, origins: Mapping[str, str], *, report: bool = False
 ) -> tuple[str, ...]:
-    """Return one sentence for each key that was set but has no effect.
+    """One sentence for each key that was set but has no effect.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def scene_warnings(
 
 
 def idle(scene: Scene, key: str) -> str:
-    """Return why a key has no effect on what a scene asks, or nothing if it may have one."""
+    """Why a key has no effect on what a scene asks, or nothing if it may have one."""
     because = _idle(scene, key, report=False, asked=True)
     return f"{key} = {_text(scene, key)} has no effect {because}" if because else ""
 
@@ -193,7 +193,7 @@ def _idle(scene: Scene, key: str, *, report: bool, asked: bool) -> str:
 
 
 def _sensible(scene: Scene, key: str) -> tuple[str, ...]:
-    """Return the quantities that a scene can be asked for: of machines where one stands."""
+    """Quantities that a scene can be asked for: of machines where one stands."""
     machine = scene.support.kind == "contact" or key.partition(".")[0] in ("display", "skin")
     return tuple(
         name for name, row in QUANTITIES.items()
@@ -202,7 +202,7 @@ def _sensible(scene: Scene, key: str) -> tuple[str, ...]:
 
 
 def _entries(models: Iterable[str], quantities: Iterable[str]) -> tuple[str, ...]:
-    """Return the entries of all that models read for quantities."""
+    """Entries of all that models read for quantities."""
     models, found = tuple(models), dict[str, None]()
     for model in models:
         found |= dict.fromkeys(SETTINGS.get(model, ()))
@@ -214,7 +214,7 @@ def _entries(models: Iterable[str], quantities: Iterable[str]) -> tuple[str, ...
 
 
 def _of(models: Iterable[str], quantity: str) -> list[str]:
-    """Return the entries of the stages that a quantity needs by models that give it."""
+    """Entries of the stages that a quantity needs by models that give it."""
     rows = [MODELS[model] for model in models if gives(model, quantity)]
     return [
         entry
@@ -225,7 +225,7 @@ def _of(models: Iterable[str], quantity: str) -> list[str]:
 
 
 def _unmet(scene: Scene, key: str, models: Iterable[str], quantities: Iterable[str]) -> str:
-    """Return the condition without which a key counts for none of the models, in words."""
+    """Condition without which a key counts for none of the models, in words."""
     conditions = [CONDITIONS.get(key), CONDITIONS.get(key.partition(".")[0])]
     if key.partition(".")[0] in ("contact", "guide"):
         conditions.append("support.kind=contact")
@@ -239,7 +239,7 @@ def _unmet(scene: Scene, key: str, models: Iterable[str], quantities: Iterable[s
 
 
 def _remedy(scene: Scene, condition: str) -> str:
-    """Return the words for a condition that does not hold."""
+    """Words for a condition that does not hold."""
     key, unequal, value = condition.partition("!=")
     if unequal:
         return f'with {key} = "{value}"; set another {key} to use it'
@@ -253,7 +253,7 @@ def _remedy(scene: Scene, condition: str) -> str:
 
 
 def _by_other_models(scene: Scene, key: str, quantities: tuple[str, ...]) -> str:
-    """Return which models would read a key that none of those asked for reads."""
+    """Which models would read a key that none of those asked for reads."""
     able = [m for m in MODELS if key in keys_read(scene, _entries((m,), quantities))]
     if not able:
         nobody = "on any quantity; tactgen report shows the coil's resistance and heat"
@@ -276,7 +276,7 @@ def _weightless(load: p.Load) -> list[str]:
 
 
 def _signs(scene: Scene) -> list[str]:
-    """Return what looks like a size that was taken for a value."""
+    """What looks like a size that was taken for a value."""
     found = []
     if scene.piezo.d31 > 0.0:
         found.append(

@@ -91,45 +91,42 @@ class Model(ABC):
     def check(cls, scene: Scene) -> None:
         """Refuse a scene that the model cannot take, before anything is computed.
 
-        Raises
-        ------
-        InputError
-            With the remedy.
+        Raises InputError with the remedy.
         """
 
     @classmethod
     def finest(cls, scene: Scene) -> float:
-        """Return the relative error bar that its finest mesh keeps to."""
+        """Relative error bar that its finest mesh keeps to."""
         return MODELS[cls.name].finest
 
     @abstractmethod
     def answer(self, need: Need) -> Any:
-        """Return what quantities with this need are read from."""
+        """What quantities with this need are read from."""
 
     def closed_form(self, ends: Ends) -> Refined[Response] | None:
-        """Return what tip and charge do at 1 V, as wired, if a closed form knows it."""
+        """What tip and charge do at 1 V, as wired, if a closed form knows it."""
         return None
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
-        """Return what the reader of these quantities must be told."""
+        """What the reader of these quantities must be told."""
         return ()
 
     def run(self, stage: str, work: Callable[[], T]) -> T:
-        """Return the result of one of the row's stages, computed the first time."""
+        """Result of one of the row's stages, computed the first time."""
         return self.stages.run(f"{self.name}.{stage}", work)
 
     def will_run(self, stage: str) -> bool:
-        """Return whether one of the row's stages is in the plan."""
+        """Whether one of the row's stages is in the plan."""
         return f"{self.name}.{stage}" in self.stages.keys
 
 
 def model_class(name: str) -> type[Model]:
-    """Return the class of a model; its module is loaded now and not before."""
+    """Class of a model; its module is loaded now and not before."""
     row = MODELS[name]
     found: type[Model] = getattr(importlib.import_module(row.module), row.kind)
     return found
 
 
 def make_model(name: str, scene: Scene, stages: Stages) -> Model:
-    """Return the named model of a scene."""
+    """Named model of a scene."""
     return model_class(name)(scene, stages)

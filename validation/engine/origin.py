@@ -48,7 +48,7 @@ class Origin:
 
 
 def this_origin() -> Origin:
-    """Return what computes here and now."""
+    """What computes here and now."""
     from tactgen.fem.solvers.linear_solver import available_solver
 
     return Origin(

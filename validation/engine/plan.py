@@ -50,17 +50,14 @@ _OF_MACHINES = ("generator", "display")
 
 
 def asks_display(quantities: Iterable[str]) -> bool:
-    """Return whether one of the quantities is of the display."""
+    """Whether one of the quantities is of the display."""
     return any(QUANTITIES[name].actuator == "display" for name in quantities)
 
 
 def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> Plan:
     """Derive the plan from what is wanted.
 
-    Raises
-    ------
-    InputError
-        If a model cannot take the scene, or a quantity has no model.
+    Raises InputError if a model cannot take the scene, or a quantity has no model.
     """
     scene = scene.asking(models)
     check_models(models, quantities)
@@ -85,10 +82,7 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
 def check_scene(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> None:
     """Refuse a scene that one of the models cannot take, or of which quantities say nothing.
 
-    Raises
-    ------
-    InputError
-        With the remedy.
+    Raises InputError with the remedy.
     """
     check_on_contact(scene, quantities)
     for model in models:
@@ -96,13 +90,13 @@ def check_scene(scene: Scene, models: Sequence[str], quantities: Sequence[str]) 
 
 
 def stages_for(scene: Scene, model: str, quantity: str) -> tuple[str, ...]:
-    """Return the stages that a quantity by a model needs, and the map that pulls at the rod."""
+    """Stages that a quantity by a model needs, and the map that pulls at the rod."""
     own = MODELS[model].stages_for(QUANTITIES[quantity])
     return (f"{scene.map_model}.map", *own) if _needs_map(scene, model, quantity) else own
 
 
 def _needs_map(scene: Scene, model: str, quantity: str) -> bool:
-    """Return whether a quantity of the bimorph or the machine depends on the pull at the rod."""
+    """Whether a quantity of the bimorph or the machine depends on the pull at the rod."""
     needs = set(QUANTITIES[quantity].needs)
     if needs & {"small_signal", "machine_poles"}:
         return True
@@ -113,10 +107,7 @@ def _needs_map(scene: Scene, model: str, quantity: str) -> bool:
 def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:
     """Refuse a quantity that none of the models can compute.
 
-    Raises
-    ------
-    InputError
-        With the models that can.
+    Raises InputError with the models that can.
     """
     for quantity in quantities:
         if not any(gives(model, quantity) for model in models):
@@ -134,10 +125,7 @@ def check_on_contact(scene: Scene, quantities: Sequence[str]) -> None:
 
     And a display whose parts run into each other.
 
-    Raises
-    ------
-    InputError
-        With the remedy.
+    Raises InputError with the remedy.
     """
     asked = [name for name in quantities if QUANTITIES[name].actuator in _OF_MACHINES]
     if asked and scene.support.kind != "contact":

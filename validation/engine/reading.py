@@ -37,7 +37,7 @@ _OF_A_MOMENT = 1e-10
 
 
 def read(row: QuantityRow, model: Model) -> Estimate:
-    """Return a quantity by a model that gives it."""
+    """Quantity by a model that gives it."""
     ends = model.scene.ends
     found = _read(row, model, ends)
     if not row.loaded or isinstance(row.read, AnswerReadout):
@@ -50,7 +50,7 @@ def read(row: QuantityRow, model: Model) -> Estimate:
 
 
 def _read(row: QuantityRow, model: Model, ends: Ends) -> Estimate:
-    """Return a quantity with what holds and loads the actuator."""
+    """Quantity with what holds and loads the actuator."""
     answers = [model.answer(need) for need in row.needs]
     match row.read:
         case AnswerReadout(of=of):
@@ -89,7 +89,7 @@ def _judge(
 def rounding_of_ports(
     refined: Refined[Multiport], attached: Multiport, driven: Sequence[str] = ("voltage",)
 ) -> Any:
-    """Return the relative rounding (n,) of the port equations that no other result tells."""
+    """Relative rounding (n,) of the port equations that no other result tells."""
     bound = round_off(attached, driven)
     return np.full_like(bound, np.finfo(float).eps) if refined.rounds_apart else bound
 
@@ -122,7 +122,7 @@ def _at_ports(
 
 
 def balanced_size(matrix: Array) -> Array:
-    """Return √|D_ii D_jj| (n, p, p), so that entries that should be 0 have a bar too."""
+    """√|D_ii D_jj| (n, p, p), so that entries that should be 0 have a bar too."""
     own = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)))
     return np.asarray(np.maximum(np.abs(matrix), own[:, :, None] * own[:, None, :]))
 
@@ -214,11 +214,11 @@ def _combination(readout: ModalReadout, answers: Sequence[Refined[Modes]]) -> Es
 
 
 def _by_mode(refined: Refined[Modes]) -> Array:
-    """Return the rounding error of each mode."""
+    """Rounding error of each mode."""
     return np.broadcast_to(refined.rounding, refined.fine.frequencies.shape)
 
 
 def _of_bending(refined: Refined[Modes]) -> float:
-    """Return the rounding error of the first bending mode in x, nan if there is none."""
+    """Rounding error of the first bending mode in x, nan if there is none."""
     bends = np.array(refined.fine.classes) == "bending_x"
     return float(_by_mode(refined)[bends][0]) if bends.any() else float("nan")

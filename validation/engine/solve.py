@@ -44,21 +44,21 @@ class Solution:
     stages: Stages
 
     def get(self, name: str, model: str) -> Quantity:
-        """Return one quantity of one model."""
+        """One quantity of one model."""
         return self.by_model(name)[model]
 
     def beside(self, quantities: tuple[Quantity, ...], stages: Stages) -> Solution:
-        """Return this with what another process found of the same scene, to be reused."""
+        """This with what another process found of the same scene, to be reused."""
         both = replace(self.stages, keys=self.stages.keys | stages.keys)
         both.adopt(stages)
         return replace(self, quantities=self.quantities + quantities, stages=both)
 
     def by_model(self, name: str) -> dict[str, Quantity]:
-        """Return one quantity of all models that were asked for and give it."""
+        """One quantity of all models that were asked for and give it."""
         return {q.model: q for q in self.quantities if q.name == name}
 
     def models_of(self, actuator: Actuator) -> dict[str, Model]:
-        """Return the models of an actuator, in the order asked for."""
+        """Models of an actuator, in the order asked for."""
         return {n: model for n, model in self.models.items() if MODELS[n].actuator == actuator}
 
 
@@ -75,11 +75,8 @@ def solve(
     new load, support spring or voltage needs no new field solution.  Of the very same scene its
     quantities are taken as they are.
 
-    Raises
-    ------
-    InputError
-        If a loaded response is asked for only where the finger's load is not known, or the
-        threshold voltage alone where the threshold is not.
+    Raises InputError if a loaded response is asked for only where the finger's load is not known,
+    or the threshold voltage alone where the threshold is not.
     """
     names = tuple(models or scene.models)
     quantities = tuple(quantities or scene.quantities)
@@ -115,12 +112,9 @@ def solve(
 def check_request(
     scene: Scene, models: Sequence[str], quantities: Sequence[str]
 ) -> tuple[Plan, tuple[str, ...]]:
-    """Return the plan of a request and what is to be warned of, before anything is computed.
+    """Plan of a request and what is to be warned of, before anything is computed.
 
-    Raises
-    ------
-    InputError
-        If it cannot be answered, as :func:`solve`.
+    Raises InputError if it cannot be answered, as :func:`solve`.
     """
     warnings = request_warnings(scene, models, quantities)
     return make_plan(scene, models, quantities), warnings
@@ -129,12 +123,9 @@ def check_request(
 def request_warnings(
     scene: Scene, models: Sequence[str], quantities: Sequence[str]
 ) -> tuple[str, ...]:
-    """Return what is to be warned of in a request before anything is computed.
+    """What is to be warned of in a request before anything is computed.
 
-    Raises
-    ------
-    InputError
-        If it cannot be answered, whichever the models.
+    Raises InputError if it cannot be answered, whichever the models.
     """
     scene = scene.asking(models)
     held = () if scene.awaits_map else _of_held(scene, models, quantities)
@@ -151,7 +142,7 @@ def _of_held(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> 
 
 
 def evaluate(name: str, model: Model) -> Quantity:
-    """Return a quantity by a model, with its numerical error bar."""
+    """Quantity by a model, with its numerical error bar."""
     row = QUANTITIES[name].at_threshold(threshold_of(model.scene.threshold))
     judged = read(row, model)
     return Quantity(
@@ -168,13 +159,13 @@ def evaluate(name: str, model: Model) -> Quantity:
 
 
 def _cost(name: str, model: Model) -> float:
-    """Return the seconds of all stages this quantity needs, shared or not."""
+    """Seconds of all stages this quantity needs, shared or not."""
     needed = stages_for(model.scene, model.name, name)
     return sum(model.stages.seconds.get(stage, 0.0) for stage in needed)
 
 
 def as_json(solution: Solution) -> dict[str, Any]:
-    """Return the solution as plain JSON values; see quantity_json."""
+    """Solution as plain JSON values; see quantity_json."""
     return {
         "scene": solution.scene.name,
         "quantities": [quantity_json(q) for q in solution.quantities],
@@ -184,7 +175,7 @@ def as_json(solution: Solution) -> dict[str, Any]:
 
 
 def plan_json(plan: Plan) -> dict[str, Any]:
-    """Return a plan as plain JSON values."""
+    """Plan as plain JSON values."""
 
     def entry(step: Step) -> dict[str, str]:
         return {"stage": step.stage, "reason": step.reason, "key": step.key}

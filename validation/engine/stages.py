@@ -43,12 +43,10 @@ class Stages:
     _results: dict[str, Any] = field(default_factory=dict)
 
     def run(self, name: str, work: Callable[[], T]) -> T:
-        """Return the stage's result: of this run, from the store, or computed now.
+        """Stage's result: of this run, from the store, or computed now.
 
-        Raises
-        ------
-        RuntimeError
-            If the stage is not part of the plan: a defect of the plan, not of the input.
+        Raises RuntimeError if the stage is not part of the plan: a defect of the plan, not of the
+        input.
         """
         if name not in self._results:
             if name not in self.keys:
@@ -81,7 +79,7 @@ class Stages:
                     self._results[name] = other._results[name]
 
     def to_travel(self) -> Stages:
-        """Return what another process can adopt: all costs, and the results that can be stored."""
+        """What another process can adopt: all costs, and the results that can be stored."""
         stored = stage_code()
         results = {name: result for name, result in self._results.items() if name in stored}
         return Stages(self.keys, _unheard, self.seconds, self.computed, self.keeps, results)

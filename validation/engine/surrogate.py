@@ -78,7 +78,7 @@ class Box:
         return max(d for d in range(1, _DEGREE + 1) if math.comb(keys + d, d) <= _MOST_TERMS)
 
     def place(self, values: Values) -> Floats:
-        """Return the places (n, keys) of values in the cube."""
+        """Places (n, keys) of values in the cube."""
         columns = []
         for key, (low, high) in self.ranges.items():
             at = np.asarray(values[key], dtype=float)
@@ -91,14 +91,14 @@ class Box:
         return np.column_stack(columns)
 
     def values(self, place: Floats) -> list[dict[str, float]]:
-        """Return the values at places (n, keys) of the cube, by key."""
+        """Values at places (n, keys) of the cube, by key."""
         columns = {}
         for (key, (low, high)), at in zip(self.ranges.items(), 0.5 * (place.T + 1.0), strict=True):
             columns[key] = low * (high / low) ** at if low > 0.0 else low + at * (high - low)
         return [{key: float(of[n]) for key, of in columns.items()} for n in range(len(place))]
 
     def design(self) -> Floats:
-        """Return the places (n, keys) of the scenes to be solved."""
+        """Places (n, keys) of the scenes to be solved."""
         keys = len(self.ranges)
         if keys == 1:
             share = (np.arange(_DEGREE_ALONE + 1)[:, None] + 0.5) / (_DEGREE_ALONE + 1)
@@ -111,7 +111,7 @@ class Box:
         return np.asarray(-np.cos(np.pi * share))
 
     def basis(self, place: Floats, degree: int) -> Floats:
-        """Return products of Chebyshev polynomials (n, terms) up to a total degree."""
+        """Products of Chebyshev polynomials (n, terms) up to a total degree."""
         alone = np.polynomial.chebyshev.chebvander(place, degree)  # (n, keys, degree + 1)
         terms = _terms(place.shape[1], degree)
         found = np.ones((len(place), len(terms)))
@@ -121,20 +121,20 @@ class Box:
 
 
 def _terms(keys: int, degree: int) -> Ints:
-    """Return the exponents (terms, keys) of all products up to a total degree."""
+    """Exponents (terms, keys) of all products up to a total degree."""
     chosen = itertools.combinations(range(keys + degree), keys)
     gaps = [np.diff([-1, *each, keys + degree])[:-1] - 1 for each in chosen]
     return np.array(gaps, dtype=np.int64)
 
 
 def design_points(ranges: Ranges) -> list[dict[str, float]]:
-    """Return the values (SI) by key of the scenes that a surrogate is made from."""
+    """Values (SI) by key of the scenes that a surrogate is made from."""
     box = Box(ranges)
     return box.values(box.design())
 
 
 def design_size(keys: int) -> int:
-    """Return the number of scenes that a surrogate over so many keys is made from."""
+    """Number of scenes that a surrogate over so many keys is made from."""
     return len(Box({str(n): (1.0, 2.0) for n in range(keys)}).design())
 
 
@@ -204,7 +204,7 @@ class _Fit:
                    _SAFETY * spread, own, logarithm.min(axis=0), logarithm.max(axis=0))  # fmt: skip
 
     def at(self, place: Floats) -> tuple[Numbers, Floats, Floats]:
-        """Return values, errors of interpolation, and the model's own errors, each (n, m)."""
+        """Values, errors of interpolation, and the model's own errors, each (n, m)."""
         moved = self.box.basis(place, self.degree) @ self.coefficients
         values = np.empty_like(moved)
         scale = np.empty(moved.shape)
@@ -231,13 +231,13 @@ class _Fit:
 
 
 def _needed(keys: int, degree: int) -> int:
-    """Return the number of points that a fit of a degree takes."""
+    """Number of points that a fit of a degree takes."""
     terms = math.comb(keys + degree, degree)
     return terms if keys == 1 and degree == _DEGREE_ALONE else math.ceil(1.2 * terms)
 
 
 def _left_out(basis: Floats, values: Numbers) -> Numbers:
-    """Return by how much each point is missed by the least squares of all others, (n, m)."""
+    """By how much each point is missed by the least squares of all others, (n, m)."""
     q, _ = np.linalg.qr(basis)
     kept = np.maximum(1.0 - (q**2).sum(axis=1), 1e-6)
     return np.asarray((values - q @ (q.T @ values)) / kept[:, None])
@@ -294,11 +294,11 @@ class Surrogate:
         )
 
     def outside(self, values: Values) -> Bools:
-        """Return which points (n,) are outside the ranges, where errors grow."""
+        """Which points (n,) are outside the ranges, where errors grow."""
         return np.asarray((np.abs(self.box.place(values)) > 1.0 + 1e-9).any(axis=1))
 
     def estimate(self, name: str, values: Values) -> Estimate:
-        """Return a quantity at points: value and error (n, ...), of modes with nan after the last.
+        """Quantity at points: value and error (n, ...), of modes with nan after the last.
 
         Parameters
         ----------
@@ -315,7 +315,7 @@ class Surrogate:
         return Estimate(found.reshape(shape), (interpolated + own).reshape(shape), self.method)
 
     def answers(self, values: Values) -> list[tuple[Quantity, ...]]:
-        """Return all quantities of each of the points, as a solution gives them."""
+        """All quantities of each of the points, as a solution gives them."""
         start = time.perf_counter()
         place = self.box.place(values)
         columns = [self._column(name, place) for name in self.fits]
@@ -324,7 +324,7 @@ class Surrogate:
                 for each in zip(*columns, strict=True)]  # fmt: skip
 
     def interpolation_error(self, name: str) -> float:
-        """Return the largest error of interpolation over the design, relative to the value."""
+        """Largest error of interpolation over the design, relative to the value."""
         fit = self.fits[name]
         fits = [mode.fit for mode in fit if mode.known.all()] if isinstance(fit, tuple) else [fit]
         return max((self._largest(each) for each in fits), default=0.0)
@@ -360,7 +360,7 @@ class Surrogate:
     def _modes(
         self, modes: tuple[_Mode, ...], place: Floats
     ) -> tuple[Floats, Floats, list[tuple[str, ...]]]:
-        """Return the lowest modes (n, k), their errors, and classes; up to the first in x."""
+        """Lowest modes (n, k), their errors, and classes; up to the first in x."""
         nearest = np.argmin(((place[:, None, :] - self.place) ** 2).sum(axis=2), axis=1)
         found = np.full((len(place), len(modes)), np.inf)
         errors = np.zeros(found.shape)
@@ -384,7 +384,7 @@ class Surrogate:
 def fit_surrogate(
     scene: Scene, model: str, ranges: Ranges, answers: Sequence[Answers], seconds: float = 0.0
 ) -> Surrogate:
-    """Return the surrogate through a model's answers at :func:`design_points`.
+    """Surrogate through a model's answers at :func:`design_points`.
 
     Parameters
     ----------
@@ -394,10 +394,8 @@ def fit_surrogate(
         In the order of the points, of scenes from :func:`design_scene`; None where the parts do
         not fit.
 
-    Raises
-    ------
-    InputError
-        If too many have no answer, or a quantity has a value at some of the points only.
+    Raises InputError if too many have no answer, or a quantity has a value at some of the points
+    only.
     """
     box = Box(ranges)
     place = box.design()
@@ -418,7 +416,7 @@ def fit_surrogate(
 
 
 def design_scene(scene: Scene, quantities: Sequence[str]) -> Scene:
-    """Return a scene as it is solved for a surrogate: with more modes, if these are wanted."""
+    """Scene as it is solved for a surrogate: with more modes, if these are wanted."""
     if not any(map(_is_modal, quantities)):
         return scene
     return scene.model_copy(update={"modes": scene.modes + _MORE_MODES})
@@ -432,7 +430,7 @@ def build_surrogate(
     announce: Callable[[str], None] = lambda _: None,
     changed: Callable[[Mapping[str, float]], Scene] | None = None,
 ) -> Surrogate:
-    """Return the surrogate of a model, solved here and now.
+    """Surrogate of a model, solved here and now.
 
     Parameters
     ----------
@@ -440,10 +438,7 @@ def build_surrogate(
         Gives the scene with other values of the keys, InputError where there is none; without
         checks of the values by default.
 
-    Raises
-    ------
-    InputError
-        As :func:`fit_surrogate`.
+    Raises InputError as :func:`fit_surrogate`.
     """
     start = time.perf_counter()
     points = design_points(ranges)
@@ -462,7 +457,7 @@ def build_surrogate(
 
 
 def _is_modal(name: str) -> bool:
-    """Return whether a quantity is a list of natural frequencies."""
+    """Whether a quantity is a list of natural frequencies."""
     row = QUANTITIES[name]
     return row.unit == "Hz" and bool({"modes_short", "modes_open"} & set(row.needs))
 
@@ -479,7 +474,7 @@ def _array_fit(box: Box, place: Floats, column: Sequence[Quantity]) -> _Fit:
 
 
 def _mode_fits(box: Box, place: Floats, column: Sequence[Quantity]) -> tuple[_Mode, ...]:
-    """Return the modes by class and place within it, each fitted where it is among the lowest."""
+    """Modes by class and place within it, each fitted where it is among the lowest."""
     tracks: dict[tuple[str, int], list[tuple[int, float, float]]] = {}
     for n, q in enumerate(column):
         seen: Counter[str] = Counter()

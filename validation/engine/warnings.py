@@ -26,7 +26,7 @@ _SMALL_DEFLECTION = 0.1
 
 
 def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
-    """Return warnings that name the quantities whose error bar exceeds what was asked for."""
+    """Warnings that name the quantities whose error bar exceeds what was asked for."""
     warnings = []
     for model in (row for row in MODELS.values() if row.remedy):
         missed = [
@@ -44,7 +44,7 @@ def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...
 
 
 def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
-    """Return a warning if a displacement is beyond what linear theory is about."""
+    """Warning if a displacement is beyond what linear theory is about."""
     largest = max(
         (
             float(np.nanmax(np.abs(q.value)))
@@ -64,7 +64,7 @@ def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, .
 
 
 def _is_deflection(read: object) -> bool:
-    """Return whether something is the tip's displacement at the drive voltage."""
+    """Whether something is the tip's displacement at the drive voltage."""
     match read:
         case Readout(port=port, of="motion", rate=0, unit_voltage=False, level=None):
             return port == "w_tip"
@@ -72,7 +72,7 @@ def _is_deflection(read: object) -> bool:
 
 
 def _excess(q: Quantity, accuracy: float) -> str:
-    """Return the quantity's name and how wide its bar is, or nothing if it is narrow enough."""
+    """Quantity's name and how wide its bar is, or nothing if it is narrow enough."""
     size = np.abs(q.value)
     beyond = q.error > accuracy * size
     if not beyond.any():
@@ -90,10 +90,7 @@ def _excess(q: Quantity, accuracy: float) -> str:
 def check_held(scene: Scene, quantities: Sequence[str]) -> None:
     """Refuse a static question about an actuator that its springs do not hold.
 
-    Raises
-    ------
-    InputError
-        If a rigid-body motion is free and a value at 0 Hz is asked for.
+    Raises InputError if a rigid-body motion is free and a value at 0 Hz is asked for.
     """
     if not scene.ends.rigid_motions:
         return
@@ -120,7 +117,7 @@ def check_held(scene: Scene, quantities: Sequence[str]) -> None:
 
 
 def held_warnings(scene: Scene, models: Sequence[str]) -> tuple[str, ...]:
-    """Return where a current holds the rod, if the lateral actuator stands on its contact.
+    """Where a current holds the rod, if the lateral actuator stands on its contact.
 
     Or that nothing does: a spring without preload leaves the rod where the stops' tails balance.
     """
@@ -154,10 +151,7 @@ def load_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
 
     Returns a warning if some lie outside, or if a fit stands for a measured table.
 
-    Raises
-    ------
-    InputError
-        If all of them do, or one of them where nothing continues a table.
+    Raises InputError if all of them do, or one of them where nothing continues a table.
     """
     if not any(QUANTITIES[name].loaded for name in quantities):
         return ()
@@ -208,10 +202,7 @@ def level_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
 
     Returns a warning if some lie outside, where the voltage that reaches it has no value.
 
-    Raises
-    ------
-    InputError
-        If all of them do and nothing else was asked for.
+    Raises InputError if all of them do and nothing else was asked for.
     """
     asked = [name for name in quantities if QUANTITIES[name].has_level]
     if not asked:
@@ -242,7 +233,7 @@ _FREQUENCIES = 5000
 
 
 def field_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
-    """Return a warning if the drive voltage may depole the ceramic."""
+    """Warning if the drive voltage may depole the ceramic."""
     if not any(_follows_voltage(name) for name in quantities):
         return ()
     share = 0.5 if scene.bimorph.wiring == "series" else 1.0
@@ -259,7 +250,7 @@ def field_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
 
 
 def slenderness_warnings(scene: Scene, models: Sequence[str]) -> tuple[str, ...]:
-    """Return a warning if beam theory is asked about an actuator that is no beam."""
+    """Warning if beam theory is asked about an actuator that is no beam."""
     slenderness = scene.bimorph.length / scene.bimorph.thickness
     if slenderness >= SLENDER or not any(MODELS[name].takes_sections_as_plane for name in models):
         return ()
@@ -273,7 +264,7 @@ def slenderness_warnings(scene: Scene, models: Sequence[str]) -> tuple[str, ...]
 def stress_warnings(
     scene: Scene, models: Mapping[str, Model], quantities: Sequence[str], found: Sequence[Quantity]
 ) -> tuple[str, ...]:
-    """Return a warning if the ceramic is strained beyond its strength at an asked frequency.
+    """Warning if the ceramic is strained beyond its strength at an asked frequency.
 
     The stress is taken from what was `found`, if it was asked for.
     """
@@ -300,7 +291,7 @@ def stress_warnings(
 
 
 def _follows_voltage(name: str) -> bool:
-    """Return whether a quantity's value is that at the drive voltage."""
+    """Whether a quantity's value is that at the drive voltage."""
     match QUANTITIES[name].read:
         case Readout(unit_voltage=False, level=None):
             return True

@@ -97,7 +97,7 @@ Point = tuple[float, float]
 
 
 def front(points: Iterable[Point]) -> list[Point]:
-    """Return the points that no other beats in both time and error, by time."""
+    """Points that no other beats in both time and error, by time."""
     best: list[Point] = []
     for seconds, error in sorted(points):
         if not best or error < best[-1][1]:
@@ -106,7 +106,7 @@ def front(points: Iterable[Point]) -> list[Point]:
 
 
 def time_at_error(points: Iterable[Point], wanted: float) -> float:
-    """Return the time (s) at which the error comes down to `wanted`.
+    """Time (s) at which the error comes down to `wanted`.
 
     Between two neighbours of the front, on the straight line in logarithms.  Nothing is
     extrapolated: a curve that starts below `wanted` gives its first point's time, one that

@@ -43,7 +43,7 @@ _WANTED = 1e-12
 
 
 def timing_of(path: str, case: str, points: int, seconds: float, error: float) -> Timing:
-    """Return the timing of one way over one range of frequencies."""
+    """Timing of one way over one range of frequencies."""
     values: dict[str, str | float] = {
         "way": path, "range": case, "points": points, "seconds": seconds,
         "points_per_second": points / seconds, "error": error,
@@ -89,14 +89,14 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
 
 
 def seconds_of(path: str, case: str, points: int) -> float:
-    """Return the least of three processor times (s) of one path; attachments are given."""
+    """Least of three processor times (s) of one path; attachments are given."""
     f = _spaced(case, points)
     attached = _attached(f)
     return least_time(lambda: _velocity(path, f, *attached), 3)[0]
 
 
 def map_seconds(lengths: int, frequencies: int, loads: int) -> float:
-    """Return the least of three processor times (s) of a design map, attachments included."""
+    """Least of three processor times (s) of a design map, attachments included."""
     kinds = [Load(kind="none"), Load(), Load(kind="mass", mass=1e-3)][:loads]
     l, f = np.linspace(5e-3, 40e-3, lengths), np.linspace(10.0, 2e3, frequencies)
     l, f = (grid.ravel() for grid in np.meshgrid(l, f, indexing="ij"))
@@ -109,7 +109,7 @@ def map_seconds(lengths: int, frequencies: int, loads: int) -> float:
 
 
 def memory_of(points: int) -> int:
-    """Return the peak memory (bytes) of this process after one long sweep."""
+    """Peak memory (bytes) of this process after one long sweep."""
     tip_response(_actuator(Load()), {}, np.linspace(10.0, 2e3, points))
     return peak_memory()
 
@@ -119,7 +119,7 @@ def _actuator(load: Load) -> Actuator:
 
 
 def error_of(path: str, case: str) -> float:
-    """Return the worst relative error of the tip velocity against 80-digit arithmetic."""
+    """Worst relative error of the tip velocity against 80-digit arithmetic."""
     f = _spaced(case, _SAMPLES)
     (lateral, rotational), tip = _attached(f)
     velocity, worst = _velocity(path, f, (lateral, rotational), tip), 0.0
@@ -134,7 +134,7 @@ def error_of(path: str, case: str) -> float:
 
 
 def _attached(f: Floats) -> tuple[tuple[Complex, Complex], Complex]:
-    """Return the dynamic stiffnesses of base and tip, which are not timed."""
+    """Dynamic stiffnesses of base and tip, which are not timed."""
     assert _ENDS.base is not None
     return base_stiffness(_ENDS.base, f), tip_stiffness(_ENDS.tip, f)
 

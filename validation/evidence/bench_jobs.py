@@ -42,7 +42,7 @@ BRICKS = "bricks of high order"
 
 
 def j1() -> Scene:
-    """Return the scene of the job."""
+    """Scene of the job."""
     return load_scene("j1", [])[0]
 
 
@@ -59,7 +59,7 @@ def job(
     growth: float = 4.0,
     device: Device | None = None,
 ) -> Job:
-    """Return job J1, or another device's, as plain numbers; with frequencies, its damped sweep."""
+    """Job J1, or another device's, as plain numbers; with frequencies, its damped sweep."""
     from tactgen.fem.piezo.system import materials
 
     device = device or j1().device
@@ -89,7 +89,7 @@ def job(
 
 
 def _plain(exact: Any, lossy: Any) -> Material:
-    """Return a region's tensors as lists: the lossy ones hold the imaginary parts."""
+    """Region's tensors as lists: the lossy ones hold the imaginary parts."""
 
     def rows(values: Numbers) -> list[list[float]]:
         return [[float(v) for v in row] for row in values]
@@ -144,7 +144,7 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
 
 
 def _static(system: Any) -> tuple[float, float]:
-    """Return deflection and capacitance of the clamped, free bimorph."""
+    """Deflection and capacitance of the clamped, free bimorph."""
     from tactgen.fem.piezo.ports import static_multiport
     from tactgen.geometry.bimorph.ends import Ends
     from tactgen.tmm.ports.elements import attach
@@ -155,7 +155,7 @@ def _static(system: Any) -> tuple[float, float]:
 
 
 def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
-    """Return the natural frequencies; a coarse mesh says which classes of motion they are in."""
+    """Natural frequencies; a coarse mesh says which classes of motion they are in."""
     from tactgen.fem.piezo.modes import natural_modes
     from tactgen.fem.piezo.solid import assemble
     from tactgen.geometry.bimorph.ends import Ends
@@ -175,7 +175,7 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
 
 
 def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
-    """Return the complex deflection by reduction to ports."""
+    """Complex deflection by reduction to ports."""
     from tactgen.fem.piezo.krylov import reduce_to_ports
     from tactgen.geometry.bimorph.ends import Ends
     from tactgen.tmm.ports.elements import attach
@@ -202,14 +202,14 @@ _TETS = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [
 
 
 def high_order(device: Device, level: int) -> Bricks:
-    """Return the bricks of high order of a level of the solid model's own family."""
+    """Bricks of high order of a level of the solid model's own family."""
     return bimorph_bricks(device, LEVELS[level])
 
 
 def second_order(
     device: Device, through: int, side: float, smallest: float, longest: float
 ) -> Bricks:
-    """Return bricks of degree 2, which are hexahedra of 27 nodes, on the quarter.
+    """Bricks of degree 2, which are hexahedra of 27 nodes, on the quarter.
 
     `through` a ceramic layer; `side`, `smallest` and `longest` as of a BrickMeshing.
     """
@@ -222,7 +222,7 @@ def second_order(
 
 
 def scout(device: Device) -> Bricks:
-    """Return so few bricks that asking them which modes are the lowest costs next to nothing.
+    """So few bricks that asking them which modes are the lowest costs next to nothing.
 
     Two along the length, of degree 5: two percent off, where its modes lie tens apart.
     """
@@ -231,7 +231,7 @@ def scout(device: Device) -> Bricks:
 
 
 def hexahedra(job: Job) -> Mesh:
-    """Return the job's grid of bricks as hexahedra."""
+    """Job's grid of bricks as hexahedra."""
     grid = bricks(job)
     faces: dict[str, list[Ints]] = {}
     for face in grid.faces():
@@ -251,7 +251,7 @@ def hexahedra(job: Job) -> Mesh:
 
 
 def structured_tetrahedra(job: Job) -> Mesh:
-    """Return the job's grid with every brick cut into six tetrahedra."""
+    """Job's grid with every brick cut into six tetrahedra."""
     mesh = hexahedra(job)
     return Mesh(
         points=mesh.points,
@@ -271,6 +271,6 @@ def _triangles(quads: Ints) -> Ints:
 
 
 def free_tetrahedra(device: Device, root: float, far: float) -> Mesh:
-    """Return the tetwild mesh with edges of `root` at the clamp and `far` elsewhere (m)."""
+    """Tetwild mesh with edges of `root` at the clamp and `far` elsewhere (m)."""
     options = TetMeshing(edge_length=far, root_edge_length=root)
     return tetrahedralise(device, "alone", LAYERS, options)

@@ -38,7 +38,7 @@ def timing_of(
     path: str, level: str, case: str, at: Mapping[str, float], value: float, unit: str,
     error: float, wanted: float = math.nan,
 ) -> Timing:  # fmt: skip
-    """Return the timing of one result (in `unit`) of one field solution."""
+    """Timing of one result (in `unit`) of one field solution."""
     values: dict[str, str | float] = {
         "way": path, "fineness": level, "result": case, "unknowns": int(at["unknowns"]),
         "seconds": at["seconds"], "value": value, "unit": unit, "error": error,
@@ -95,7 +95,7 @@ def _half_section(
 
 
 def _team20(scale: float, announce: Callable[[str], None]) -> dict[str, dict[str, float]]:
-    """Return TEAM problem 20 by both potentials on one mesh."""
+    """TEAM problem 20 by both potentials on one mesh."""
     found = {}
     for name in ("A", "φ"):
         announce(f"magnetics: TEAM problem 20 by {name}, cells {scale:g} times as large")
@@ -144,7 +144,7 @@ def _targets(
 
 
 def point_of(order: int, refinement: float, repeats: int) -> dict[str, float]:
-    """Return the device's point and the least of several processor times (s)."""
+    """Device's point and the least of several processor times (s)."""
     seconds, point = least_time(
         lambda: solve_point(_DEVICE, order=order, refinement=refinement, any_grid=True), repeats
     )
@@ -163,13 +163,13 @@ def point_of(order: int, refinement: float, repeats: int) -> dict[str, float]:
 
 
 def map_seconds(gaps: int, currents: int) -> float:
-    """Return the processor time (s) of the samples of a map over the device's stroke."""
+    """Processor time (s) of the samples of a map over the device's stroke."""
     i, g = map_grid(_DEVICE, currents, gaps)
     return least_time(lambda: solve_map(_DEVICE, g.tolist(), i.tolist(), order=_MAP_ORDER))[0]
 
 
 def solid_of(name: str, scale: float) -> dict[str, float]:
-    """Return TEAM problem 20 by one potential, and the processor time (s) from mesh to force."""
+    """TEAM problem 20 by one potential, and the processor time (s) from mesh to force."""
     from tactgen.fem.magnetics.scalar_potential import ScalarPotential
     from tactgen.fem.magnetics.vector_potential import VectorPotential
 

@@ -94,7 +94,7 @@ _PORTS = ("solid.ports",)
 
 
 def cases() -> tuple[Case, ...]:
-    """Return the scenes, those that others start from first."""
+    """Scenes, those that others start from first."""
     return (
         Case("TMM only", "paper", ("models=tmm", "quantities=tip_displacement", "frequency=100"),
              (*_FIELDS, "scipy.sparse", *_MAGNETIC)),
@@ -159,7 +159,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
 
 
 def solved(case: Case, store: Path) -> dict[str, Any]:
-    """Return what a process of its own says that solves the case with this store."""
+    """What a process of its own says that solves the case with this store."""
     asked = {
         "scene": case.scene, "overrides": case.overrides, "picture": case.picture,
         "watched": _WATCHED,
@@ -174,7 +174,7 @@ def solved(case: Case, store: Path) -> dict[str, Any]:
 
 
 def _timing(case: Case, path: str, found: Mapping[str, Any], cold: Mapping[str, Any]) -> Timing:
-    """Return the timing of one scene, cold or warm."""
+    """Timing of one scene, cold or warm."""
     reused = sorted(set(found["asked"]) - set(found["computed"]))
     error = float(found["answers"] != cold["answers"])
     values: dict[str, str | float] = {
@@ -187,7 +187,7 @@ def _timing(case: Case, path: str, found: Mapping[str, Any], cold: Mapping[str, 
 
 
 def _faults(case: Case, cold: Mapping[str, Any], warm: Mapping[str, Any]) -> list[str]:
-    """Return what a case did that it need not, each as a few words."""
+    """What a case did that it need not, each as a few words."""
     found = [
         f"{case.name} imports {name}"
         for name in case.absent

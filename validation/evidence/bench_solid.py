@@ -72,7 +72,7 @@ class Level:
 
 
 def ways(*, quick: bool) -> list[Level]:
-    """Return all that is to be run; peers that are not installed are left out."""
+    """All that is to be run; peers that are not installed are left out."""
     found = _own_ways(quick=quick)
     for peer in PEERS:
         if not missing(peer):
@@ -81,7 +81,7 @@ def ways(*, quick: bool) -> list[Level]:
 
 
 def own(family: str, fineness: Any) -> Solve:
-    """Return how one of our families solves the jobs at a fineness."""
+    """How one of our families solves the jobs at a fineness."""
 
     def run(frequencies: list[float]) -> Answer:
         found: Answer = on_one_core(bench_jobs.__name__, "solve_own", family, fineness, frequencies)
@@ -194,7 +194,7 @@ def _reference(quick: bool, announce: Callable[[str], None]) -> Reference:
 
 
 def values_of(answer: Answer) -> Floats:
-    """Return a solution's values in the order of :data:`VALUES`."""
+    """Solution's values in the order of :data:`VALUES`."""
     return np.array([answer["deflection"], *answer["natural"], answer["capacitance"]])
 
 
@@ -222,7 +222,7 @@ def _timings(level: Level, reference: Reference, sampled: int) -> Iterator[Timin
 
 
 def sample(reference: Reference, number: int) -> Ints:
-    """Return where the deflection changes fastest with frequency, and as many evenly spread.
+    """Where the deflection changes fastest with frequency, and as many evenly spread.
 
     There, on the flanks of resonances and dips, errors are largest: the largest error of a
     sample without them would flatter whoever is judged by it.
@@ -244,7 +244,7 @@ def timing_of(
     path: str, level: str, case: str, unknowns: int, phases: dict[str, float],
     errors: dict[str, float], *, own: bool, process: float = math.nan, memory: float = math.nan,
 ) -> Timing:  # fmt: skip
-    """Return the timing of one solution of one job.
+    """Timing of one solution of one job.
 
     Parameters
     ----------
@@ -308,7 +308,7 @@ def targets_of(timings: Iterable[Timing]) -> tuple[Target, ...]:
 
 
 def _best(timings: list[Timing], wanted: float, *, own: bool) -> tuple[float, str]:
-    """Return the least time at an error, and the way that has it."""
+    """Least time at an error, and the way that has it."""
     curves: dict[str, list[Point]] = {}
     for timing in timings:
         if timing.own == own:

@@ -37,17 +37,17 @@ _DENSE = 300
 
 
 def graded(breaks: Sequence[float] | Floats, degree: int) -> Axis:
-    """Return an axis with these break points; its degree is that of the level that is solved."""
+    """Axis with these break points; its degree is that of the level that is solved."""
     return Axis(np.asarray(breaks, dtype=float), fineness.degree(degree))
 
 
 def even(length: float, intervals: int, degree: int) -> Axis:
-    """Return an axis of equal intervals from 0."""
+    """Axis of equal intervals from 0."""
     return graded(np.linspace(0.0, length, intervals + 1), degree)
 
 
 def stacked(thicknesses: tuple[float, ...], degree: int) -> Axis:
-    """Return an axis with one interval for each layer, from 0."""
+    """Axis with one interval for each layer, from 0."""
     return graded(np.concatenate([[0.0], np.cumsum(thicknesses)]), degree)
 
 
@@ -143,7 +143,7 @@ class Box:
         return x, y, z
 
     def nodes(self, where: Where) -> Bools:
-        """Return the mask (nx, ny, nz) of the used nodes there."""
+        """Mask (nx, ny, nz) of the used nodes there."""
         mask = self.bricks.used().copy()
         for axis, coordinate, wanted in zip(
             self.bricks.axes, self.grid, (where.x, where.y, where.z), strict=True
@@ -158,7 +158,7 @@ class Box:
         return mask
 
     def weights(self, where: Where) -> Floats:
-        """Return ∫ N (nx, ny, nz) over the coordinates that are not stated, or over their part.
+        """∫ N (nx, ny, nz) over the coordinates that are not stated, or over their part.
 
         Exact where a part begins and ends at break points.
         """
@@ -209,14 +209,14 @@ class Box:
         return out.ravel()
 
     def reduced(self, *, shift: float = 0.0) -> tuple[Sparse, Sparse]:
-        """Return stiffness + shift · mass, and mass, over the unknowns."""
+        """Stiffness + shift · mass, and mass, over the unknowns."""
         t, _ = self._constraints
         stiffness, mass = ((t.T @ m @ t).tocsr() for m in self.matrices)
         return (stiffness + shift * mass).tocsr(), mass
 
 
 def block(axes: tuple[Axis, Axis, Axis], material: Material, *held: Held) -> Box:
-    """Return a box of one material."""
+    """Box of one material."""
     x, y, z = axes
     slab = Slab("body", (0, x.intervals), (0, z.intervals))
     return Box(x, y, z, ((slab, material),), held)
@@ -231,13 +231,13 @@ class State:
     forces: Numbers
 
     def mean(self, where: Where, component: Component) -> complex:
-        """Return the mean value over a plane, line or point."""
+        """Mean value over a plane, line or point."""
         weights = self.box.weights(where) * self.box.nodes(where)
         at = _COMPONENTS.index(component)
         return complex((weights * self.values[..., at]).sum() / weights.sum())
 
     def force(self, where: Where, component: Component) -> complex:
-        """Return the sum of the forces (N), or the charge (C), that hold the values there."""
+        """Sum of the forces (N), or the charge (C), that hold the values there."""
         total = self.forces[self.box.nodes(where), _COMPONENTS.index(component)].sum()
         return complex(-total / self.box.unit if component == "phi" else total)
 
@@ -263,7 +263,7 @@ def harmonic(box: Box, frequency: float) -> State:
 
 
 def natural_frequencies(box: Box, count: int, *, loose: int = 0, near: float = 0.0) -> Floats:
-    """Return the lowest `count` natural frequencies (Hz) above the `loose` rigid motions.
+    """Lowest `count` natural frequencies (Hz) above the `loose` rigid motions.
 
     Inverse Lanczos with a factor of K + (2π near)² M: `near` (Hz) must be above 0 where the body
     can move rigidly.
@@ -276,7 +276,7 @@ def natural_frequencies(box: Box, count: int, *, loose: int = 0, near: float = 0
 
 
 def lowest_frequencies(stiffness: Sparse, mass: Sparse, count: int, shift: float = 0.0) -> Floats:
-    """Return the lowest frequencies (Hz), of a `stiffness` with `shift` times the mass in it."""
+    """Lowest frequencies (Hz), of a `stiffness` with `shift` times the mass in it."""
     from scipy.sparse.linalg import LinearOperator, eigsh
 
     factor, n = factorise(stiffness), stiffness.shape[0]
@@ -296,7 +296,7 @@ def lowest_frequencies(stiffness: Sparse, mass: Sparse, count: int, shift: float
 
 
 def _dense_frequencies(box: Box, count: int, loose: int) -> Floats:
-    """Return the same of a small box: what has no mass, the potential, is eliminated."""
+    """Same of a small box: what has no mass, the potential, is eliminated."""
     from scipy.linalg import eigh
 
     stiffness, mass = (m.toarray() for m in box.reduced())
@@ -313,7 +313,7 @@ def _dense_frequencies(box: Box, count: int, loose: int) -> Floats:
 
 
 def _hertz(squares: Floats) -> Floats:
-    """Return frequencies from ω²; a rigid motion's may be rounded below zero."""
+    """Frequencies from ω²; a rigid motion's may be rounded below zero."""
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi))
 
 
@@ -322,7 +322,7 @@ def _profile(value: Profile, x: Floats, y: Floats, z: Floats) -> Floats:
 
 
 def _line_integral(axis: Axis, part: tuple[float, float] | None) -> Floats:
-    """Return ∫ N_i along an axis, or along a part of it between break points."""
+    """∫ N_i along an axis, or along a part of it between break points."""
     first, last = 0, axis.intervals
     if part is not None:
         first, last = (int(np.abs(axis.breaks - end).argmin()) for end in part)

@@ -90,12 +90,12 @@ def run_check(check: Check) -> Outcome:
 
 
 def value_of(measured: float | Estimate) -> float:
-    """Return a measured value without its bar."""
+    """Measured value without its bar."""
     return float(measured.value if isinstance(measured, Estimate) else measured)
 
 
 def judged(check: Check, measured: float) -> Outcome:
-    """Return what a measured value says about a row."""
+    """What a measured value says about a row."""
     deviation = _deviation(measured, check.reference)
     if abs(deviation) <= check.tolerance:
         status: Status = "explained" if check.fitted else "pass"
@@ -107,7 +107,7 @@ def judged(check: Check, measured: float) -> Outcome:
 
 
 def _deviation(measured: float, reference: float | tuple[float, float]) -> float:
-    """Return the relative distance from a value, or from the nearer end of a range.
+    """Relative distance from a value, or from the nearer end of a range.
 
     Relative to that end; where it is 0, to the range's other end, and without one infinite.
     """
@@ -185,7 +185,7 @@ class Answer:
 
 
 def nth(values: Callable[..., Floats], index: int, *arguments: object) -> Callable[[], float]:
-    """Return the measurement of one of several values that a function gives at once."""
+    """Measurement of one of several values that a function gives at once."""
     return lambda: float(values(*arguments)[index])
 
 
@@ -203,7 +203,7 @@ def case(
     refinement: Refinement | None = None,
     setup: Callable[[], str] | None = None,
 ) -> Case:
-    """Return a case called `name`; answers without a tolerance or reason have the case's."""
+    """Case called `name`; answers without a tolerance or reason have the case's."""
     rows = tuple(
         Check(
             f"{name}-{number}", tier, answer.requirement, answer.reference, answer.unit, source,

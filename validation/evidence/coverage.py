@@ -93,7 +93,7 @@ class Row:
 
 
 def rows(found: Sequence[Judged]) -> list[Row]:
-    """Return one row a quantity, numbers of modes together, and last all of them."""
+    """One row a quantity, numbers of modes together, and last all of them."""
     by_quantity: dict[str, list[Judged]] = {}
     for one in found:
         by_quantity.setdefault(one.quantity.partition(" ")[0], []).append(one)
@@ -118,18 +118,18 @@ def _verdict(inside: int, count: int, width: float) -> Verdict:
 
 
 def median_width(found: Sequence[Judged]) -> float:
-    """Return the median of bar over error."""
+    """Median of bar over error."""
     return float(np.median([one.bar / max(one.error, _EPS) for one in found]))
 
 
 def calibration(found: Sequence[Judged]) -> Floats:
-    """Return the share of errors within each of :data:`MULTIPLES` times the bar."""
+    """Share of errors within each of :data:`MULTIPLES` times the bar."""
     ratios = np.array([one.error / max(one.bar, 1e-300) for one in found])
     return np.asarray((ratios[:, None] <= MULTIPLES).mean(axis=0))
 
 
 def relative(where: str, name: str, values: object, errors: object, better: object) -> list[Judged]:
-    """Return the entries of a quantity held against better ones; errors relative to these."""
+    """Entries of a quantity held against better ones; errors relative to these."""
     value, bars, right = (np.ravel(np.asarray(of)) for of in (values, errors, better))
     size = np.abs(right)
     return [
@@ -141,7 +141,7 @@ def relative(where: str, name: str, values: object, errors: object, better: obje
 def compared(
     judged: tuple[Scene, str], better: tuple[Scene, str], quantities: Sequence[str], where: str
 ) -> list[Judged]:
-    """Return the answers of a scene by a model against a better scene's or model's."""
+    """Answers of a scene by a model against a better scene's or model's."""
     values, right = (
         {q.name: q for q in solve(scene, [model], quantities).quantities}
         for scene, model in (judged, better)
@@ -186,7 +186,7 @@ class Part:
 
 
 def judged_once(kind: str, of: tuple[object, ...], module: str, work: Callable[[], Any]) -> Any:
-    """Return what `work` gives, from the store if this code has judged the same before.
+    """What `work` gives, from the store if this code has judged the same before.
 
     A run that was stopped so goes on where it was.
 
@@ -204,7 +204,7 @@ def judged_once(kind: str, of: tuple[object, ...], module: str, work: Callable[[
 
 
 def table(parts: Sequence[Part]) -> str:
-    """Return the parts as lines of text."""
+    """Parts as lines of text."""
     lines = []
     for part in parts:
         lines.append(f"{part.name}: {part.what}; {part.devices} devices, seed {part.seed}")
@@ -244,7 +244,7 @@ def write(parts: Sequence[Part], out: Path) -> list[Path]:
 
 
 def calibration_plot(parts: Sequence[Part]) -> str:
-    """Return the share of errors within so many times the bar, a curve for each part."""
+    """Share of errors within so many times the bar, a curve for each part."""
     figure, axis = panels(6.4, 4.0)
     for part in parts:
         axis.semilogx(MULTIPLES, 100.0 * calibration(part.answers), label=part.name)

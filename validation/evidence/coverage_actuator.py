@@ -45,7 +45,7 @@ Fields: TypeAlias = tuple[Any, Any]
 
 
 def judge_axisymmetric(rng: np.random.Generator) -> list[Judged]:
-    """Return the answers of one device, drawn by `rng`."""
+    """Answers of one device, drawn by `rng`."""
     return judged_fields(rng, _solved)
 
 
@@ -57,7 +57,7 @@ def _solved(device: Device) -> Fields:
 
 
 def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) -> list[Judged]:
-    """Return the answers of one device, drawn by `rng`; dimensions that do not fit are redrawn."""
+    """Answers of one device, drawn by `rng`; dimensions that do not fit are redrawn."""
 
     def attempt() -> list[Judged]:
         overrides = random_devices.overrides(rng, random_devices.ACTUATOR)
@@ -77,7 +77,7 @@ _REFINEMENTS = 0.4, 0.65
 
 
 def judge_magnetic3d(rng: np.random.Generator) -> list[Judged]:
-    """Return the answers of one device without a slot, drawn by `rng`."""
+    """Answers of one device without a slot, drawn by `rng`."""
 
     def solved(device: Device) -> Fields:
         # drawn anew with each device: too coarse a grid is refused
@@ -102,7 +102,7 @@ _POINTS, _GAPS = 20, 9
 
 
 def judge_map(rng: np.random.Generator) -> list[Judged]:
-    """Return the largest errors of one device's map, drawn by `rng`, against the network itself.
+    """Largest errors of one device's map, drawn by `rng`, against the network itself.
 
     Relative to a tenth of the largest at that gap, where less: so the map states them.
     """
@@ -122,7 +122,7 @@ def judge_map(rng: np.random.Generator) -> list[Judged]:
 
 
 def judge_switching(rng: np.random.Generator) -> list[Judged]:
-    """Return the switching currents of one device against balances of a finer network."""
+    """Switching currents of one device against balances of a finer network."""
     scene, where = _fitting(rng, lambda scene: solve(scene, ("network",), _SWITCHING))
     solution = solve(scene, ("network",), _SWITCHING)
     right = _balances(scene)
@@ -135,7 +135,7 @@ def judge_switching(rng: np.random.Generator) -> list[Judged]:
 
 
 def judge_motions(rng: np.random.Generator) -> list[Judged]:
-    """Return one machine's small motions against those about where a finer network holds it."""
+    """One machine's small motions against those about where a finer network holds it."""
     scene, where = _fitting(rng, lambda scene: scene.rest)
     model = make_model("tmm", scene, Stages(make_plan(scene, ("tmm",), _MOTIONS).keys))
     found = []
@@ -151,7 +151,7 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
 
 
 def _finer_rod(scene: Scene) -> Linearised:
-    """Return the rod by a network finer than any that judges it, without a map anywhere."""
+    """Rod by a network finer than any that judges it, without a map anywhere."""
     coarse = DirectPull(scene.device, CELLS, scene.pull.gap_limits)
     forces = axial_forces(scene.device, coarse, scene.load.normal_force)
     place = resting_place(forces, abs(scene.coil.current), scene.coil.history)
@@ -160,7 +160,7 @@ def _finer_rod(scene: Scene) -> Linearised:
 
 
 def _fitting(rng: np.random.Generator, tried: Callable[[Scene], object]) -> tuple[Scene, str]:
-    """Return a drawn machine that `tried` does not refuse, and what it differs in."""
+    """Drawn machine that `tried` does not refuse, and what it differs in."""
 
     def attempt() -> tuple[Scene, str]:
         overrides = random_devices.machine(rng)
@@ -172,7 +172,7 @@ def _fitting(rng: np.random.Generator, tried: Callable[[Scene], object]) -> tupl
 
 
 def _balances(scene: Scene) -> dict[str, float]:
-    """Return the switching currents (A) by a finer network; nan where no current balances."""
+    """Switching currents (A) by a finer network; nan where no current balances."""
     from scipy.optimize import minimize_scalar
 
     currents, around = map_grid(scene.device)
@@ -199,7 +199,7 @@ def _balances(scene: Scene) -> dict[str, float]:
 
 
 def _balance(exact: DirectPull, currents: np.ndarray, gap: float) -> float:
-    """Return the least current (A) whose pull balances the spring at a gap (m); nan for none."""
+    """Least current (A) whose pull balances the spring at a gap (m); nan for none."""
     from scipy.optimize import brentq
 
     against = float(spring_force(exact.device, gap))
@@ -219,7 +219,7 @@ _FINER_IN_TIME, _LONGEST = 0.01, 1e-3 * _UNTIL
 
 
 def judge_in_time(rng: np.random.Generator) -> list[Judged]:
-    """Return the outputs of one run, drawn by `rng`: the largest error until some time.
+    """Outputs of one run, drawn by `rng`: the largest error until some time.
 
     That is what a bar in time is of; relative to the output's largest.
     """

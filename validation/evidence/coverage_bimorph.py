@@ -49,7 +49,7 @@ _ONE_IN_THREE = 1.0 / 3.0
 
 
 def judge_beam(rng: np.random.Generator) -> list[Judged]:
-    """Return the answers of beam elements against exact spans; one in three is on its rod."""
+    """Answers of beam elements against exact spans; one in three is on its rod."""
     on_rod = rng.random() < _ONE_IN_THREE
     name, sampled = ("bimorph_on_rod", bimorph_on_rod) if on_rod else ("prototype", slender_bimorph)
 
@@ -66,7 +66,7 @@ _FINER = 4
 
 
 def judge_taper(rng: np.random.Generator) -> list[Judged]:
-    """Return the frequencies of a tapered bimorph against those of more segments."""
+    """Frequencies of a tapered bimorph against those of more segments."""
     overrides = tapered_bimorph(rng)
     scene, _ = load_scene("prototype", overrides)
     found = solve(scene, ["tmm"], [_SHORT]).quantities[0]
@@ -76,7 +76,7 @@ def judge_taper(rng: np.random.Generator) -> list[Judged]:
 
 
 def judge_tmm(rng: np.random.Generator) -> list[Judged]:
-    """Return the answers of the transfer matrix against 80 digits; every other has bare ends.
+    """Answers of the transfer matrix against 80 digits; every other has bare ends.
 
     A uniform beam has a closed form; a row of three is joined.
     """
@@ -93,7 +93,7 @@ def judge_tmm(rng: np.random.Generator) -> list[Judged]:
 
 
 def against_digits(scene: Scene, where: str) -> list[Judged]:
-    """Return the answers of a bimorph of one cross-section on its support, its tip free."""
+    """Answers of a bimorph of one cross-section on its support, its tip free."""
     driven = ("tip_displacement", "tip_rotation", "admittance")
     quantities = solve(scene, ["tmm"], (*_STATIC, *driven, _SHORT, _OPEN)).quantities
     lossless, at_rest = _row(scene, lossy=False), _at_rest_by_digits(scene)
@@ -117,7 +117,7 @@ def against_digits(scene: Scene, where: str) -> list[Judged]:
 
 
 def _at_rest_by_digits(scene: Scene) -> tuple[Any, ...]:
-    """Return static deflection (m) and the capacitances free and blocked (F)."""
+    """Static deflection (m) and the capacitances free and blocked (F)."""
     d = _stiffness(_row(scene, lossy=False), 0.0)
     base = scene.ends.lossless.base
     held = None if base is None else (base.lateral_stiffness, base.rotational_stiffness)
@@ -127,7 +127,7 @@ def _at_rest_by_digits(scene: Scene) -> tuple[Any, ...]:
 
 
 def _driven_by_digits(scene: Scene) -> list[tuple[Any, ...]]:
-    """Return the tip's displacement (m) and rotation (rad) and the admittance (S) by frequency."""
+    """Tip's displacement (m) and rotation (rad) and the admittance (S) by frequency."""
     row, volts, found = _row(scene, lossy=True), scene.drive.voltage, []
     for frequency in scene.frequency:
         base = None
@@ -142,7 +142,7 @@ def _driven_by_digits(scene: Scene) -> list[tuple[Any, ...]]:
 
 
 def _row(scene: Scene, *, lossy: bool) -> Row:
-    """Return section constants and length of the pieces, none of which is bare shim."""
+    """Section constants and length of the pieces, none of which is bare shim."""
     layers = exact.Layers.of(scene.device, scene.beam)
     if not lossy:
         layers = replace(layers, quality_factor=mp.inf, loss_tangent=0)
@@ -201,7 +201,7 @@ class Case:
         return (*_STATIC, _SHORT, "coupling_factor", *(_HARMONIC if self.at else ()))
 
     def scene(self) -> Scene:
-        """Return what is solved."""
+        """What is solved."""
         more = [f"mesh.level={self.level}"] if self.model == "solid" else []
         if self.at:
             scene, _ = load_scene("prototype", list(self.overrides))
@@ -222,7 +222,7 @@ class Case:
 
 
 def varied_cases(seed: int, count: int = 44, finer: int = 6) -> list[Case]:
-    """Return random bimorphs; the first `finer` that are small enough come at level 3 as well."""
+    """Random bimorphs; the first `finer` that are small enough come at level 3 as well."""
     rng, cases = np.random.default_rng(seed), list[Case]()
     while len(cases) < count:
         case = _sampled(rng, len(cases))
@@ -237,7 +237,7 @@ def varied_cases(seed: int, count: int = 44, finer: int = 6) -> list[Case]:
 
 
 def cad_cases(seed: int, count: int = 20) -> list[Case]:
-    """Return random bimorphs of those that CAD knows, for the model cad."""
+    """Random bimorphs of those that CAD knows, for the model cad."""
     rng, cases = np.random.default_rng(seed), list[Case]()
     while len(cases) < count:
         case = _sampled(rng, len(cases))
@@ -258,20 +258,20 @@ def _sampled(rng: np.random.Generator, number: int) -> Case | None:
 
 
 def judge_solid(rng: np.random.Generator) -> list[Judged]:
-    """Return the answers of one device by bricks, of a third all motions or responses."""
+    """Answers of one device by bricks, of a third all motions or responses."""
     (case,) = varied_cases(int(rng.integers(2**31)), 1, finer=0)
     every, responds = rng.random(2) < _ONE_IN_THREE
     return judged(replace(case, all_motions=bool(every), at=_AT if responds else ()))
 
 
 def judge_cad(rng: np.random.Generator) -> list[Judged]:
-    """Return the answers of one device by tetrahedra of its CAD solids."""
+    """Answers of one device by tetrahedra of its CAD solids."""
     (case,) = cad_cases(int(rng.integers(2**31)), 1)
     return judged(case)
 
 
 def judged(case: Case) -> list[Judged]:
-    """Return every answer of a case with its error; modes by their order in their class."""
+    """Every answer of a case with its error; modes by their order in their class."""
     quantities = solve(case.scene(), [case.model], case.quantities).quantities
     kinds = {kind for q in quantities for kind in q.classes or ()} if case.all_motions else set()
     known, where, answers = reference(case, kinds), " ".join(case.overrides), []
@@ -290,7 +290,7 @@ def judged(case: Case) -> list[Judged]:
 
 
 def reference(case: Case, kinds: Iterable[str]) -> Known:
-    """Return the quantities on the reference division; frequencies of the motions in `kinds`."""
+    """Quantities on the reference division; frequencies of the motions in `kinds`."""
     scene = case.scene()
     bricks = bimorph_bricks(scene.device, case.reference)
     system = assemble_bricks(scene.device, bricks, lossy=False)
@@ -329,7 +329,7 @@ def _responses(scene: Scene, bricks: Bricks) -> Known:
 
 
 def _at_rest(system: SolidSystem) -> Multiport:
-    """Return D(0) to some seven digits, with no residual in long double."""
+    """D(0) to some seven digits, with no residual in long double."""
     n, stiffness = system.inner, system.stiffness
     x: Floats = np.zeros((n + 3, 5))
     x[n:, :3] = np.eye(3)
@@ -345,7 +345,7 @@ _AT_SURROGATE, _REACH = 0.9, 1.2
 
 
 def judge_surrogate(rng: np.random.Generator) -> list[Judged]:
-    """Return the answers at one length by the surrogate of one bimorph."""
+    """Answers at one length by the surrogate of one bimorph."""
     names = (*_STATIC, _SHORT, "coupling_factor", *_HARMONIC)
     layer = between(rng, 0.1, 0.4)
     length = between(rng, 15.0, 40.0) * 3.0 * layer

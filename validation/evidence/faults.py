@@ -175,7 +175,7 @@ def finish(process: subprocess.Popen[str], *, after: float | None = None, end: i
 
 
 def before_us(done: Ended) -> bool:
-    """Return whether Ctrl-C met Python while it was loading itself: its words then, not ours."""
+    """Whether Ctrl-C met Python while it was loading itself: its words then, not ours."""
     return done.code == 1 and "KeyboardInterrupt" in done.err and "tactgen" not in done.err
 
 
@@ -188,7 +188,7 @@ def _signal(process: subprocess.Popen[str], number: int) -> None:
 
 
 def half_written(folder: Path) -> list[str]:
-    """Return the files below a folder that are not whole; drafts have no name of ours yet."""
+    """Files below a folder that are not whole; drafts have no name of ours yet."""
     files = (p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(DRAFT))
     return [str(path.relative_to(folder)) for path in sorted(files) if not _whole(path)]
 
@@ -206,7 +206,7 @@ def _zip(content: bytes) -> bool:
 
 
 def _netcdf(content: bytes) -> bool:
-    """Return whether all that a classic netCDF file says it holds is there."""
+    """Whether all that a classic netCDF file says it holds is there."""
     from scipy.io import netcdf_file
 
     if content[:3] != b"CDF":
@@ -235,7 +235,7 @@ _ENDS: dict[str, Callable[[bytes], bool]] = {
 
 
 def answer(command: Command, done: Ended) -> Any:
-    """Return what a command answered, without what its run took."""
+    """What a command answered, without what its run took."""
     if not command.answer:
         return None
     found = json.loads(done.out)[command.answer]
@@ -243,7 +243,7 @@ def answer(command: Command, done: Ended) -> Any:
 
 
 def said(done: Ended) -> tuple[bool, str]:
-    """Return whether a process speaks as a command should, and its refusal (empty if it has none).
+    """Whether a process speaks as a command should, and its refusal (empty if it has none).
 
     No traceback; and a refusal (code 2) is a sentence of the program's own.
     """
@@ -292,7 +292,7 @@ class Trials:
             self.files[command.name] = _names(around.out)
 
     def place(self) -> Surroundings:
-        """Return an own folder and an own store."""
+        """Own folder and an own store."""
         self.count += 1
         out = self.folder / f"{self.count}"
         out.mkdir()
@@ -301,7 +301,7 @@ class Trials:
     def judge(
         self, command: Command, around: Surroundings, done: Ended, codes: Sequence[int]
     ) -> str:
-        """Return what is wrong after a spoilt run, nothing if all is right."""
+        """What is wrong after a spoilt run, nothing if all is right."""
         ours, _ = said(done)
         if done.code not in codes:
             return f"ended with {done.code}: {done.err[-200:]}"
@@ -324,7 +324,7 @@ class Trials:
         return self.compared(command, around, done)
 
     def compared(self, command: Command, around: Surroundings, done: Ended) -> str:
-        """Return what sets a run that did its work apart from an undisturbed one."""
+        """What sets a run that did its work apart from an undisturbed one."""
         if answer(command, done) != self.right[command.name]:
             return "the answer is another"
         missing = set(self.files[command.name]) - set(_names(around.out))
@@ -389,7 +389,7 @@ def corrupted(trials: Trials, times: int) -> Points:
 
 
 def limited(what: int, sizes: Sequence[int]) -> Callable[[Trials, int], Points]:
-    """Return what runs commands with so much of a resource at most."""
+    """What runs commands with so much of a resource at most."""
 
     def run(trials: Trials, _: int) -> Points:
         for command, size in product(trials.commands, sizes):
@@ -471,7 +471,7 @@ FAMILIES: dict[str, tuple[str, Callable[[Trials, int], Points]]] = {
 
 
 def judge(name: str, trials: Trials, times: int) -> Row:
-    """Return the row of a family."""
+    """Row of a family."""
     what, run = FAMILIES[name]
     family = Family()
     for where, wrong, done in run(trials, times):
@@ -519,7 +519,7 @@ def keep_rows(rows: tuple[Row, ...], *, quick: bool) -> None:
 
 
 def kept_rows() -> tuple[Row, ...]:
-    """Return what this very code was last found to do, of a full run if there was one."""
+    """What this very code was last found to do, of a full run if there was one."""
     for quick in (False, True):
         rows: tuple[Row, ...] | None = recalled(_KIND, (quick,), _CODE)
         if rows is not None:

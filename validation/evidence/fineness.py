@@ -126,7 +126,7 @@ def cached(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def degree(wanted: int) -> int:
-    """Return a polynomial degree, on each coarser level one less.
+    """Polynomial degree, on each coarser level one less.
 
     Not below quadratics, but for what is linear from the start: linear functions lock where a
     body bends.
@@ -135,27 +135,27 @@ def degree(wanted: int) -> int:
 
 
 def intervals(wanted: int, least: int = 2) -> int:
-    """Return a number of intervals along an edge, each level's two thirds of the finer one's."""
+    """Number of intervals along an edge, each level's two thirds of the finer one's."""
     return _chosen(CELLS, lambda below: max(least, round(wanted / _GROWTH**below)))
 
 
 def size(wanted: float) -> float:
-    """Return a size of cells, on each coarser level half as large again."""
+    """Size of cells, on each coarser level half as large again."""
     return _chosen(CELLS, lambda below: wanted * _GROWTH**below)
 
 
 def segments(wanted: int) -> int:
-    """Return a number of segments of a taper, on each coarser level half of it; it is counted."""
+    """Number of segments of a taper, on each coarser level half of it; it is counted."""
     return counted(_chosen(SEGMENTS, lambda below: max(1, int(wanted * 0.5**below))))
 
 
 def steps(wanted: int) -> int:
-    """Return a number of steps in time, on each coarser level half of it; it is counted."""
+    """Number of steps in time, on each coarser level half of it; it is counted."""
     return counted(_chosen(STEPS, lambda below: max(1, int(wanted * 0.5**below))))
 
 
 def level(wanted: int, least: int = 1) -> int:
-    """Return a level of a model's own meshes."""
+    """Level of a model's own meshes."""
     return _chosen(LEVEL, lambda below: max(least, wanted - below))
 
 
@@ -166,7 +166,7 @@ def counted(count: int) -> int:
 
 
 def _here() -> Run:
-    """Return the run that this is a part of; one that nobody looks at where there is none."""
+    """Run that this is a part of; one that nobody looks at where there is none."""
     return _run.get(None) or Run()
 
 

@@ -30,10 +30,7 @@ def on_one_core(module: str, function: str, *arguments: Any, python: str = sys.e
     What the call itself prints is not looked at.  `python` may be another interpreter, as
     long as it can import the module.
 
-    Raises
-    ------
-    InputError
-        If the process ends badly, with the last line that it wrote.
+    Raises InputError if the process ends badly, with the last line that it wrote.
     """
     done = subprocess.run(
         [python, "-m", __name__, module, function, json.dumps(arguments)],
@@ -52,13 +49,13 @@ def on_one_core(module: str, function: str, *arguments: Any, python: str = sys.e
 
 
 def _path() -> str:
-    """Return PYTHONPATH with this package's place, which another interpreter need not know."""
+    """PYTHONPATH with this package's place, which another interpreter need not know."""
     here = str(Path(__file__).parents[3])
     return os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
 
 
 def peak_memory() -> int:
-    """Return the largest resident size of this process so far, in bytes.
+    """Largest resident size of this process so far, in bytes.
 
     Where there is /proc, from there: getrusage counts what the parent had before exec.
     """
@@ -100,7 +97,7 @@ if __name__ == "__main__":
 
 
 def least_time(work: Callable[[], Any], repeats: int = 1) -> tuple[float, Any]:
-    """Return the least processor time (s) of several runs, and the last result."""
+    """Least processor time (s) of several runs, and the last result."""
     least, result = math.inf, None
     for _ in range(repeats):
         started = time.process_time()

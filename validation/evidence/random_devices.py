@@ -102,12 +102,12 @@ _MOST_KEYS, _MACHINES = 6, 0.3
 
 
 def between(rng: np.random.Generator, low: float, high: float) -> float:
-    """Return a number even on a logarithmic scale."""
+    """Number even on a logarithmic scale."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
 def sample(rng: np.random.Generator, values: Values) -> str:
-    """Return one value of a key as a scene has it."""
+    """One value of a key as a scene has it."""
     low, high, unit = (*values, "", "")[:3]
     if isinstance(low, str):
         return str(rng.choice(values))
@@ -116,23 +116,20 @@ def sample(rng: np.random.Generator, values: Values) -> str:
 
 
 def overrides(rng: np.random.Generator, keys: Mapping[str, Values]) -> list[str]:
-    """Return one value of each key, as for ``--set``."""
+    """One value of each key, as for ``--set``."""
     return [f"{key}={sample(rng, values)}" for key, values in keys.items()]
 
 
 def three_frequencies(rng: np.random.Generator) -> str:
-    """Return the override of three frequencies from 10 Hz to 3 kHz."""
+    """Override of three frequencies from 10 Hz to 3 kHz."""
     frequencies = sorted(between(rng, 10.0, 3000.0) for _ in range(3))
     return "frequency=" + ",".join(f"{f:.5g} Hz" for f in frequencies)
 
 
 def accepted(attempt: Callable[[], _Device]) -> _Device:
-    """Return what `attempt`, which samples anew each time, gives for the first device that fits.
+    """What `attempt`, which samples anew each time, gives for the first device that fits.
 
-    Raises
-    ------
-    InputError
-        If so many are refused that it must be the model's fault.
+    Raises InputError if so many are refused that it must be the model's fault.
     """
     refusals = []
     for _ in range(MOST_DRAWS):
@@ -149,7 +146,7 @@ def accepted(attempt: Callable[[], _Device]) -> _Device:
 def slender_bimorph(
     rng: np.random.Generator, *, length: float | None = None, layer: float | None = None
 ) -> list[str]:
-    """Return the overrides of a random bimorph for beam models, by default 5 to 60 mm long."""
+    """Overrides of a random bimorph for beam models, by default 5 to 60 mm long."""
     layer = between(rng, 0.05, 0.5) if layer is None else layer
     length = between(rng, 15.0, 120.0) * 3.0 * layer if length is None else length
     frequencies = three_frequencies(rng)
@@ -165,7 +162,7 @@ def slender_bimorph(
 
 
 def bimorph_on_rod(rng: np.random.Generator) -> list[str]:
-    """Return the overrides of a random bimorph that is glued into its rod, its tip free."""
+    """Overrides of a random bimorph that is glued into its rod, its tip free."""
     sampled = [one for one in slender_bimorph(rng) if not one.startswith("support.")]
     return [
         *sampled, "load.kind=none",  # the finger's model ends at 1000 Hz
@@ -175,7 +172,7 @@ def bimorph_on_rod(rng: np.random.Generator) -> list[str]:
 
 
 def tapered_bimorph(rng: np.random.Generator) -> list[str]:
-    """Return the overrides of a random bimorph whose width has a corner."""
+    """Overrides of a random bimorph whose width has a corner."""
     length = rng.uniform(8.0, 40.0)
     width, share = rng.uniform(0.5, 3.0), rng.uniform(0.1, 0.9)
     step, layer = rng.uniform(0.2, 0.8) * length, rng.uniform(0.1, 0.4)
@@ -186,7 +183,7 @@ def tapered_bimorph(rng: np.random.Generator) -> list[str]:
 
 
 def solid_bimorph(rng: np.random.Generator) -> list[str] | None:
-    """Return the overrides of a bimorph of all that could be built, and more, for solid models.
+    """Overrides of a bimorph of all that could be built, and more, for solid models.
 
     Lengths 3 to 60 mm, widths 0.3 to 10 mm, layers 20 µm to 1 mm; three ceramics, two shims;
     tabs, bare ends, glue; masses and springs at the tip; springs and clamps at the base.  None
@@ -223,12 +220,12 @@ def solid_bimorph(rng: np.random.Generator) -> list[str] | None:
 
 
 def machine(rng: np.random.Generator) -> list[str]:
-    """Return the overrides of a random machine; its dimensions may not fit together."""
+    """Overrides of a random machine; its dimensions may not fit together."""
     return [*overrides(rng, MACHINE), three_frequencies(rng)]
 
 
 def any_scene(rng: np.random.Generator) -> tuple[str, list[str]]:
-    """Return a scene's name and random overrides: a bimorph on springs, or the whole machine."""
+    """Scene's name and random overrides: a bimorph on springs, or the whole machine."""
     whole = rng.random() < _MACHINES
     keys = _BIMORPH | (_ROD if whole else _SUPPORT)
     some = rng.choice(sorted(keys), size=int(rng.integers(_MOST_KEYS + 1)), replace=False)

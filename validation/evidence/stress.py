@@ -133,7 +133,7 @@ class Stress:
 
 
 def judged(family: str, what: str, points: Sequence[Point]) -> Row:
-    """Return the row of a family that is held against what was asked for.
+    """Row of a family that is held against what was asked for.
 
     It fails if a point is beyond its bound, or beyond what was asked for where its bound
     is that or less.
@@ -151,7 +151,7 @@ def judged(family: str, what: str, points: Sequence[Point]) -> Row:
 
 
 def share(point: Point) -> float:
-    """Return the share of its bound that an error takes; an error without one is beyond."""
+    """Share of its bound that an error takes; an error without one is beyond."""
     if math.isnan(point.error):
         return math.inf
     if point.error == 0.0:
@@ -160,12 +160,12 @@ def share(point: Point) -> float:
 
 
 def _beyond(points: Sequence[Point]) -> tuple[Point, ...]:
-    """Return the points that are not within their bound; what is no number is not."""
+    """Points that are not within their bound; what is no number is not."""
     return tuple(sorted((p for p in points if not p.error <= p.bound), key=share, reverse=True))
 
 
 def _over(points: Sequence[Point]) -> float:
-    """Return the largest share of its bound that an error takes."""
+    """Largest share of its bound that an error takes."""
     return max(map(share, points), default=math.nan)
 
 
@@ -181,7 +181,7 @@ def answered(
     *,
     promised: float = 1.0,
 ) -> Row:
-    """Return the row of a family that is held against the bound of each answer.
+    """Row of a family that is held against the bound of each answer.
 
     It fails if a refusal is not one sentence, or answers are beyond their bounds: more than the
     share for which these are `promised`, or one by :data:`FAR` of them.
@@ -230,12 +230,12 @@ class Family:
             self.refuse(error)
 
     def row(self, name: str, what: str) -> Row:
-        """Return the family, judged."""
+        """Family, judged."""
         return answered(name, what, self.points, self.refusals)
 
 
 def spread(values: Iterable[float]) -> float:
-    """Return how far values are apart, relative to the largest; nan if one is not finite."""
+    """How far values are apart, relative to the largest; nan if one is not finite."""
     found = list(values)
     if not all(math.isfinite(v) for v in found):
         return math.nan
@@ -277,7 +277,7 @@ def _decades(axis: Any, table: ErrorMap, values: Floats) -> Any:
 
 
 def _decade_ticks(spaced: Floats, unit: str, every: int) -> tuple[list[float], list[str]]:
-    """Return places between the cells, and names, of decades; a leading 0 keeps its cell."""
+    """Places between the cells, and names, of decades; a leading 0 keeps its cell."""
     start = int(spaced[0] == 0.0)
     powers = np.log10(spaced[start:])
     cells = np.arange(start, spaced.size)
@@ -350,7 +350,7 @@ _NUMBERS = ("points", "refused", "beyond", "worst", "promised", "over bar")
 
 
 def short(value: float) -> str:
-    """Return two digits; words for what has no number."""
+    """Two digits; words for what has no number."""
     if math.isnan(value):
         return "-"
     return "no digit" if value >= 1.0 else f"{value:.1e}"
@@ -393,7 +393,7 @@ def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
 
 
 def _kinds(refusals: Iterable[str]) -> list[list[str]]:
-    """Return sentences together that differ in their numbers alone, in the order of the first."""
+    """Sentences together that differ in their numbers alone, in the order of the first."""
     found: dict[str, list[str]] = {}
     for words in refusals:
         found.setdefault(_NUMBER.sub("", words), []).append(words)
@@ -415,7 +415,7 @@ Judge = Callable[[Family, bool], None]
 
 
 def table(part: str, families: Mapping[str, tuple[str, Judge]]) -> Families:
-    """Return families of a part, by name, from their ranges and what adds their points."""
+    """Families of a part, by name, from their ranges and what adds their points."""
 
     def run(name: str, what: str, judge: Judge, quick: bool) -> Row:
         family = Family()
@@ -447,7 +447,7 @@ class Asked:
     keep: Callable[[tuple[object, ...], Callable[[], Any]], Any] = lambda _, work: work()
 
     def part(self, name: str, statement: str, families: Families) -> Stress:
-        """Return a part with the rows of all its families, each announced before."""
+        """Part with the rows of all its families, each announced before."""
         started, rows = time.perf_counter(), list[Row]()
         for title, family in families.items():
             self.announce(title if title.startswith(name) else f"{name}: {title}")
@@ -469,7 +469,7 @@ PARTS = {
 
 
 def _run_of(name: str) -> Callable[[Asked], Stress]:
-    """Return what runs a part; only its own models are imported."""
+    """What runs a part; only its own models are imported."""
     module, _, function = PARTS[name].partition(".")
     run: Callable[[Asked], Stress] = getattr(
         importlib.import_module(f"{__package__}.{module}"), function

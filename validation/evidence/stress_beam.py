@@ -92,7 +92,7 @@ def point(beam: Section, length: float, frequency: float, ends: Ends, where: str
 
 
 def entry_error(got: Any, exact: Any) -> float:
-    """Return the worst relative error of the entries of D (5, 5); infinite for nan."""
+    """Worst relative error of the entries of D (5, 5); infinite for nan."""
     return max(
         _finite(reference.relative_error(got[at], exact[at]))
         for at in _ENTRIES
@@ -157,7 +157,7 @@ def _statement() -> str:
 
 
 def device_of(ratio: float | None = None, quality: float | None = None) -> Device:
-    """Return the paper's device with another shim/piezo thickness ratio or quality factor."""
+    """Paper's device with another shim/piezo thickness ratio or quality factor."""
     bimorph, piezo = Bimorph(), Piezo()
     if ratio is not None:
         layer = float(bimorph.thickness / (2.0 + ratio))
@@ -168,7 +168,7 @@ def device_of(ratio: float | None = None, quality: float | None = None) -> Devic
 
 
 def beam_of(device: Device | None = None, *, lossy: bool = True) -> Section:
-    """Return the section constants of a device's bimorph."""
+    """Section constants of a device's bimorph."""
     return section(Piece("bimorph", _LENGTH), device or Device(), Beam(), lossy=lossy)
 
 
@@ -303,7 +303,7 @@ def _approach(name: str, beam: Section, pole: float, quick: bool) -> tuple[Appro
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Return where a function changes sign, to the last bit."""
+    """Where a function changes sign, to the last bit."""
     positive = function(low) > 0.0
     while True:
         middle = 0.5 * (low + high)

@@ -54,12 +54,12 @@ class Sweep:
     quick: tuple[int, ...] = (0, -1)
 
     def chosen(self, quick: bool) -> Sequence[SweepPoint]:
-        """Return the points of a run."""
+        """Points of a run."""
         return [self.points[i] for i in self.quick] if quick else self.points
 
 
 def each(key: str, values: Sequence[object], unit: str = "", *more: str) -> list[SweepPoint]:
-    """Return the points of a key at these values, with other overrides that are the same."""
+    """Points of a key at these values, with other overrides that are the same."""
     said = [f"{key}={value} {unit}".strip() for value in values]
     return [(one, (one, *more)) for one in said]
 
@@ -67,7 +67,7 @@ def each(key: str, values: Sequence[object], unit: str = "", *more: str) -> list
 def decades(
     key: str, unit: str, low: int, high: int, *more: str, step: int = 1
 ) -> list[SweepPoint]:
-    """Return the points 10^low to 10^high of a key."""
+    """Points 10^low to 10^high of a key."""
     return each(key, [f"1e{power}" for power in range(low, high + 1, step)], unit, *more)
 
 
@@ -94,7 +94,7 @@ class Pair:
     form: float = 0.0
 
     def row(self, sweep: Sweep, quick: bool) -> Row:
-        """Return what the judged model says over a sweep."""
+        """What the judged model says over a sweep."""
         name = f"{self.judged}: {sweep.family}"
         return driven(name, sweep, self.scene, self.add, quick, promised=PROMISED)
 
@@ -115,7 +115,7 @@ def driven(
     quick: bool,
     promised: float = 1.0,
 ) -> Row:
-    """Return the row of a sweep whose points `add` judges; what refuses is quoted.
+    """Row of a sweep whose points `add` judges; what refuses is quoted.
 
     `promised` is the share of answers that their bars promise to hold.
     """
@@ -129,7 +129,7 @@ def driven(
 
 
 def worst(one: Quantity, other: Quantity) -> tuple[float, float]:
-    """Return relative error and bar of the entry that misses its bar by most; nan for no number.
+    """Relative error and bar of the entry that misses its bar by most; nan for no number.
 
     Of a curve's many entries as many are passed over as their bars do not promise to hold, unless
     one is far off.  Entries of which the list is about are compared as far as both go; a value of
@@ -180,7 +180,7 @@ _MACHINE = Pair(
 
 
 def _shim(power: float, *more: str) -> SweepPoint:
-    """Return a shim 10^power times as thick as a layer of ceramic, 0.77 mm in all."""
+    """Shim 10^power times as thick as a layer of ceramic, 0.77 mm in all."""
     piezo = 0.77 / (2.0 + 10.0**power)
     return f"shim/piezo 1e{power:g}", (
         f"bimorph.piezo_thickness={piezo:.9g} mm",
@@ -281,7 +281,7 @@ MACHINE_PAIR = Pair(
 
 
 def families(part: str, pairs: Sequence[tuple[Pair, Sequence[Sweep]]]) -> Families:
-    """Return the families of sweeps, each by the pair that answers it."""
+    """Families of sweeps, each by the pair that answers it."""
     return {
         f"{part}: {pair.judged} against {pair.witness}, {sweep.family}": partial(pair.row, sweep)
         for pair, sweeps in pairs
@@ -307,7 +307,7 @@ def run_random(asked: Asked) -> Stress:
 
 
 def random_rows(asked: Asked, count: int) -> tuple[Row, ...]:
-    """Return the rows of so many scenes, each with a stream of its own: bimorphs, machines."""
+    """Rows of so many scenes, each with a stream of its own: bimorphs, machines."""
     seed = asked.seed
     families = {"prototype": Family(), "generator": Family()}
     scenes = dict.fromkeys(families, 0)
@@ -328,7 +328,7 @@ def random_rows(asked: Asked, count: int) -> tuple[Row, ...]:
 
 
 def _judged(name: str, overrides: list[str]) -> tuple[list[Point], list[str]]:
-    """Return points and refusals of one scene; what else it raises is one that fails."""
+    """Points and refusals of one scene; what else it raises is one that fails."""
     family, where = Family(), f"{name} {'; '.join(overrides)}"
     started = time.process_time()
     try:

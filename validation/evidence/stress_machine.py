@@ -84,13 +84,13 @@ def slow_row(quick: bool) -> Row:
 
 
 def _network_forces(scene: Scene) -> AxialForces:
-    """Return what acts on the rod, the pull by the network that small motions are read off."""
+    """What acts on the rod, the pull by the network that small motions are read off."""
     exact = DirectPull(scene.device, CELLS_AT_REST, scene.pull.gap_limits)
     return axial_forces(scene.device, exact, scene.load.normal_force)
 
 
 def _slope(scene: Scene, forces: AxialForces, step: float) -> float:
-    """Return the central difference of the place of rest over the current (m/A)."""
+    """Central difference of the place of rest over the current (m/A)."""
     assert scene.rest is not None, "the generator stands on its contact"
     places = []
     for at in (scene.coil.current - step, scene.coil.current + step):
@@ -177,7 +177,7 @@ _CIRCUITS = tuple(
 
 
 def motion_rows(quick: bool) -> list[Row]:
-    """Return the rows: seconds if `quick`, else a minute."""
+    """Rows: seconds if `quick`, else a minute."""
     return [
         _row("machine: blows on its stop", "the rod at 1 cm/s to 2 m/s", _BLOWS, quick),
         _row("machine: without damping", "no loss in contact, guide, bimorph", _LOSSLESS, quick),

@@ -198,7 +198,7 @@ def _covered(
 
 
 def _imbalance(point: FieldPoint) -> float:
-    """Return (W + W' − iλ)/(iλ) with W' integrated from the curves on its own."""
+    """(W + W' − iλ)/(iλ) with W' integrated from the curves on its own."""
     assert point.solution is not None
     supplied = point.current * point.flux_linkage
     stored = point.solution.energy + _integrated_coenergy(point.solution)
@@ -245,7 +245,7 @@ def _narrow_gap(family: Family, _: bool) -> None:
 
 
 def _top_flux(point: FieldPoint, inner: float, outer: float) -> float:
-    """Return the flux through the sleeve's top face, z = 0 (Wb)."""
+    """Flux through the sleeve's top face, z = 0 (Wb)."""
     assert point.solution is not None
     grid = point.solution.discretisation.grid
     at = int(np.abs(grid.z).argmin())
@@ -334,7 +334,7 @@ def _solvers(scale: float, curve: MagnetisationCurve) -> tuple[VectorPotential, 
 
 
 def _bracket(fields: list[SolidField]) -> tuple[float, float]:
-    """Return the middle and the half width; negative where the bounds have crossed."""
+    """Middle and the half width; negative where the bounds have crossed."""
     low, high = (field.coenergy for field in fields)
     return 0.5 * (low + high), 0.5 * (high - low)
 

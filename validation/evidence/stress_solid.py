@@ -35,7 +35,7 @@ _FIRST_ROOT = 1.8751040687119612
 
 
 def _without_poisson(device: Device, *, coupling: bool) -> Piezoceramic:
-    """Return the device's ceramic strained along z by d31 alone, and no Poisson's effect."""
+    """Device's ceramic strained along z by d31 alone, and no Poisson's effect."""
     ceramic = device.piezo.ceramic()
     d = np.zeros((3, 6))
     d[2, 0] = ceramic.d[2, 0] if coupling else 0.0
@@ -43,7 +43,7 @@ def _without_poisson(device: Device, *, coupling: bool) -> Piezoceramic:
 
 
 def _static(system: SolidSystem) -> tuple[float, float, Floats]:
-    """Return tip displacement per volt, capacitance and the tip's compliance (2, 2)."""
+    """Tip displacement per volt, capacitance and the tip's compliance (2, 2)."""
     d = static_multiport(system).stiffness[0].real
     compliance = np.linalg.inv(d[2:4, 2:4])
     tip = -compliance @ d[2:4, 4]
@@ -118,7 +118,7 @@ def _slender(family: Family, quick: bool) -> None:
 
 
 def _beam(device: Device, ceramic: Piezoceramic) -> tuple[float, float]:
-    """Return tip displacement per volt and first frequency (Hz) of Euler and Bernoulli's beam.
+    """Tip displacement per volt and first frequency (Hz) of Euler and Bernoulli's beam.
 
     The potential is quadratic through a layer and D_x constant, so a layer bends about its
     own middle with c + e²/ε.
@@ -140,7 +140,7 @@ def _beam(device: Device, ceramic: Piezoceramic) -> tuple[float, float]:
 def _cantilever(
     device: Device, meshing: BrickMeshing, ceramic: Piezoceramic
 ) -> tuple[float, float, float]:
-    """Return tip displacement per volt, first frequency, and what rounding does to them."""
+    """Tip displacement per volt, first frequency, and what rounding does to them."""
     system = assemble(device, bimorph_bricks(device, meshing), lossy=False, ceramic=ceramic)
     tip, _, compliance = _static(system)
     frequency = natural_modes(system, Ends(), 1)[0].frequency
@@ -169,7 +169,7 @@ def _distorted(family: Family, quick: bool) -> None:
 
 
 def _shifted(device: Device, shift: float) -> Mesh:
-    """Return layers of tetrahedra with nodes moved in the planes that they must stay in.
+    """Layers of tetrahedra with nodes moved in the planes that they must stay in.
 
     All move by one share, `shift` of what would flatten the first tetrahedron.
     """
@@ -206,7 +206,7 @@ def _triangles_on(mesh: Mesh, place: float) -> Ints:
 
 
 def _flattening(mesh: Mesh, move: Floats) -> float:
-    """Return how far the nodes can move until the first tetrahedron is flat (bisection)."""
+    """How far the nodes can move until the first tetrahedron is flat (bisection)."""
     low, high = 0.0, 1.0
     for _ in range(40):
         middle = 0.5 * (low + high)
@@ -235,7 +235,7 @@ def _own_bars(family: Family, devices: Iterable[tuple[str, Device]]) -> None:
 
 
 def _answers(device: Device, bricks: Bricks) -> Floats:
-    """Return tip displacement per volt, capacitance, first two bending frequencies."""
+    """Tip displacement per volt, capacitance, first two bending frequencies."""
     system = assemble(device, bricks, lossy=False)
     modes = natural_modes(system, Ends(), 2)
     return np.array([*_static(system)[:2], *(mode.frequency for mode in modes)])

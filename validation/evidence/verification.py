@@ -134,7 +134,7 @@ class Verified:
         return f"tests/validation/evidence/{file}::test_row[{self.check.id}]"
 
     def plain(self) -> dict[str, Any]:
-        """Return the row as plain values; what is not known of a skipped one is None."""
+        """Row as plain values; what is not known of a skipped one is None."""
         check, found = self.check, self.outcome
         return {
             "id": check.id,
@@ -160,7 +160,7 @@ class Verified:
 
 
 def group_cases(group: str) -> tuple[Case, ...]:
-    """Return the cases of a group; rows without one are gathered by the letters of their ids."""
+    """Cases of a group; rows without one are gathered by the letters of their ids."""
     declared: tuple[Case | Check, ...] = importlib.import_module(_CASES + group).CASES
     gathered: dict[str, Case] = {}
     for entry in declared:
@@ -173,7 +173,7 @@ def group_cases(group: str) -> tuple[Case, ...]:
 
 
 def _alone(group: str, row: Check) -> Case:
-    """Return a case of one row that was declared without one: its family's problem."""
+    """Case of one row that was declared without one: its family's problem."""
     family = row.id.rpartition("-")[0]
     problem = PROBLEMS.get((group, family), Problem(row.requirement, "", ""))
     title, about, model = problem
@@ -181,7 +181,7 @@ def _alone(group: str, row: Check) -> Case:
 
 
 def group_rows(group: str) -> tuple[Check, ...]:
-    """Return the checks of a group."""
+    """Checks of a group."""
     return tuple(row for found in group_cases(group) for row in found.rows)
 
 
@@ -205,7 +205,7 @@ def verify(
 
 
 def _bar(group: str, case: Case, check: Check, measured: Division) -> Bar | None:
-    """Return a row's bar; None where nothing is divided, and of a row that is an error itself."""
+    """Row's bar; None where nothing is divided, and of a row that is an error itself."""
     if math.isfinite(measured.error):
         return Bar(measured.error, "the model's own")
     if measured.kind is None or case.refinement is not None:
@@ -217,7 +217,7 @@ def _bar(group: str, case: Case, check: Check, measured: Division) -> Bar | None
 
 
 def next_division(group: str, case: Case, check: Check) -> Division | None:
-    """Return what a row measures on the next coarser level.
+    """What a row measures on the next coarser level.
 
     Where there is none, as of linear functions that contain the answer, on the next finer one.
     """
@@ -229,7 +229,7 @@ def next_division(group: str, case: Case, check: Check) -> Division | None:
 
 
 def division(group: str, case: Case, check: Check, below: int = 0) -> Division:
-    """Return what a row measures so many levels coarser, from the store if the code is the same.
+    """What a row measures so many levels coarser, from the store if the code is the same.
 
     A level that its model refuses as too coarse is none.
     """
@@ -255,14 +255,14 @@ def division(group: str, case: Case, check: Check, below: int = 0) -> Division:
 
 
 def _nearest(outcome: Outcome) -> float:
-    """Return the reference, or of a range the point nearest to what was measured."""
+    """Reference, or of a range the point nearest to what was measured."""
     reference = outcome.check.reference
     ends = reference if isinstance(reference, tuple) else (reference, reference)
     return min(max(outcome.measured, ends[0]), ends[1])
 
 
 def recalled_rows(groups: Sequence[str]) -> list[Verified]:
-    """Return the groups' checks as far as this very code has run and kept them; others skipped."""
+    """Groups' checks as far as this very code has run and kept them; others skipped."""
     found = []
     for group in groups:
         for case in group_cases(group):
@@ -278,12 +278,12 @@ def _holds(check: Check, measured: float) -> bool:
 
 
 def remembered(group: str, name: str, error: Callable[[], float]) -> float:
-    """Return an error of a case's own refinement, from the store if the code is the same."""
+    """Error of a case's own refinement, from the store if the code is the same."""
     return kept(*_entry(group, "level", name), error)
 
 
 def _entry(group: str, kind: str, name: str) -> tuple[str, tuple[str, str], tuple[str, ...]]:
-    """Return kind, inputs and code that a measured value goes by in the store."""
+    """Kind, inputs and code that a measured value goes by in the store."""
     module = _CASES + group
     code = (module, *_ENGINE) if group in ON_SCENES else (module,)
     return f"check.{kind}", (group, name), code

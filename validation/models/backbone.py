@@ -123,12 +123,9 @@ def backbone(
     band: tuple[float, float],
     announce: Callable[[str], None] = lambda _: None,
 ) -> Backbone:
-    """Return the response over a band of frequencies (Hz) at each voltage (V).
+    """Response over a band of frequencies (Hz) at each voltage (V).
 
-    Raises
-    ------
-    InputError
-        If no steady oscillation is found at the band's lower end.
+    Raises InputError if no steady oscillation is found at the band's lower end.
     """
     return Backbone(head, tuple(response_curve(head, u, band, announce) for u in sorted(voltages)))
 
@@ -139,7 +136,7 @@ def response_curve(
     band: tuple[float, float],
     announce: Callable[[str], None] = lambda _: None,
 ) -> Curve:
-    """Return the response over a band of frequencies (Hz) at one voltage (V); refusals as above."""
+    """Response over a band of frequencies (Hz) at one voltage (V); refusals as above."""
     branch = response_branch(head, voltage, band, announce)
     turns = folds(head.oscillator, branch)
     announce(f"backbone: {voltage:g} V, stability")
@@ -164,7 +161,7 @@ def response_branch(
     band: tuple[float, float],
     announce: Callable[[str], None] = lambda _: None,
 ) -> Branch:
-    """Return the orbits over a band of frequencies (Hz) at one voltage (V); refusals as above."""
+    """Orbits over a band of frequencies (Hz) at one voltage (V); refusals as above."""
     announce(f"backbone: {voltage:g} V")
     low, high = (2.0 * np.pi * f for f in band)
 
@@ -182,12 +179,12 @@ def response_branch(
 
 
 def speed(head: RockingHead) -> Callable[[Orbit], complex]:
-    """Return what reads the first harmonic of the tip's velocity (m/s) off an orbit."""
+    """What reads the first harmonic of the tip's velocity (m/s) off an orbit."""
     return lambda o: 1j * o.omega * complex(head.response(o).motion["w_tip"][1])
 
 
 def moment_share(head: RockingHead, orbit: Orbit) -> float:
-    """Return the largest moment on the contact over that at which the head stands on its edge."""
+    """Largest moment on the contact over that at which the head stands on its edge."""
     _, moment = head.contact(orbit, _INSTANTS)
     return float(np.abs(moment).max() / head.stops.upper.tipping_moment(head.place.contact_force))
 
@@ -206,7 +203,7 @@ def _peak(head: RockingHead, branch: Branch, at: SpecialPoint) -> Peak:
 
 
 def _judge(head: RockingHead, branch: Branch, at: SpecialPoint) -> Orbit | None:
-    """Return the peak again, met on a finer branch; None if that misses it."""
+    """Peak again, met on a finer branch; None if that misses it."""
     begin = branch.steps[max(0, at.after - _BEFORE)]
     fine = Resolution(0.1 * RESOLUTION.missing, 2 * at.orbit.harmonics, 2 * RESOLUTION.most)
     try:
@@ -222,7 +219,7 @@ def _judge(head: RockingHead, branch: Branch, at: SpecialPoint) -> Orbit | None:
 
 
 def _stable(head: RockingHead, branch: Branch) -> Bools:
-    """Return which orbits are stable; between two alike that are near, all are taken for alike."""
+    """Which orbits are stable; between two alike that are near, all are taken for alike."""
     orbits = branch.orbits
     counts: dict[int, int | None] = {}
 

@@ -129,7 +129,7 @@ def compare(
 
 
 def _is_list(row: QuantityRow, found: Iterable[Quantity]) -> bool:
-    """Return whether a quantity is a list of which no entry stands for it, unlike modes."""
+    """Whether a quantity is a list of which no entry stands for it, unlike modes."""
     return not isinstance(row.read, ModalReadout) and any(q.value.ndim for q in found)
 
 
@@ -161,7 +161,7 @@ def _cell(
 
 
 def _without_shortcut(q: Quantity, found: Sequence[Quantity]) -> float:
-    """Return what a model without shortcut makes of the same theory; nan if none was asked."""
+    """What a model without shortcut makes of the same theory; nan if none was asked."""
     theory = MODELS[q.model].theory
     plain = [p for p in found if MODELS[p.model].theory == theory and not MODELS[p.model].shortcut]
     return _first(plain[0])[0] if plain else float("nan")
@@ -174,7 +174,7 @@ def _verdict(
     apart: tuple[float, float, float],
     causes: Sequence[Cause] | None,
 ) -> tuple[Verdict, str, float]:
-    """Return the verdict on a difference that error bars do not cover, its reason, what is left.
+    """Verdict on a difference that error bars do not cover, its reason, what is left.
 
     `apart` holds as fractions the difference, the bars together, and what of it is the shortcut.
     """
@@ -207,7 +207,7 @@ def _verdict(
 
 
 def _left_out(scene: Scene, model: ModelRow) -> str:
-    """Return in words what a model leaves out, where no causes are told apart."""
+    """In words what a model leaves out, where no causes are told apart."""
     if model.theory == "circuit":
         return _TUBES
     reason = _ONE_DIMENSIONAL
@@ -217,12 +217,12 @@ def _left_out(scene: Scene, model: ModelRow) -> str:
 
 
 def _points(share: float) -> str:
-    """Return a fraction in percent, two decimals, without the sign of a nought."""
+    """Fraction in percent, two decimals, without the sign of a nought."""
     return f"{round(100.0 * share, 2) + 0.0:+.2f}"
 
 
 def _first(q: Quantity) -> tuple[float, float]:
-    """Return a scalar, or the first bending mode in x of a list, with its error bar."""
+    """Scalar, or the first bending mode in x of a list, with its error bar."""
     if q.classes is None:
         return float(q.value), float(q.error)
     if "bending_x" not in q.classes:
@@ -235,7 +235,7 @@ def _first(q: Quantity) -> tuple[float, float]:
 
 
 def share(value: float) -> str:
-    """Return an error as people write it."""
+    """Error as people write it."""
     return f"{100.0 * value:.2g} %" if math.isfinite(value) else "not known"
 
 
@@ -303,12 +303,9 @@ class Choice:
 def choose(
     scene: Scene, quantities: Sequence[str], announce: Callable[[str], None] = lambda _: None
 ) -> Choice:
-    """Return the cheapest models whose known error meets the scene's accuracy.
+    """Cheapest models whose known error meets the scene's accuracy.
 
-    Raises
-    ------
-    InputError
-        If none does, with what each would give.
+    Raises InputError if none does, with what each would give.
     """
     return choose_for((scene,), quantities, announce)
 
@@ -318,12 +315,9 @@ def choose_for(
     quantities: Sequence[str],
     announce: Callable[[str], None] = lambda _: None,
 ) -> Choice:
-    """Return the cheapest models whose known error meets the accuracy in every one of the scenes.
+    """Cheapest models whose known error meets the accuracy in every one of the scenes.
 
-    Raises
-    ------
-    InputError
-        If none does, with what each would give at worst.
+    Raises InputError if none does, with what each would give at worst.
     """
     actuators = dict.fromkeys(QUANTITIES[name].actuator for name in quantities)
     accuracy = min(scene.accuracy for scene in scenes)
@@ -349,7 +343,7 @@ def _where(scenes: int) -> str:
 
 
 def _worst(ladders: Sequence[tuple[Rung, ...]]) -> tuple[Rung, ...]:
-    """Return the rungs of several scenes as one ladder, with the largest errors of each model."""
+    """Rungs of several scenes as one ladder, with the largest errors of each model."""
     found = []
     for rungs in zip(*ladders, strict=True):
         worst = max(rungs, key=lambda rung: (not rung.meets, rung.form + rung.numerical))
@@ -365,7 +359,7 @@ def ladder(
     announce: Callable[[str], None] = lambda _: None,
     judge: str = "",
 ) -> tuple[Rung, ...]:
-    """Return what is known of each model's error in these quantities, cheapest first.
+    """What is known of each model's error in these quantities, cheapest first.
 
     The most detailed model, `judge`, is that which can take the scene if none is given.
     """
@@ -400,12 +394,9 @@ def ladder(
 
 
 def _judge(actuator: Actuator, scenes: Sequence[Scene], quantities: Sequence[str]) -> str:
-    """Return the model that judges the others, or the one in its place if that takes the scenes.
+    """Model that judges the others, or the one in its place if that takes the scenes.
 
-    Raises
-    ------
-    InputError
-        If neither takes all scenes, or does not give a quantity.
+    Raises InputError if neither takes all scenes, or does not give a quantity.
     """
     judge = _LADDERS[actuator][-1]
     for name in quantities:
@@ -427,7 +418,7 @@ def _judge(actuator: Actuator, scenes: Sequence[Scene], quantities: Sequence[str
 
 
 def _error(found: Quantity, reference: Quantity) -> tuple[float, float]:
-    """Return a model's largest relative error of form and numerical error in a quantity.
+    """Model's largest relative error of form and numerical error in a quantity.
 
     Of modes those of bending in x are compared, which every theory knows; infinite if a model
     has fewer than were asked for, nan if there is nothing to compare.

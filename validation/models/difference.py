@@ -110,7 +110,7 @@ def change(values: Values, before: Values) -> dict[str, float]:
 
 
 def chain(entries: Iterable[tuple[str, str, Values, Values, str]]) -> list[Step]:
-    """Return steps from (name, meaning, values, simple model's values, theory) in order."""
+    """Steps from (name, meaning, values, simple model's values, theory) in order."""
     steps: list[Step] = []
     for name, meaning, values, simple, theory in entries:
         before = steps[-1] if steps else None
@@ -126,7 +126,7 @@ def remaining(steps: Sequence[Step]) -> list[dict[str, float]]:
 
 
 def causes(steps: Sequence[Step]) -> list[Cause]:
-    """Return what each step adds to (first / last − 1); the shares add up to it."""
+    """What each step adds to (first / last − 1); the shares add up to it."""
     return [
         Cause(step.name, {name: before[name] - after[name] for name in after})
         for step, (before, after) in zip(steps[1:], pairwise(remaining(steps)), strict=True)
@@ -208,7 +208,7 @@ class SolidCase:
     level: int = 1
 
     def assembled(self) -> SolidSystem:
-        """Return the lossless system."""
+        """Lossless system."""
         from tactgen.fem.piezo.solid import assemble
         from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
 
@@ -318,7 +318,7 @@ HEADLINE = (
 
 
 def beam_to_solid(scene: Scene, announce: Announce, *, level: int = 1) -> list[Step]:
-    """Return steps from transfer matrices to the solid, on the scene's support (not a rod).
+    """Steps from transfer matrices to the solid, on the scene's support (not a rod).
 
     A set of constants that no material could have is passed over: its assumption is given up
     together with the next.  On coarse bricks the shares move by 0.1 % of the value at most.
@@ -375,20 +375,20 @@ USUAL_TAB = 2e-3
 
 
 def on_rod(scene: Scene) -> Scene:
-    """Return the scene in its rod, free of load, with a tab."""
+    """Scene in its rod, free of load, with a tab."""
     tab = scene.bimorph.tab_length or USUAL_TAB
     return _on(_with(scene, "bimorph", tab_length=tab), "rod")
 
 
 def clamped(scene: Scene, tab: float = 0.0) -> Scene:
-    """Return the bimorph alone, free of load, on a tab (m), its lowest section clamped."""
+    """Bimorph alone, free of load, on a tab (m), its lowest section clamped."""
     return _on(_with(scene, "bimorph", tab_length=tab), "clamped")
 
 
 def clamp_to_rod(
     scene: Scene, announce: Announce, *, level: int = 2, field: Values | None = None
 ) -> list[Step]:
-    """Return steps from a bimorph clamped in all its layers to the one in the rod, tip free.
+    """Steps from a bimorph clamped in all its layers to the one in the rod, tip free.
 
     Parameters
     ----------
@@ -474,7 +474,7 @@ def end_share(scene: Scene) -> float:
 
 
 def expected_differences(scene: Scene) -> dict[str, Band]:
-    """Return expected difference of beam theory from the solid by quantity; empty on a rod.
+    """Expected difference of beam theory from the solid by quantity; empty on a rod.
 
     From nothing (a narrow strip) to laminate theory of the scene's layers (a wide plate), and the
     ends' share on both sides.  A taper counts by its nominal layers, glue between them not at all.
@@ -520,7 +520,7 @@ _TUBES = (
 def formula_to_field(
     device: Device, current: float, gap: float, field: Values | None = None
 ) -> list[Step]:
-    """Return steps from the one-gap formula over the network to the field's values, where given."""
+    """Steps from the one-gap formula over the network to the field's values, where given."""
     from tactgen.tmm.reluctance.network import network_bridge
 
     rows: list[tuple[str, str, Values]] = [

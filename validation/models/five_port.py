@@ -15,7 +15,7 @@ FivePort = Callable[[Floats], Multiport]
 
 
 def five_port(scene: Scene, model: str) -> FivePort:
-    """Return the bimorph over its ports, with losses and wired as it is, support and load apart.
+    """Bimorph over its ports, with losses and wired as it is, support and load apart.
 
     Returns
     -------
@@ -23,10 +23,7 @@ def five_port(scene: Scene, model: str) -> FivePort:
         From frequencies (n,) in Hz.  A solid is reduced for the scene's frequencies and their
         lower harmonics.
 
-    Raises
-    ------
-    InputError
-        If it is no model of the lateral actuator.
+    Raises InputError if it is no model of the lateral actuator.
     """
     makers = {"tmm": _row, "lumped": _row, "beam": _beam, "solid": _solid, "cad": _solid}
     if model not in makers:

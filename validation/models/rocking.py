@@ -42,19 +42,16 @@ STATES: dict[State, tuple[str, ...]] = {
 
 
 def in_state(scene: Scene, state: State) -> Scene:
-    """Return a scene in one of these states."""
+    """Scene in one of these states."""
     current, history = COILS[state]
     coil = scene.coil.model_copy(update={"current": current, "history": history})
     return scene.model_copy(update={"coil": coil})
 
 
 def held_head(scene: Scene, model: str = "tmm") -> RockingHead:
-    """Return the bimorph on the head that a stop carries.
+    """Bimorph on the head that a stop carries.
 
-    Raises
-    ------
-    InputError
-        If the support is no contact, or the rod touches no stop.
+    Raises InputError if the support is no contact, or the rod touches no stop.
     """
     if scene.support.kind != "contact":
         raise InputError(
@@ -121,14 +118,11 @@ def loaded_deflection(
     band: tuple[float, float],
     announce: Callable[[str], None] = lambda _: None,
 ) -> LoadedDeflection:
-    """Return the response to a large voltage (V) over a band (Hz).
+    """Response to a large voltage (V) over a band (Hz).
 
     The voltage is raised at the lower end, then the frequency.
 
-    Raises
-    ------
-    InputError
-        If the response cannot be followed up to that voltage.
+    Raises InputError if the response cannot be followed up to that voltage.
     """
     raised = _raised(head, band[0], voltage)
     announce(f"deflection at {voltage:g} V")
@@ -143,14 +137,11 @@ def loaded_deflection(
 
 
 def voltage_for(head: RockingHead, frequency: float, displacement: float, most: float) -> float:
-    """Return the lowest voltage (V) at which the tip's first harmonic reaches a displacement (m).
+    """Lowest voltage (V) at which the tip's first harmonic reaches a displacement (m).
 
     Straight between the points of the branch, which are a few percent apart at most.
 
-    Raises
-    ------
-    InputError
-        If it is not reached up to `most`, or the response cannot be followed so far.
+    Raises InputError if it is not reached up to `most`, or the response cannot be followed so far.
     """
     orbits = _raised(head, frequency, most)
     sizes = np.abs([_tip(head, o) for o in orbits])
@@ -170,7 +161,7 @@ def _tip(head: RockingHead, orbit: Orbit) -> complex:
 
 
 def _raised(head: RockingHead, frequency: float, voltage: float) -> tuple[Orbit, ...]:
-    """Return orbits from rest up to a voltage."""
+    """Orbits from rest up to a voltage."""
     rest = equilibrium(head.oscillator).with_harmonics(_RESOLUTION.least)
     start = replace(rest, omega=2.0 * np.pi * frequency)
     branch = follow(head.oscillator, start, "level", 0.0, voltage, resolution=_RESOLUTION)
@@ -218,7 +209,7 @@ class RockingState:
 def rocking_states(
     scene: Scene, voltages: Sequence[float], announce: Callable[[str], None] = lambda _: None
 ) -> tuple[RockingState, ...]:
-    """Return both states of a scene on the rod's contact, by the transfer-matrix model.
+    """Both states of a scene on the rod's contact, by the transfer-matrix model.
 
     Kept in the store: each takes about half a minute.
 

@@ -41,7 +41,7 @@ class LoadCase:
         return tuple(self.solution.by_model(TIP_DISPLACEMENT.name))
 
     def curve(self, model: str) -> Complex:
-        """Return the tip displacement (n,); nan where the load model does not reach."""
+        """Tip displacement (n,); nan where the load model does not reach."""
         values = self.solution.get(TIP_DISPLACEMENT.name, model).value
         outside = outside_known_range(
             self.solution.scene.load, np.asarray(self.solution.scene.frequency)
@@ -49,7 +49,7 @@ class LoadCase:
         return np.where(outside, np.nan, values)
 
     def summary(self, model: str) -> dict[str, float]:
-        """Return largest and first displacement (m), where (Hz), and the widest bar."""
+        """Largest and first displacement (m), where (Hz), and the widest bar."""
         q = self.solution.get(TIP_DISPLACEMENT.name, model)
         size = np.abs(self.curve(model))
         at = int(np.nanargmax(size))
@@ -66,7 +66,7 @@ class LoadCase:
 
 
 def load_cases(solution: Solution, announce: Callable[[str], None]) -> list[LoadCase]:
-    """Return the solution's response and, without new field solutions, that of another load."""
+    """Solution's response and, without new field solutions, that of another load."""
     scene = solution.scene
     kind = scene.load.kind
     other = "none" if kind != "none" else "finger"

@@ -178,15 +178,15 @@ class NormalActuator:
         return tuple(point for row in (*across, *along) for point in row)
 
     def point_by_reference(self, current: float, gap: float) -> MagneticPoint:
-        """Return a point (A, m) by the model that others are held against."""
+        """Point (A, m) by the model that others are held against."""
         return self._point(self.solution.models[self.reference], current, gap)
 
     def point_by_map_model(self, current: float, gap: float) -> MagneticPoint:
-        """Return a point (A, m) by the model whose map is shown."""
+        """Point (A, m) by the model whose map is shown."""
         return self._point(self.mapped.models[self.pull_model], current, gap)
 
     def _point(self, model: Model, current: float, gap: float) -> MagneticPoint:
-        """Return a point, solved once; the scene's own is the one behind its quantities."""
+        """Point, solved once; the scene's own is the one behind its quantities."""
         assert isinstance(model, MagneticModel)
         key = (model.name, current, gap)
         if key not in self._points:
@@ -196,7 +196,7 @@ class NormalActuator:
         return self._points[key]
 
     def merged_plan(self) -> Plan:
-        """Return the plan of all that ran, the map's included."""
+        """Plan of all that ran, the map's included."""
         return merged(self.solution.plan, self.mapped.plan)
 
     @property
@@ -206,7 +206,7 @@ class NormalActuator:
 
 
 def merged(plan: Plan, more: Plan) -> Plan:
-    """Return two plans as one; a stage that runs in one of them is not skipped."""
+    """Two plans as one; a stage that runs in one of them is not skipped."""
     names = {step.stage for step in plan.run}
     run = plan.run + tuple(step for step in more.run if step.stage not in names)
     names = {step.stage for step in run}
@@ -214,5 +214,5 @@ def merged(plan: Plan, more: Plan) -> Plan:
 
 
 def needs_map(quantity: str) -> bool:
-    """Return whether a quantity needs a whole map: of a field, the better part of a minute."""
+    """Whether a quantity needs a whole map: of a field, the better part of a minute."""
     return bool({"magnetic_map", "rest"} & set(QUANTITIES[quantity].needs))

@@ -39,10 +39,7 @@ def write_report(
 ) -> Path:
     """Write ``index.html`` into `out`, with what makes it checkable beside it; return its path.
 
-    Raises
-    ------
-    InputError
-        If the folder cannot be written or the scene cannot be solved.
+    Raises InputError if the folder cannot be written or the scene cannot be solved.
     """
     check_report(scene, quick=quick)
     writable_folder(out)
@@ -60,10 +57,7 @@ def print_report(browser: str, page: Path) -> Path:
 
     Twice: what page each section begins on, for the contents, is known of a printed one only.
 
-    Raises
-    ------
-    InputError
-        If the browser does not write it.
+    Raises InputError if the browser does not write it.
     """
     target = page.with_name("report.pdf")
     with written_whole(target) as temporary:
@@ -79,14 +73,14 @@ def print_report(browser: str, page: Path) -> Path:
 
 
 def _with_pages(html: str, pages: dict[str, int]) -> str:
-    """Return the page with page numbers in its contents, where only print shows them."""
+    """Page with page numbers in its contents, where only print shows them."""
     for name, number in pages.items():
         html = html.replace(f'data-of="{name}"></span>', f'data-of="{name}">{number}</span>', 1)
     return html
 
 
 def templates() -> Environment:
-    """Return the report's templates, with the filters that write numbers."""
+    """Report's templates, with the filters that write numbers."""
     return page_templates("tactgen.validation.report")
 
 
@@ -130,7 +124,7 @@ def _page(study: Study, started: float) -> str:
 
 
 def summary(study: Study) -> dict[str, Any]:
-    """Return what the head of the page says about the whole."""
+    """What the head of the page says about the whole."""
     uncertain = study.parameter_uncertainty if study.lateral else []
     moment = study.shown.get("support", {}).get("moment")
     most_detailed = [row.cells[-1] for row in study.compared]
@@ -163,14 +157,14 @@ def summary(study: Study) -> dict[str, Any]:
 
 
 def _statuses(study: Study) -> list[tuple[str, int]]:
-    """Return how many of the scene's checks ended in each way, the best first."""
+    """How many of the scene's checks ended in each way, the best first."""
     found = [outcome.status for outcome in study.outcomes]
     order = ("pass", "explained")
     return [(status, found.count(status)) for status in order if status in found]
 
 
 def _left_out(study: Study) -> list[tuple[str, Band]]:
-    """Return how far beam theory is expected from the solid, where no solid was solved."""
+    """How far beam theory is expected from the solid, where no solid was solved."""
     models = study.solution.models_of("bimorph")
     if not models or any(MODELS[name].theory == "solid" for name in models):
         return []
@@ -178,7 +172,7 @@ def _left_out(study: Study) -> list[tuple[str, Band]]:
 
 
 def _spread(rows: Sequence[ComparedRow]) -> dict[str, float]:
-    """Return the widest error bar and the largest difference between models, as fractions.
+    """Widest error bar and the largest difference between models, as fractions.
 
     The difference of places of rest is none of size: of two stops models may take either.
     """

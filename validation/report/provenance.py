@@ -62,7 +62,7 @@ class Record:
 
 
 def recorded(solution: Solution) -> Record:
-    """Return the record of a solution."""
+    """Record of a solution."""
     values = solution.scene.model_dump(mode="json")
     return Record(
         this_origin(),
@@ -75,7 +75,7 @@ def recorded(solution: Solution) -> Record:
 
 
 def record_text(record: Record) -> str:
-    """Return the content of the file."""
+    """Content of the file."""
     # field by field: asdict of the whole would copy every number of every response
     plain = {field.name: getattr(record, field.name) for field in fields(record)}
     plain["made_by"] = asdict(record.made_by)
@@ -83,12 +83,9 @@ def record_text(record: Record) -> str:
 
 
 def read_record(folder: Path) -> Record:
-    """Return the record beside a report.
+    """Record beside a report.
 
-    Raises
-    ------
-    InputError
-        If there is none, or none of this version.
+    Raises InputError if there is none, or none of this version.
     """
     path = folder / FILE
     try:
@@ -110,12 +107,9 @@ def read_record(folder: Path) -> Record:
 
 
 def recorded_scene(record: Record) -> Scene:
-    """Return the scene of a record.
+    """Scene of a record.
 
-    Raises
-    ------
-    InputError
-        If a file that it names is gone or has changed.
+    Raises InputError if a file that it names is gone or has changed.
     """
     for name, digest in record.inputs.items():
         path = Path(name)
@@ -150,10 +144,7 @@ def seal(folder: Path, made: Record, pages: Sequence[str]) -> None:
 
     The checksums come last: where they are, the rest is whole.
 
-    Raises
-    ------
-    InputError
-        If a file cannot be written.
+    Raises InputError if a file cannot be written.
     """
     write_text(folder / FILE, record_text(made))
     names = (*pages, FILE)
@@ -165,7 +156,7 @@ SUMS = "SHA256SUMS"
 
 
 def checksum(path: Path) -> str:
-    """Return the SHA-256 of a file."""
+    """SHA-256 of a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
@@ -178,10 +169,7 @@ def write_checksums(folder: Path, names: tuple[str, ...]) -> Path:
 def check(folder: Path) -> None:
     """Make sure that every file of a folder's list is what was written.
 
-    Raises
-    ------
-    InputError
-        If there is no list, or a file is missing or was altered.
+    Raises InputError if there is no list, or a file is missing or was altered.
     """
     path = folder / SUMS
     try:
@@ -260,10 +248,8 @@ def reproduce(path: Path, announce: Callable[[str], None]) -> Reproduction:
     path : Path
         The folder of a report, or a file in it.
 
-    Raises
-    ------
-    InputError
-        If there is no whole report, if it was altered, or if another version wrote it.
+    Raises InputError if there is no whole report, if it was altered, or if another version wrote
+    it.
     """
     folder = path if path.is_dir() else path.parent
     if not path.exists():
@@ -280,7 +266,7 @@ def reproduce(path: Path, announce: Callable[[str], None]) -> Reproduction:
 
 
 def compared(then: Sequence[Quantity], now: Sequence[Quantity]) -> tuple[Compared, ...]:
-    """Return every quantity of two runs with the verdict on it."""
+    """Every quantity of two runs with the verdict on it."""
     before = {(q.name, q.model): q for q in then}
     after = {(q.name, q.model): q for q in now}
     return tuple(
@@ -306,7 +292,7 @@ def _compared(key: tuple[str, str], then: Quantity | None, now: Quantity | None)
 
 
 def _alike(then: Quantity, now: Quantity) -> bool:
-    """Return whether two answers are numbers about the same things."""
+    """Whether two answers are numbers about the same things."""
     return (
         then.value.shape == now.value.shape
         and then.classes == now.classes

@@ -22,17 +22,14 @@ _QUICK_ACCURACY = 1e-2
 
 
 def shown_model(scene: Scene) -> str | None:
-    """Return the field model to be shown, if the scene asks for one: bricks before tetrahedra."""
+    """Field model to be shown, if the scene asks for one: bricks before tetrahedra."""
     return next((name for name in ("solid", "cad") if name in scene.models), None)
 
 
 def check_report(scene: Scene, *, quick: bool) -> None:
     """Refuse at once, before anything is computed or written, what cannot be reported on.
 
-    Raises
-    ------
-    InputError
-        With the remedy.
+    Raises InputError with the remedy.
     """
     asked = prepared(scene, quick=quick)
     magnetic = any(QUANTITIES[name].actuator == "reluctance" for name in asked.quantities)
@@ -45,14 +42,11 @@ def check_report(scene: Scene, *, quick: bool) -> None:
 
 
 def prepared(scene: Scene, *, quick: bool) -> Scene:
-    """Return the scene with all quantities, a sweep dense enough to plot, coarser if quick.
+    """Scene with all quantities, a sweep dense enough to plot, coarser if quick.
 
     An actuator of which the scene asks for no quantity, or no model, is left alone.
 
-    Raises
-    ------
-    InputError
-        If the scene asks for a quantity that none of its models can compute.
+    Raises InputError if the scene asks for a quantity that none of its models can compute.
     """
     check_models(scene.models, scene.quantities)
     about = {QUANTITIES[name].actuator for name in scene.quantities}
@@ -81,7 +75,7 @@ def prepared(scene: Scene, *, quick: bool) -> Scene:
 
 
 def quantities_of(models: Sequence[str], about: Collection[str], *, quick: bool) -> tuple[str, ...]:
-    """Return all quantities of some actuators that models give; if quick, none by slow maps."""
+    """All quantities of some actuators that models give; if quick, none by slow maps."""
     found = tuple(
         name
         for name, row in QUANTITIES.items()
@@ -96,5 +90,5 @@ def quantities_of(models: Sequence[str], about: Collection[str], *, quick: bool)
 
 
 def is_of_rest(quantity: str) -> bool:
-    """Return whether a quantity is about where the rod rests."""
+    """Whether a quantity is about where the rod rests."""
     return "rest" in QUANTITIES[quantity].needs

@@ -22,7 +22,7 @@ _DEEPEST = 4
 
 
 def built_in_texts() -> dict[str, str]:
-    """Return the names of the built-in scenes with their files' texts."""
+    """Names of the built-in scenes with their files' texts."""
     folder = resources.files("tactgen.validation.scene") / "scenes"
     return {
         entry.name.removesuffix(".toml"): entry.read_text(encoding="utf-8")
@@ -32,18 +32,15 @@ def built_in_texts() -> dict[str, str]:
 
 
 def built_in_scenes() -> dict[str, str]:
-    """Return the names of the built-in scenes with their descriptions."""
+    """Names of the built-in scenes with their descriptions."""
     texts = built_in_texts().items()
     return {name: str(tomllib.loads(text).get("description", "")) for name, text in texts}
 
 
 def read_scene(name: str) -> tuple[dict[str, Any], str]:
-    """Return the values of a file or built-in scene, and words for where they come from.
+    """Values of a file or built-in scene, and words for where they come from.
 
-    Raises
-    ------
-    InputError
-        If there is no such scene or it is not TOML.
+    Raises InputError if there is no such scene or it is not TOML.
     """
     known = built_in_texts()
     if name in known:
@@ -83,22 +80,19 @@ def _is_there(path: Path) -> bool:
 
 
 def beside_scene(name: str, file: str) -> str:
-    """Return the path of a file that a scene file names: relative to the scene, not to here."""
+    """Path of a file that a scene file names: relative to the scene, not to here."""
     return str(Path(name).parent / file)
 
 
 def scene_name(text: str) -> str:
-    """Return a text such as a file's name as a scene's name: printable and not too long."""
+    """Text such as a file's name as a scene's name: printable and not too long."""
     return "".join(c if c.isprintable() else "?" for c in text)[:_LONGEST_NAME]
 
 
 def checked_name(value: Any) -> Any:
     """Refuse a scene's name that is more than one short line.
 
-    Raises
-    ------
-    InputError
-        With the remedy.
+    Raises InputError with the remedy.
     """
     if isinstance(value, str) and scene_name(value) != value:
         raise InputError(
@@ -109,12 +103,9 @@ def checked_name(value: Any) -> Any:
 
 
 def split_override(text: str) -> tuple[str, str]:
-    """Return key and value of ``KEY=VALUE``.
+    """Key and value of ``KEY=VALUE``.
 
-    Raises
-    ------
-    InputError
-        If one of them is missing.
+    Raises InputError if one of them is missing.
     """
     key, equals, value = text.partition("=")
     if not equals or not key.strip() or not value.strip():
@@ -152,17 +143,15 @@ def leaves(values: dict[str, Any], prefix: str = "", depth: int = 1) -> Iterator
 
 
 def one_line(text: str) -> str:
-    """Return text without line breaks or other characters that do not print."""
+    """Text without line breaks or other characters that do not print."""
     return "".join(c if c.isprintable() else " " for c in " ".join(text.split()))
 
 
 def choices(value: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[str, ...]:
-    """Return `value` (a name, "a,b" or a list) as known names; ``all`` is every one.
+    """`value` (a name, "a,b" or a list) as known names; ``all`` is every one.
 
-    Raises
-    ------
-    InputError
-        For an unknown name, with the nearest known one or else all, and for anything but names.
+    Raises InputError for an unknown name, with the nearest known one or else all, and for anything
+    but names.
     """
     names = [v.strip() for v in value.split(",")] if isinstance(value, str) else value
     listed = f"known are {', '.join(known)}"

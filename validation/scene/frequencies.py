@@ -17,7 +17,7 @@ _REMEDY = 'write for example "500", "0.5 kHz" or "10:2000:200"'
 
 
 def parse_frequencies(given: Any, stated: str = "") -> tuple[float, ...]:
-    """Return frequencies in Hz from whatever a scene or a caller states; bare numbers are Hz.
+    """Frequencies in Hz from whatever a scene or a caller states; bare numbers are Hz.
 
     Parameters
     ----------
@@ -26,10 +26,7 @@ def parse_frequencies(given: Any, stated: str = "") -> tuple[float, ...]:
     stated : str
         How messages repeat what was written, if not as the key ``frequency``.
 
-    Raises
-    ------
-    InputError
-        If a number, the count or the spacing cannot be used.
+    Raises InputError if a number, the count or the spacing cannot be used.
     """
     stated = stated or f"frequency = {quoted(given)}"
     if isinstance(given, str) and given.count(":") > 0:
@@ -98,7 +95,7 @@ def _one(part: Any, stated: str) -> float:
 
 
 def _hertz(part: Any, where: str) -> float:
-    """Return one frequency as a number, of whatever sign and size."""
+    """One frequency as a number, of whatever sign and size."""
     if isinstance(part, int | float) and not isinstance(part, bool):
         try:
             return float(part)

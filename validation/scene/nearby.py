@@ -40,25 +40,22 @@ class ScenesNearby:
         self._plain, self._tolerances = split_tolerances(Scene, values)
 
     def values(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """Return all values with some changed, as they would be written."""
+        """All values with some changed, as they would be written."""
         values = copy.deepcopy(self._values)
         for key, value in changes.items():
             assign(values, key, value)
         return values
 
     def scene(self, changes: Mapping[str, Any]) -> Scene:
-        """Return the scene with some values changed, as they would be written.
+        """Scene with some values changed, as they would be written.
 
-        Raises
-        ------
-        InputError
-            As :func:`validation.scene.scene.checked_scene`.
+        Raises InputError as :func:`validation.scene.scene.checked_scene`.
         """
         scene = self._by_groups(changes)
         return checked_scene(self.values(changes)) if scene is None else scene
 
     def _by_groups(self, changes: Mapping[str, Any]) -> Scene | None:
-        """Return the scene, or None if it must be read as a whole."""
+        """Scene, or None if it must be read as a whole."""
         base = self._base
         if base is None or not all(key.count(".") == 1 for key in changes):
             return None
@@ -95,7 +92,7 @@ SYMBOLS = {
 
 
 def value_of(scene: Scene, key: str) -> Any:
-    """Return the value of a dotted key."""
+    """Value of a dotted key."""
     value: Any = scene
     for name in key.split("."):
         value = getattr(value, name)
@@ -103,7 +100,7 @@ def value_of(scene: Scene, key: str) -> Any:
 
 
 def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """Return the scene with other values (SI) at some dotted keys, without checking them."""
+    """Scene with other values (SI) at some dotted keys, without checking them."""
     update: dict[str, Any] = {}
     for key, value in values.items():
         group, _, last = key.rpartition(".")
@@ -120,6 +117,6 @@ _FREE = {"length", "wiring", "poling", "tab_length"}
 
 
 def is_papers_bimorph(scene: Scene) -> bool:
-    """Return whether layers, section and materials are the paper's; the length may be any."""
+    """Whether layers, section and materials are the paper's; the length may be any."""
     own, papers = (b.model_dump(exclude=_FREE) for b in (scene.bimorph, Bimorph()))
     return own == papers and (scene.piezo, scene.shim) == (Piezo(), Shim())

@@ -45,7 +45,7 @@ class ParameterRow:
 
 
 def parameter_rows(scene: Scene, origins: dict[str, str]) -> list[ParameterRow]:
-    """Return all scalar keys of a scene in order; `origins` names what the scene sets itself.
+    """All scalar keys of a scene in order; `origins` names what the scene sets itself.
 
     A value that a built-in scene repeats from the paper keeps the paper as its source.
     """
@@ -72,12 +72,12 @@ def _rows(
 
 
 def show(value: Any, info: FieldInfo) -> str:
-    """Return a value as a scene would write it, less the digits of a number that was derived."""
+    """Value as a scene would write it, less the digits of a number that was derived."""
     return _written(_readable(value) if isinstance(value, float) else value, info)
 
 
 def _written(value: Any, info: FieldInfo) -> str:
-    """Return a value as a scene would write it, without quotes."""
+    """Value as a scene would write it, without quotes."""
     unit = next((m for m in info.metadata if isinstance(m, Unit)), None)
     if value is None:
         return "derived"
@@ -89,14 +89,14 @@ def _written(value: Any, info: FieldInfo) -> str:
 
 
 def _readable(value: float) -> float:
-    """Return a number without the digits that nobody has written, such as those of 5/6."""
+    """Number without the digits that nobody has written, such as those of 5/6."""
     written = float(f"{value:.{_WRITTEN}g}")
     # of SI units: 0.26 mm is 2.6e-4 but for rounding
     return value if abs(written - value) <= 1e-14 * abs(value) else float(f"{value:.{_SHOWN}g}")
 
 
 def ranges(scene: Scene) -> dict[str, Spread]:
-    """Return the range of every number of the device that has one, by key in the scene's order.
+    """Range of every number of the device that has one, by key in the scene's order.
 
     What the scene states comes first; the reason of any other says whose it is, or that it is
     assumed.  A value that was changed since takes its tolerance along.
@@ -133,10 +133,7 @@ _SKIPPED = ("name", "description")
 def write_template(path: Path) -> Path:
     """Write the template.
 
-    Raises
-    ------
-    InputError
-        If the file exists already, is named as another format, or cannot be written.
+    Raises InputError if the file exists already, is named as another format, or cannot be written.
     """
     if path.suffix != ".toml":
         raise InputError(f"{path} must end in .toml, the format of scenes; name the file so")
@@ -146,7 +143,7 @@ def write_template(path: Path) -> Path:
 
 
 def template() -> str:
-    """Return the template's text: valid TOML, equal to the paper's scene."""
+    """Template's text: valid TOML, equal to the paper's scene."""
     scene, _ = load_scene("paper")
     rows = [row for row in parameter_rows(scene, {}) if row.key not in _SKIPPED]
     lines = [_HEAD]
@@ -164,7 +161,7 @@ def template() -> str:
 
 
 def _lists() -> dict[str, tuple[str, str]]:
-    """Return the keys whose TOML value is a list or text of another form, with what to add."""
+    """Keys whose TOML value is a list or text of another form, with what to add."""
     usual = ", ".join(f'"{name}"' for name in models_of("bimorph"))
     return {
         "frequency": ('"10 Hz:1000 Hz:100:log"', ""),

@@ -141,10 +141,7 @@ class Scene(p.Device):
 
         Without current nothing magnetic is touched.
 
-        Raises
-        ------
-        InputError
-            If the rod rests nowhere.
+        Raises InputError if the rod rests nowhere.
         """
         if self.support.kind != "contact":
             return None
@@ -173,7 +170,7 @@ class Scene(p.Device):
         )
 
     def asking(self, models: Sequence[str]) -> Scene:
-        """Return the scene as one that asks for these models, if they bring another map."""
+        """Scene as one that asks for these models, if they bring another map."""
         brings = set(models) & set(models_of("reluctance"))
         if not brings or map_model(models) == self.map_model:
             return self
@@ -205,7 +202,7 @@ class Scene(p.Device):
 def _held_by_contact(
     device: p.Device, pressed: float, pull: CoenergyMap | None
 ) -> tuple[RestingPlace, p.Support]:
-    """Return resting place and springs of a device, found once: they are asked for very often."""
+    """Resting place and springs of a device, found once: they are asked for very often."""
     from tactgen.tmm.generator.positions import held_support
 
     coil = device.coil
@@ -225,10 +222,7 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
     origins : dict of str to str
         For each key that the scene or an override sets, where it was set.
 
-    Raises
-    ------
-    InputError
-        In one sentence, for anything that cannot be used.
+    Raises InputError in one sentence, for anything that cannot be used.
     """
     values, origins = scene_values(name, overrides)
     scene = checked_scene(values)
@@ -239,12 +233,9 @@ def load_scene(name: str = "paper", overrides: Sequence[str] = ()) -> tuple[Scen
 
 
 def scene_values(name: str, overrides: Sequence[str] = ()) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return a scene's values as they are written, overrides in place, and where each was set.
+    """Scene's values as they are written, overrides in place, and where each was set.
 
-    Raises
-    ------
-    InputError
-        If there is no such scene, or a key is unknown.
+    Raises InputError if there is no such scene, or a key is unknown.
     """
     values, where = read_scene(name)
     origins = {key: where for key, value in leaves(values) if value != {}}
@@ -262,12 +253,10 @@ def scene_values(name: str, overrides: Sequence[str] = ()) -> tuple[dict[str, An
 
 
 def checked_scene(values: dict[str, Any]) -> Scene:
-    """Return the scene that values describe, as :func:`scene_values` gives them.
+    """Scene that values describe, as :func:`scene_values` gives them.
 
-    Raises
-    ------
-    InputError
-        In one sentence, if a value cannot be used or the device does not fit together.
+    Raises InputError in one sentence, if a value cannot be used or the device does not fit
+    together.
     """
     plain, tolerances = split_tolerances(Scene, values)
     try:
@@ -309,7 +298,7 @@ def _point_from_scene(values: dict[str, Any], name: str) -> None:
 
 
 def _able_models(scene: Scene) -> tuple[str, ...]:
-    """Return the models that know the scene's bimorph and what holds it."""
+    """Models that know the scene's bimorph and what holds it."""
     bimorph = scene.bimorph
     unable = set()
     if bimorph.profiles or scene.support.kind == "rod":
@@ -320,7 +309,7 @@ def _able_models(scene: Scene) -> tuple[str, ...]:
 
 
 def scene_keys() -> list[str]:
-    """Return every key that a scene may set."""
+    """Every key that a scene may set."""
     keys = []
     for name, info in Scene.model_fields.items():
         group = info.annotation

@@ -33,7 +33,7 @@ class Tolerance:
 def split_tolerances(
     model: type[Parameters], values: dict[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Tolerance]]:
-    """Return a scene's values without their tolerances, and these by dotted key.
+    """Scene's values without their tolerances, and these by dotted key.
 
     Parameters
     ----------
@@ -42,10 +42,7 @@ def split_tolerances(
     values : dict
         As they are written; not changed.
 
-    Raises
-    ------
-    InputError
-        In one sentence, for a tolerance that cannot be read or says nothing.
+    Raises InputError in one sentence, for a tolerance that cannot be read or says nothing.
     """
     stated: dict[str, Tolerance] = {}
     return _split(model, values, "", stated), stated
@@ -85,6 +82,6 @@ def _read(key: str, text: str, unit: Unit) -> tuple[str, Tolerance]:
 
 
 def unit_of(info: FieldInfo) -> Unit | None:
-    """Return the unit of a field that is a number on a scale."""
+    """Unit of a field that is a number on a scale."""
     nested = [part for arg in get_args(info.annotation) for part in get_args(arg)]
     return next((part for part in (*info.metadata, *nested) if isinstance(part, Unit)), None)

@@ -23,17 +23,14 @@ _LONGEST = 180.0
 
 
 def find_browser() -> str | None:
-    """Return the path of a Chromium, None if there is none."""
+    """Path of a Chromium, None if there is none."""
     return next((path for name in _NAMES if (path := shutil.which(name))), None)
 
 
 def need_browser(option: str) -> str:
-    """Return the path of a Chromium.
+    """Path of a Chromium.
 
-    Raises
-    ------
-    InputError
-        If there is none, naming the option that needs it.
+    Raises InputError if there is none, naming the option that needs it.
     """
     found = find_browser()
     if found is None:
@@ -47,10 +44,7 @@ def need_browser(option: str) -> str:
 def run_browser(path: str, address: str, *options: str) -> subprocess.CompletedProcess[str]:
     """Open a page without a window, with a profile of its own, and return what was written.
 
-    Raises
-    ------
-    InputError
-        If the browser does not end in time.
+    Raises InputError if the browser does not end in time.
     """
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         command = [path, *FLAGS, f"--user-data-dir={profile}", *options, address]
@@ -68,10 +62,7 @@ def run_browser(path: str, address: str, *options: str) -> subprocess.CompletedP
 def print_pdf(browser: str, page: Path, target: Path) -> None:
     """Print a page to a PDF; its own style says sizes, margins and page numbers.
 
-    Raises
-    ------
-    InputError
-        If the browser does not write it.
+    Raises InputError if the browser does not write it.
     """
     done = run_browser(
         browser,
@@ -89,7 +80,7 @@ _REFERENCE = re.compile(rb"(\d+) 0 R")
 
 
 def anchor_pages(pdf: bytes) -> dict[str, int]:
-    """Return the page, counted from 1, of each named destination; nothing of another PDF."""
+    """Page, counted from 1, of each named destination; nothing of another PDF."""
     root = re.search(rb"/Type /Catalog\s(.*?)\nendobj", pdf, re.DOTALL)
     pages = root and re.search(rb"/Pages (\d+) 0 R", root[1])
     named = root and re.search(rb"/Dests (\d+) 0 R", root[1])
@@ -105,7 +96,7 @@ def anchor_pages(pdf: bytes) -> dict[str, int]:
 
 
 def _leaves(pdf: bytes, node: int) -> list[int]:
-    """Return the objects of the pages below a node of the page tree, in order."""
+    """Objects of the pages below a node of the page tree, in order."""
     body = _body(pdf, node)
     kids = re.search(rb"/Kids \[(.*?)\]", body, re.DOTALL)
     if kids is None:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def console(wide: int) -> Console:
-    """Return standard output: as wide as the terminal, of so many columns where it is none."""
+    """Standard output: as wide as the terminal, of so many columns where it is none."""
     from rich.console import Console
 
     return Console(width=None if sys.stdout.isatty() else wide)

@@ -95,7 +95,7 @@ class Swing:
 
 
 def display_page(scene: str, parts: Sequence[DrawnPart], swing: Swing, still: Still) -> str:
-    """Return the page: HTML that holds all it needs."""
+    """Page: HTML that holds all it needs."""
     text = json.dumps(_payload(parts, swing), separators=(",", ":")).replace("</", "<\\/")
     name, last = html.escape(scene), len(swing.frequencies) - 1
     low, high = (f"{end:.3f}" for end in _across(parts))
@@ -124,7 +124,7 @@ def display_page(scene: str, parts: Sequence[DrawnPart], swing: Swing, still: St
 
 
 def _across(parts: Sequence[DrawnPart]) -> tuple[float, float]:
-    """Return the least and the largest x of all parts (mm), with a margin."""
+    """Least and the largest x of all parts (mm), with a margin."""
     low = min(float(p.points[:, 0].min() + p.places[:, 0].min()) for p in parts)
     high = max(float(p.points[:, 0].max() + p.places[:, 0].max()) for p in parts)
     return low - 1.0, high + 1.0
@@ -186,7 +186,7 @@ class Swinging(Assembled, Protocol):
 
 
 def enlargement(tips: Complex, pitch: float) -> float:
-    """Return by how much tips' motions (units,) in m are drawn enlarged at a pitch (mm)."""
+    """By how much tips' motions (units,) in m are drawn enlarged at a pitch (mm)."""
     largest = 1e3 * float(np.abs(tips).max(initial=0.0))
     return _REACH * pitch / largest if largest > 0.0 else 0.0
 
@@ -200,7 +200,7 @@ def assembly_frames(
     phases: Sequence[float],
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[Image]:
-    """Return an image for each phase (rad).
+    """Image for each phase (rad).
 
     Parameters
     ----------
@@ -295,10 +295,7 @@ def view_display(
     files : dict of {"out", "png", "gif", "mp4"} to Path
         What to write where.
 
-    Raises
-    ------
-    InputError
-        If parts do not fit, a film cannot be made, or a file cannot be written.
+    Raises InputError if parts do not fit, a film cannot be made, or a file cannot be written.
     """
     for path in files.values():
         check_ffmpeg(path)
@@ -324,7 +321,7 @@ def view_display(
 def _film(
     scene: Scene, parts: tuple[DrawnPart, ...], announce: Callable[[str], None]
 ) -> list[Image]:
-    """Return one period of a wave that runs along x, each column a quarter period after the last.
+    """One period of a wave that runs along x, each column a quarter period after the last.
 
     Drawn once, whatever films it is saved as.
     """
@@ -345,7 +342,7 @@ def _film(
 
 
 def travelling_wave(scene: Scene) -> tuple[float, Complex]:
-    """Return the tips' motions (units,) in m with all units driven, and at what frequency (Hz).
+    """Tips' motions (units,) in m with all units driven, and at what frequency (Hz).
 
     Each column lags a quarter period behind the one before it; of the scene's frequencies that at
     which the tips move most.
@@ -363,7 +360,7 @@ def travelling_wave(scene: Scene) -> tuple[float, Complex]:
 
 
 def drawn_parts(scene: Scene) -> tuple[DrawnPart, ...]:
-    """Return every distinct part of the display as triangles, with its places."""
+    """Every distinct part of the display as triangles, with its places."""
     from tactgen.geometry.cad.display import DISPLAY_COLOURS, display_solids
 
     solids = display_solids(scene.device, scene.display)
@@ -384,7 +381,7 @@ def drawn_parts(scene: Scene) -> tuple[DrawnPart, ...]:
 
 
 def swing(scene: Scene) -> Swing:
-    """Return how the tips move where one unit is driven, by transfer matrices."""
+    """How the tips move where one unit is driven, by transfer matrices."""
     units = unit_names(scene.display)
     row, column = (scene.display.rows - 1) // 2, (scene.display.columns - 1) // 2
     driven = row * scene.display.columns + column
@@ -398,7 +395,7 @@ def swing(scene: Scene) -> Swing:
 
 
 def _whole(scene: Scene) -> Multiport:
-    """Return the display over each unit's tip and voltage, by transfer matrices."""
+    """Display over each unit's tip and voltage, by transfer matrices."""
     from tactgen.validation.catalogue.quantities import CROSSTALK_LARGEST
 
     plan = make_plan(scene, (_MODEL,), (CROSSTALK_LARGEST.name,))

@@ -25,10 +25,7 @@ if TYPE_CHECKING:
 def check_place(option: str, path: Path, suffixes: tuple[str, ...]) -> None:
     """Refuse a file with another ending, or in a place that cannot be written.
 
-    Raises
-    ------
-    InputError
-        With the option and the remedy.
+    Raises InputError with the option and the remedy.
     """
     if path.suffix not in suffixes:
         raise InputError(f"{option} {path} must end in {' or '.join(suffixes)}; name the file so")
@@ -61,16 +58,12 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
 
     Parameters
     ----------
-    targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space", "fields", \
-"animated_glb", "fmu", "machine"} to Path
+    targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space", "fields", "animated_glb", "fmu", "machine"} to Path
         What to write where.
 
-    Raises
-    ------
-    InputError
-        If a place cannot be written, has the wrong ending or is named twice, or a map is
-        wanted of a scene without a model of the normal actuator, or the solid model cannot
-        take the scene.
+    Raises InputError if a place cannot be written, has the wrong ending or is named twice, or a map
+    is wanted of a scene without a model of the normal actuator, or the solid model cannot take the
+    scene.
     """
     _check_targets(targets)
     if asks_display(scene.quantities):
@@ -198,7 +191,7 @@ def _write_motion(
 
 
 def _magnetic_model(scene: Scene) -> str:
-    """Return the scene's most detailed model that has a co-energy map."""
+    """Scene's most detailed model that has a co-energy map."""
     able = [name for name, row in MODELS.items() if "magnetic_map" in row.gives]
     found = [name for name in able if name in scene.models]
     if not found:
@@ -224,7 +217,7 @@ def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
 
 
 def scene_solids(scene: Scene) -> dict[str, Any]:
-    """Return the CAD solids of a scene (mm): the whole generator, or the actuator asked about."""
+    """CAD solids of a scene (mm): the whole generator, or the actuator asked about."""
     from tactgen.geometry.cad.solids import build_solids
     from tactgen.geometry.device.layout import BIMORPH
 
@@ -236,7 +229,7 @@ def scene_solids(scene: Scene) -> dict[str, Any]:
 
 
 def normal_actuator_solids(device: Device) -> dict[str, Any]:
-    """Return the CAD solids of rod, coil and sleeve (mm), the rod with its slot.
+    """CAD solids of rod, coil and sleeve (mm), the rod with its slot.
 
     The bimorph matters by its cross-section only; the tab that goes into the slot fits.
     """

@@ -41,10 +41,7 @@ def write_fields(path: Path, result: FieldResult, name: str | None = None) -> No
     name : str, optional
         For that folder; that of the file by default.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     if path.suffix == ".pvd":
         _write_pvd(path, result, name or path.stem)
@@ -65,7 +62,7 @@ def write_fields(path: Path, result: FieldResult, name: str | None = None) -> No
 
 
 def as_grid(mesh: Mesh) -> Any:
-    """Return a mesh as PyVista's grid in m, with the cell array ``region``."""
+    """Mesh as PyVista's grid in m, with the cell array ``region``."""
     import pyvista as pv
 
     count, corners = mesh.cells.shape
@@ -76,7 +73,7 @@ def as_grid(mesh: Mesh) -> Any:
 
 
 def field_name(state: str, field: str, part: str = "") -> str:
-    """Return the name of an array: state, field, part of a complex amplitude, unit."""
+    """Name of an array: state, field, part of a complex amplitude, unit."""
     kind = FIELDS[field]
     of = f", {part} part" if part else ""
     return f"{state}: {kind.title}{of} ({kind.unit})"
@@ -95,7 +92,7 @@ def _all_fields(state: State) -> dict[str, Array]:
 
 
 def _for_vtk(name: str, values: Array) -> Array:
-    """Return a field with the components that ParaView's labels mean."""
+    """Field with the components that ParaView's labels mean."""
     if name not in ("strain", "stress"):
         return values
     shear = 0.5 if name == "strain" else 1.0
@@ -113,7 +110,7 @@ def _write_hdf(grid: Any, path: Path) -> bool:
 
 
 def moving_state(result: FieldResult) -> State:
-    """Return the state that a film is of: the first harmonic one, else the first."""
+    """State that a film is of: the first harmonic one, else the first."""
     return next((s for s in result.states if s.kind == "harmonic"), result.states[0])
 
 
@@ -140,10 +137,7 @@ def write_steps(
     steps : iterable of (float, dict)
         Time (s), and data at the mesh's points by name.
 
-    Raises
-    ------
-    InputError
-        If a file cannot be written.
+    Raises InputError if a file cannot be written.
     """
     folder = writable_folder(path.parent / f"{name}_steps")
     lines = []
@@ -208,10 +202,7 @@ def write_animated_glb(
     colours : mapping of str to (red, green, blue)
         Of the regions, 0 to 1.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     states = [state for state in result.states if state.kind != "static"]
     targets = [part for state in states for part in _parts(result, state)]
@@ -253,7 +244,7 @@ def write_animated_glb(
 
 
 def drawn_scale(result: FieldResult, state: State) -> float:
-    """Return by how much displacements are enlarged, so that the largest is well seen."""
+    """By how much displacements are enlarged, so that the largest is well seen."""
     height = float(np.ptp(result.mesh.points[:, 2]))
     size = float(np.abs(np.linalg.norm(np.abs(state.fields["displacement"]), axis=1)).max())
     return _DRAWN * height / size
@@ -288,7 +279,7 @@ def _material(name: str, colours: Mapping[str, tuple[float, float, float]]) -> d
 
 
 def _animations(buffer: _Buffer, states: list[State]) -> list[dict[str, Any]]:
-    """Return an animation of each state; in each all other states' weights are nought."""
+    """Animation of each state; in each all other states' weights are nought."""
     widths = [1 if state.kind == "mode" else 2 for state in states]
     time = buffer.add(np.linspace(0.0, _PERIOD, _STEPS + 1))
     phase = 2.0 * np.pi * np.arange(_STEPS + 1) / _STEPS
@@ -311,7 +302,7 @@ def _animations(buffer: _Buffer, states: list[State]) -> list[dict[str, Any]]:
 
 
 def _packed(content: dict[str, Any], data: bytes) -> bytes:
-    """Return a binary glTF: header, JSON padded with blanks, data in numbers of four bytes."""
+    """Binary glTF: header, JSON padded with blanks, data in numbers of four bytes."""
     text = json.dumps(content, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<II", len(text), 0x4E4F534A) + text

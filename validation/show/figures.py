@@ -27,14 +27,14 @@ _NUMBERED = 10.0
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Return an empty figure of so many inches."""
+    """Empty figure of so many inches."""
     from matplotlib.figure import Figure as NewFigure
 
     return NewFigure(figsize=(width, height), layout="constrained")
 
 
 def panels(width: float, height: float, **grid: Any) -> tuple[Figure, Any]:
-    """Return a figure with a grid of axes, as matplotlib's `subplots` names it."""
+    """Figure with a grid of axes, as matplotlib's `subplots` names it."""
     figure = new_figure(width, height)
     axes = figure.subplots(**grid)
     for axis in np.ravel(axes):
@@ -43,7 +43,7 @@ def panels(width: float, height: float, **grid: Any) -> tuple[Figure, Any]:
 
 
 def shades(count: int) -> Floats:
-    """Return colours (count, 4) for a family of curves, from dark to light."""
+    """Colours (count, 4) for a family of curves, from dark to light."""
     import matplotlib as mpl
 
     return np.asarray(mpl.colormaps["viridis"](np.linspace(0.0, 0.9, count)))
@@ -64,7 +64,7 @@ def plain_numbers(*sides: Any) -> None:
 
 
 def svg(figure: Figure) -> str:
-    """Return a figure as an SVG element that can stand inside a page.
+    """Figure as an SVG element that can stand inside a page.
 
     It is laid out once and drawn once; matplotlib's own way to a file draws it twice.
     """
@@ -82,7 +82,7 @@ def svg(figure: Figure) -> str:
 
 
 def _in_words(figure: Figure) -> str:
-    """Return what a figure shows, from what is written at its axes, for those who do not see it."""
+    """What a figure shows, from what is written at its axes, for those who do not see it."""
     words: dict[str, None] = {}
     below = [axis.get_xlabel() for axis in figure.axes]
     for number, axis in enumerate(figure.axes):
@@ -115,7 +115,7 @@ def lay_out(figure: Figure) -> None:
 
 
 def _unnumbered(side: Any) -> Floats:
-    """Return the marks between the numbers of a logarithmic side; of any other none."""
+    """Marks between the numbers of a logarithmic side; of any other none."""
     low, high = side.get_view_interval()
     if side.get_scale() != "log" or high <= _NUMBERED * low:
         return np.zeros(0)

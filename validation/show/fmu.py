@@ -49,10 +49,7 @@ _FLAGS = ("-O2", "-std=c99", "-fPIC", "-shared", "-fvisibility=hidden")
 def write_fmu(path: str | Path, machine: Machine, scene: str) -> bool:
     """Write the unit, whole or not at all, and return whether it holds a Linux binary.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written, or the C compiler fails.
+    Raises InputError if the file cannot be written, or the C compiler fails.
     """
     header = _header(machine)
     guid = str(uuid.uuid5(uuid.NAMESPACE_URL, header))
@@ -95,7 +92,7 @@ def _compiled(compiler: str, source: str, header: str) -> bytes:
 
 
 def _header(machine: Machine) -> str:
-    """Return the numbers of one device as C."""
+    """Numbers of one device as C."""
     system = machine.system
     if any(element.name == BORE for element in system.elements):
         raise InputError(
@@ -155,7 +152,7 @@ def _array(name: str, values: Floats) -> str:
 
 
 def _description(machine: Machine, guid: str, scene: str) -> str:
-    """Return the model description in XML."""
+    """Model description in XML."""
     coil = machine.system.coil
     assert coil is not None
     units = {unit for _, unit, _, _ in _VARIABLES if unit} | {"A", "V"}

@@ -31,7 +31,7 @@ class Still:
 def fragment(
     data: dict[str, Any], stills: Sequence[Still], *, light: bool = False, name: str = "tv-data"
 ) -> str:
-    """Return the viewer as a part of a page that also has :func:`assets`.
+    """Viewer as a part of a page that also has :func:`assets`.
 
     With `light` it stays light where the reader's system is dark, as the page around it.
     Where a page has two viewers, each has its own `name`.
@@ -52,7 +52,7 @@ def fragment(
 
 
 def assets() -> str:
-    """Return script and style of the viewer, which a page needs once."""
+    """Script and style of the viewer, which a page needs once."""
     return (
         f"<style>{asset('viewer.css')}</style>\n"
         f"<script>{asset('three.min.js')}</script>\n<script>{asset('viewer.js')}</script>\n"
@@ -60,7 +60,7 @@ def assets() -> str:
 
 
 def page(title: str, data: dict[str, Any], stills: Sequence[Still]) -> str:
-    """Return a whole page with the viewer alone."""
+    """Whole page with the viewer alone."""
     head = (
         f"{assets()}<style>html,body{{margin:0;height:100%}}.tv{{min-height:100%}}"
         "@media (min-width:48.01rem){.tv{height:100vh;grid-template-rows:minmax(0,1fr)}}</style>\n"
@@ -69,7 +69,7 @@ def page(title: str, data: dict[str, Any], stills: Sequence[Still]) -> str:
 
 
 def document(title: str, head: str, body: str) -> str:
-    """Return a whole page that loads nothing, with more of its own in head and body."""
+    """Whole page that loads nothing, with more of its own in head and body."""
     return (
         '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">\n'
@@ -80,7 +80,7 @@ def document(title: str, head: str, body: str) -> str:
 
 
 def inline(png: bytes) -> str:
-    """Return a picture as an address that contains it."""
+    """Picture as an address that contains it."""
     return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
 
 
@@ -92,7 +92,7 @@ def asset(name: str) -> str:
 
 
 def page_templates(package: str) -> Environment:
-    """Return the templates in the folder ``templates`` of a package."""
+    """Templates in the folder ``templates`` of a package."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
@@ -124,14 +124,14 @@ figcaption { color: #5b6b7b; font-size: 13px; }
 
 
 def plain_page(title: str, parts: Sequence[str]) -> str:
-    """Return the page's text; `parts` are HTML, the title is text."""
+    """Page's text; `parts` are HTML, the title is text."""
     body = "\n".join(parts)
     head = f"<style>{_STYLE}</style>\n"
     return document(title, head, f"<main>\n<h1>{html.escape(title)}</h1>\n{body}\n</main>\n")
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table of texts."""
+    """Table of texts."""
 
     def line(cells: Sequence[str], tag: str) -> str:
         return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"

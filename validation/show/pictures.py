@@ -59,7 +59,7 @@ def off_screen() -> Any:
 
 
 def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
-    """Return a picture of the mesh, one colour per region; `close_up` shows the held end."""
+    """Picture of the mesh, one colour per region; `close_up` shows the held end."""
     pv = off_screen()
     plotter = _plotter(pv, 420, 420 if close_up else 900)
     grid = _grid(pv, mesh)
@@ -75,12 +75,12 @@ def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
 
 
 def solids_picture(solids: dict[str, Any]) -> bytes:
-    """Return a picture of CAD solids (mm), the front half of coil and sleeve cut away."""
+    """Picture of CAD solids (mm), the front half of coil and sleeve cut away."""
     return solids_pictures([solids])[0]
 
 
 def solids_pictures(devices: Sequence[dict[str, Any]]) -> list[bytes]:
-    """Return such a picture of each device, all at one scale: as many pixels a millimetre."""
+    """Such a picture of each device, all at one scale: as many pixels a millimetre."""
     height = max(_height(solids) for solids in devices)
     return [_solids_picture(solids, 1.12 * height) for solids in devices]
 
@@ -105,7 +105,7 @@ def _solids_picture(solids: dict[str, Any], height: float) -> bytes:
 
 
 def assembly_picture(parts: Sequence[Assembled], cut: float | None = None) -> bytes:
-    """Return a picture of parts that stand at several places; `cut` takes away what has x beyond.
+    """Picture of parts that stand at several places; `cut` takes away what has x beyond.
 
     Parameters
     ----------

@@ -22,10 +22,7 @@ from tactgen.validation.models.generator.transient import scene_modes
 def check_state_space(scene: Scene) -> None:
     """Refuse a state space without a range of frequencies to be true in, or of a loose body.
 
-    Raises
-    ------
-    InputError
-        If the scene has no frequency above 0 Hz, or a spring of its support is zero.
+    Raises InputError if the scene has no frequency above 0 Hz, or a spring of its support is zero.
     """
     if scene.ends.base is not None:
         for name, unit in (("rotational_stiffness", "N m/rad"), ("lateral_stiffness", "N/m")):
@@ -44,10 +41,7 @@ def check_state_space(scene: Scene) -> None:
 def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
     """Write the scene's solid on its finer mesh: kinds "ports" and "state_space".
 
-    Raises
-    ------
-    InputError
-        If the solid model cannot take the scene or a file cannot be written.
+    Raises InputError if the solid model cannot take the scene or a file cannot be written.
     """
     from tactgen.fem.piezo.reduction_files import made_from, reduced_solid, write_ports
     from tactgen.fem.piezo.state_space import write_state_space
@@ -67,7 +61,7 @@ def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
 
 
 def _wired(scene: Scene, model: PortModel) -> PortModel:
-    """Return the port seen in the scene's wiring: in series each layer takes half of U."""
+    """Port seen in the scene's wiring: in series each layer takes half of U."""
     if scene.bimorph.wiring == "parallel":
         return model
     stiffness = model.stiffness.copy()
@@ -86,10 +80,7 @@ _CONVENTIONS = (
 def check_machine(scene: Scene) -> None:
     """Refuse a scene whose bimorph does not stand on its rod's contact.
 
-    Raises
-    ------
-    InputError
-        With the remedy.
+    Raises InputError with the remedy.
     """
     if scene.support.kind != "contact":
         raise InputError(
@@ -99,12 +90,9 @@ def check_machine(scene: Scene) -> None:
 
 
 def scene_state_space(scene: Scene) -> MachineStateSpace:
-    """Return the state space of a scene's machine, its bimorph by beam elements.
+    """State space of a scene's machine, its bimorph by beam elements.
 
-    Raises
-    ------
-    InputError
-        If the rod rests nowhere.
+    Raises InputError if the rod rests nowhere.
     """
     check_machine(scene)
     rod = rod_of(scene, scene.pull)

@@ -62,12 +62,9 @@ def run_frames(
     instants: Sequence[Instant],
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[Image]:
-    """Return a picture for each instant, all to one scale.
+    """Picture for each instant, all to one scale.
 
-    Raises
-    ------
-    InputError
-        If the system has no OpenGL library.
+    Raises InputError if the system has no OpenGL library.
     """
     stage = _Stage(body, instants)
     made = []
@@ -79,12 +76,9 @@ def run_frames(
 
 
 def run_still(body: MovingBody, instants: Sequence[Instant]) -> Image:
-    """Return the one picture of a run on which the tip is farthest out.
+    """One picture of a run on which the tip is farthest out.
 
-    Raises
-    ------
-    InputError
-        If the system has no OpenGL library.
+    Raises InputError if the system has no OpenGL library.
     """
     stage = _Stage(body, instants)
     image = _picture(stage, instants, max(instants, key=lambda instant: abs(instant.tip)))
@@ -138,7 +132,7 @@ class _Stage:
         self._plotter.renderer.ResetCameraClippingRange()
 
     def shot(self, instant: Instant) -> Any:
-        """Return the picture (height, width, 3) at an instant."""
+        """Picture (height, width, 3) at an instant."""
         moved = self._body.displacement(instant.position)
         # the turning of sections goes with the lateral motion, so that they stay square to it
         turned = moved[:, 2] - instant.lift
@@ -155,7 +149,7 @@ class _Stage:
 
 
 def enlargements(height: float, sideways: float, lift: float) -> tuple[float, float]:
-    """Return by how much lateral motion and lift are enlarged in a picture of a body.
+    """By how much lateral motion and lift are enlarged in a picture of a body.
 
     Parameters
     ----------
@@ -168,7 +162,7 @@ def enlargements(height: float, sideways: float, lift: float) -> tuple[float, fl
 
 
 def _round(factor: float) -> float:
-    """Return a factor rounded down to one digit that is easily read: 1, 2 or 5."""
+    """Factor rounded down to one digit that is easily read: 1, 2 or 5."""
     power = 10.0 ** np.floor(np.log10(factor))
     return float(max(n * power for n in (1.0, 2.0, 5.0) if n * power <= factor))
 
@@ -220,22 +214,16 @@ def write_run_film(
 ) -> None:
     """Write a run as a film, by its suffix a .gif or .mp4, whole or not at all.
 
-    Raises
-    ------
-    InputError
-        If it cannot be made or written.
+    Raises InputError if it cannot be made or written.
     """
     images = run_frames(body_of(found), list(_instants(found, _FRAMES)), announce)
     save_film(path, images, _SHOWN)
 
 
 def still_of_run(found: Simulation) -> bytes:
-    """Return a run as one picture (PNG), with its curves.
+    """Run as one picture (PNG), with its curves.
 
-    Raises
-    ------
-    InputError
-        If it cannot be made.
+    Raises InputError if it cannot be made.
     """
     buffer = io.BytesIO()
     run_still(body_of(found), list(_instants(found, _FRAMES))).save(buffer, "PNG", optimize=True)
@@ -245,10 +233,7 @@ def still_of_run(found: Simulation) -> bytes:
 def write_run_steps(path: Path, found: Simulation) -> None:
     """Write a run as a .pvd of time steps in s: displacement at the points of what moves.
 
-    Raises
-    ------
-    InputError
-        If it cannot be written.
+    Raises InputError if it cannot be written.
     """
     body = body_of(found)
 

@@ -102,14 +102,14 @@ _HELP = (
 
 
 def run_page(film: Film) -> str:
-    """Return the page: HTML that holds all it needs."""
+    """Page: HTML that holds all it needs."""
     body = f"<script>{asset('three.min.js')}</script>\n{fragment(film)}"
     head = "<style>html,body{margin:0;height:100%}.tr{height:100vh;min-height:40rem}</style>\n"
     return document(f"{film.scene}: a run in time", head, f"<main>{body}</main>\n")
 
 
 def fragment(film: Film, *, within: bool = False) -> str:
-    """Return the run as a part of a page that has the library for pictures in space.
+    """Run as a part of a page that has the library for pictures in space.
 
     `within` a page that is about more it stays light, waits to be played, and takes only the keys
     that are meant for it.
@@ -131,7 +131,7 @@ def fragment(film: Film, *, within: bool = False) -> str:
 
 
 def film_payload(film: Film) -> dict[str, Any]:
-    """Return what the page gets, as plain JSON values and one binary block."""
+    """What the page gets, as plain JSON values and one binary block."""
     block = Block()
     at = np.linspace(0.0, film.time[-1], min(_MOST, film.time.size))
     kept = np.minimum(np.searchsorted(film.time, at), film.time.size - 1)
@@ -186,7 +186,7 @@ def film_payload(film: Film) -> dict[str, Any]:
 
 
 def _largest(time: Floats, values: Floats, at: Floats) -> Floats:
-    """Return the largest value (s,) near each of some evenly spaced times: blows are short."""
+    """Largest value (s,) near each of some evenly spaced times: blows are short."""
     middle = 0.5 * (at[1:] + at[:-1])
     starts = np.concatenate([[0], np.searchsorted(time, middle)])
     found = np.maximum.reduceat(values, np.minimum(starts, time.size - 1))

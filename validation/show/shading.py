@@ -61,7 +61,7 @@ class Shade:
     signed: bool = True
 
     def amplitude(self, state: State) -> Array | None:
-        """Return what swings with the phase (n,); of sizes the largest in a period; or None."""
+        """What swings with the phase (n,); of sizes the largest in a period; or None."""
         values = state.fields.get(self.field)
         if values is None:
             return None
@@ -75,7 +75,7 @@ class Shade:
         return np.asarray(np.linalg.norm(values, axis=1))
 
     def at(self, state: State, phase: float) -> Floats:
-        """Return the values (n,) at a phase (rad)."""
+        """Values (n,) at a phase (rad)."""
         if self.key == "size":
             moved = at_phase(np.asarray(state.fields["displacement"]), phase)
             return np.asarray(np.linalg.norm(moved, axis=1))
@@ -86,7 +86,7 @@ class Shade:
         return np.asarray(np.real(amplitude), dtype=float)
 
     def top(self, state: State) -> float:
-        """Return the end of the colour scale: the largest amplitude."""
+        """End of the colour scale: the largest amplitude."""
         amplitude = self.amplitude(state)
         return 0.0 if amplitude is None else float(np.abs(amplitude).max())
 
@@ -105,7 +105,7 @@ SHADES: tuple[Shade, ...] = (
 
 
 def shades_of(result: FieldResult) -> tuple[Shade, ...]:
-    """Return what pictures of a result can be coloured by."""
+    """What pictures of a result can be coloured by."""
     return tuple(shade for shade in SHADES if shade.field in result.has)
 
 
@@ -117,7 +117,7 @@ def _largest_von_mises(stress: Array) -> Floats:
 
 
 def drawn_size(points: Floats, displacement: Array) -> float:
-    """Return how far (m) the largest of displacements (n, 3) is drawn at points (n, 3).
+    """How far (m) the largest of displacements (n, 3) is drawn at points (n, 3).
 
     Linear displacements of a twist are a stretch if drawn large, so a tip that turns about its
     own middle is turned by half a radian at most.
@@ -134,7 +134,7 @@ def drawn_size(points: Floats, displacement: Array) -> float:
 
 
 def enlargement(result: FieldResult, state: State) -> float:
-    """Return by how much displacements are drawn enlarged; 0 where nothing moves."""
+    """By how much displacements are drawn enlarged; 0 where nothing moves."""
     values = state.fields.get("displacement")
     if values is None:
         return 0.0
@@ -155,7 +155,7 @@ class Words:
 
 
 def words_of(result: FieldResult, state: State) -> Words:
-    """Return what is said of a state; every number is the quantity's."""
+    """What is said of a state; every number is the quantity's."""
     name = state.name[:1].upper() + state.name[1:]
     driven = f"at {engineering(result.voltage, 'V', 3)} peak"
     if state.kind == "mode":
@@ -183,12 +183,12 @@ _STOPS = 33
 
 
 def magnitude_stops() -> list[list[int]]:
-    """Return the scale of sizes as (red, green, blue), 0 to 255, from low to high."""
+    """Scale of sizes as (red, green, blue), 0 to 255, from low to high."""
     return _stops(MAGNITUDE)
 
 
 def signed_stops() -> list[list[int]]:
-    """Return the scale of what swings about zero, from negative to positive."""
+    """Scale of what swings about zero, from negative to positive."""
     return _stops(SIGNED)
 
 

@@ -67,12 +67,9 @@ class Picture:
 
 
 def still(result: FieldResult, state: State, picture: Picture, phase: float = 0.0) -> bytes:
-    """Return a PNG of a state at a phase (rad).
+    """PNG of a state at a phase (rad).
 
-    Raises
-    ------
-    InputError
-        If the system has no OpenGL library.
+    Raises InputError if the system has no OpenGL library.
     """
     image = next(iter(frames(result, state, picture, [phase])))
     buffer = io.BytesIO()
@@ -87,7 +84,7 @@ def frames(
     phases: list[float],
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[Image]:
-    """Return an image for each phase (rad), all to one scale of colours and lengths."""
+    """Image for each phase (rad), all to one scale of colours and lengths."""
     from PIL import Image as Images
 
     stage = _Stage(result, state, picture)
@@ -193,7 +190,7 @@ class _Stage:
         return 0.0 if values is None else float(np.abs(values).max())
 
     def shot(self, phase: float) -> Any:
-        """Return the picture (height, width, 3) at a phase (rad)."""
+        """Picture (height, width, 3) at a phase (rad)."""
         phase = 0.0 if self.state.kind == "static" else phase
         points = self.result.mesh.points.copy()
         if self.enlarge:
@@ -212,7 +209,7 @@ class _Stage:
 
 
 def surface_part(pv: Any, points: Any, triangles: Any) -> Any:
-    """Return triangles (m, 3) of points (n, 3) as PyVista's surface."""
+    """Triangles (m, 3) of points (n, 3) as PyVista's surface."""
     faces = np.column_stack([np.full(len(triangles), 3), triangles])
     return pv.PolyData(points.copy(), faces.ravel())
 
@@ -245,7 +242,7 @@ def _words(image: Image, stage: _Stage, phase: float) -> None:
 
 
 def typeface() -> str:
-    """Return the file of a typeface that has ×, − and µ: matplotlib brings it."""
+    """File of a typeface that has ×, − and µ: matplotlib brings it."""
     import matplotlib as mpl
 
     return str(Path(mpl.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
@@ -305,10 +302,7 @@ _REPEATS = 4
 def check_film(path: Path, state: State) -> None:
     """Refuse a film before anything is drawn.
 
-    Raises
-    ------
-    InputError
-        If the state does not move, or an .mp4 is wanted and there is no ffmpeg.
+    Raises InputError if the state does not move, or an .mp4 is wanted and there is no ffmpeg.
     """
     if state.kind == "static":
         raise InputError(
@@ -321,10 +315,7 @@ def check_film(path: Path, state: State) -> None:
 def check_ffmpeg(path: Path) -> None:
     """Refuse an .mp4 where there is no ffmpeg.
 
-    Raises
-    ------
-    InputError
-        With the remedy.
+    Raises InputError with the remedy.
     """
     if path.suffix == ".mp4" and shutil.which("ffmpeg") is None:
         raise InputError(
@@ -354,10 +345,7 @@ def save_film(path: Path, images: Sequence[Image], shown: int, repeats: int = 1)
     repeats : int
         How often an .mp4 holds them all; a .gif starts again by itself.
 
-    Raises
-    ------
-    InputError
-        If the film cannot be made or written.
+    Raises InputError if the film cannot be made or written.
     """
     from PIL.Image import Dither
 

@@ -60,11 +60,8 @@ def view(
     files : dict of {"out", "png", "gif", "mp4"} to Path
         What to write where.
 
-    Raises
-    ------
-    InputError
-        If the scene has nothing to show, a model, state or field is not there, or a file
-        cannot be written.
+    Raises InputError if the scene has nothing to show, a model, state or field is not there, or a
+    file cannot be written.
     """
     for kind, path in files.items():
         check_place(f"--{kind}", path, SUFFIXES[kind])
@@ -86,7 +83,7 @@ def view(
 
 
 def looked_at(scene: Scene, look: Look, announce: Callable[[str], None]) -> list[FieldResult]:
-    """Return what a look shows: the fields of a scene by the models that it names, or the usual."""
+    """What a look shows: the fields of a scene by the models that it names, or the usual."""
     found = gather(
         scene, look.models or _models(scene), Request(look.frequencies, "edges"), announce
     )
@@ -97,7 +94,7 @@ def looked_at(scene: Scene, look: Look, announce: Callable[[str], None]) -> list
 def _ranges(
     scene: Scene, look: Look, files: dict[str, Path], announce: Callable[[str], None]
 ) -> list[LengthRange | None]:
-    """Return the modes over the lengths that the page's slider has, by model."""
+    """Modes over the lengths that the page's slider has, by model."""
     if look.lengths is None:
         return []
     from tactgen.validation.show.fields.lengths import length_range
@@ -120,7 +117,7 @@ def _ranges(
 
 
 def _models(scene: Scene) -> tuple[str, ...]:
-    """Return the fastest solid of a scene, and transfer matrices beside it."""
+    """Fastest solid of a scene, and transfer matrices beside it."""
     first = default_models(scene)
     alone = first in {("tmm",), (MAGNETIC,)} or "tmm" not in with_fields(scene)
     return first if alone else (*first, "tmm")
@@ -184,7 +181,7 @@ def page_of(
     announce: Callable[[str], None],
     ranges: Sequence[LengthRange | None] = (),
 ) -> str:
-    """Return the page in which the results move: HTML that holds all it needs."""
+    """Page in which the results move: HTML that holds all it needs."""
     from tactgen.validation.show.page import page
     from tactgen.validation.show.viewer import payload
 
@@ -194,7 +191,7 @@ def page_of(
 
 
 def page_stills(result: FieldResult, announce: Callable[[str], None]) -> list[Still]:
-    """Return stills of the first modes, for those who see no movement."""
+    """Stills of the first modes, for those who see no movement."""
     from tactgen.validation.show.page import Still
     from tactgen.validation.show.stills import Picture, still
 
@@ -210,12 +207,9 @@ def page_stills(result: FieldResult, announce: Callable[[str], None]) -> list[St
 
 
 def harmonic_frequencies(scene: Scene) -> tuple[float, ...]:
-    """Return the scene's frequencies (Hz) as those of harmonic states.
+    """Scene's frequencies (Hz) as those of harmonic states.
 
-    Raises
-    ------
-    InputError
-        If one is not above 0 Hz, or there are more than a page can hold.
+    Raises InputError if one is not above 0 Hz, or there are more than a page can hold.
     """
     if min(scene.frequency) <= 0.0:
         raise InputError(
@@ -246,7 +240,7 @@ class InlineView:
     height: int = 720
 
     def _repr_html_(self) -> str:
-        """Return the frame; the page is inside it, so that a copied notebook still shows it."""
+        """Frame; the page is inside it, so that a copied notebook still shows it."""
         return (
             f'<iframe srcdoc="{html.escape(self.page)}" loading="lazy" title="modes and fields" '
             f'style="width:100%;height:{self.height}px;border:0"></iframe>'
@@ -254,7 +248,7 @@ class InlineView:
 
 
 def show(scene: Scene, models: Sequence[str] = (), frequencies: Sequence[float] = ()) -> InlineView:
-    """Return modes and fields of a scene as what a notebook shows when it is a cell's last value.
+    """Modes and fields of a scene as what a notebook shows when it is a cell's last value.
 
     Parameters
     ----------
@@ -263,10 +257,7 @@ def show(scene: Scene, models: Sequence[str] = (), frequencies: Sequence[float] 
     frequencies : sequence of float
         Of driven states (Hz); none: half the first natural frequency, and that.
 
-    Raises
-    ------
-    InputError
-        If the scene has nothing to show, or a model is not there.
+    Raises InputError if the scene has nothing to show, or a model is not there.
     """
     look = Look(models=tuple(models), frequencies=tuple(frequencies) or None)
 

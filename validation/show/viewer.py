@@ -75,7 +75,7 @@ class Block:
         return self.known[key]
 
     def text(self) -> str:
-        """Return the block, deflated, in base64."""
+        """Block, deflated, in base64."""
         deflate = zlib.compressobj(9, zlib.DEFLATED, -15)
         return base64.b64encode(deflate.compress(bytes(self.data)) + deflate.flush()).decode()
 
@@ -83,7 +83,7 @@ class Block:
 def payload(
     results: Sequence[FieldResult], ranges: Sequence[LengthRange | None] = ()
 ) -> dict[str, Any]:
-    """Return what the page gets, as plain JSON values.
+    """What the page gets, as plain JSON values.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def _result(block: Block, result: FieldResult, other: LengthRange | None) -> dic
 
 
 def _geometry(block: Block, mesh: Mesh) -> tuple[dict[str, Any], Ints]:
-    """Return points and what is drawn between them, and which of the mesh's points they are."""
+    """Points and what is drawn between them, and which of the mesh's points they are."""
     surface = surface_of(mesh)
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     region = np.zeros(len(mesh.points), dtype=np.int64)
@@ -147,7 +147,7 @@ def _geometry(block: Block, mesh: Mesh) -> tuple[dict[str, Any], Ints]:
 
 
 def _lengths(block: Block, result: FieldResult, other: LengthRange) -> dict[str, Any]:
-    """Return a result at other lengths: numbers at each, points and shapes at those solved."""
+    """Result at other lengths: numbers at each, points and shapes at those solved."""
     geometry, used = _geometry(block, other.mesh)
     names: dict[tuple[str, str, int], str] = {}
     for state in (s for s in result.states if s.kind == "mode"):
@@ -242,7 +242,7 @@ def _state(
 
 
 def _amplitude(block: Block, values: Array) -> list[dict[str, Any]]:
-    """Return where real and, if there is one, imaginary part are."""
+    """Where real and, if there is one, imaginary part are."""
     real, imaginary = np.real(values).ravel(), np.imag(values).ravel()
     parts = [real, imaginary] if imaginary.any() else [real]
     top = float(max(np.abs(part).max() for part in parts))
@@ -250,14 +250,14 @@ def _amplitude(block: Block, values: Array) -> list[dict[str, Any]]:
 
 
 def tip_point(points: Floats) -> int:
-    """Return the point in the middle of the highest face."""
+    """Point in the middle of the highest face."""
     top = points[:, 2] > points[:, 2].max() - 1e-9
     away = np.where(top, np.hypot(points[:, 0], points[:, 1]), np.inf)
     return int(np.argmin(away))
 
 
 def outline(mesh: Mesh, surface: Surface) -> Ints:
-    """Return the edges (m, 2) at which the surface turns sharply: the shape at rest in lines."""
+    """Edges (m, 2) at which the surface turns sharply: the shape at rest in lines."""
     corners = mesh.points[surface.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)[:, None]

@@ -69,7 +69,7 @@ class CurveModel:
     port: Multiport | None
 
     def __call__(self, values: Floats) -> Complex:
-        """Return the curve (n,) for values (p,) in SI units."""
+        """Curve (n,) for values (p,) in SI units."""
         scene = with_values(self.scene, dict(zip(self.keys, map(float, values), strict=True)))
         port = self.port if self.port is not None else _port(scene, self.frequencies)
         row = QUANTITIES[self.quantity]
@@ -79,7 +79,7 @@ class CurveModel:
         return row.port_readout.read(attach(wired, scene.ends), scene.drive.voltage)
 
     def sensitivities(self, values: Floats) -> Complex:
-        """Return ∂ ln(curve) / ∂ ln(parameter), shape (n, p), by central differences."""
+        """∂ ln(curve) / ∂ ln(parameter), shape (n, p), by central differences."""
         columns = []
         for i in range(values.size):
             up, down = values.copy(), values.copy()
@@ -93,7 +93,7 @@ class CurveModel:
         return np.stack(columns, axis=1)
 
     def thinned(self, most: int) -> tuple[CurveModel, Ints]:
-        """Return the model at no more than `most` of its frequencies, and their positions."""
+        """Model at no more than `most` of its frequencies, and their positions."""
         n = self.frequencies.size
         at = np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(int))
         f, port = self.frequencies[at], self.port
@@ -105,7 +105,7 @@ class CurveModel:
 def curve_model(
     scene: Scene, quantity: str, frequencies: Floats, keys: Sequence[str]
 ) -> CurveModel:
-    """Return the model of a curve; D(Ω) is computed once if the keys leave it as it is."""
+    """Model of a curve; D(Ω) is computed once if the keys leave it as it is."""
     fixed = not any(key.startswith(_DIVIDED) for key in keys)
     port = _port(scene, frequencies) if fixed else None
     return CurveModel(scene, quantity, frequencies, tuple(keys), port)
@@ -155,14 +155,14 @@ class Misfit:
         return float(np.median(np.abs(self.curve.values))) if self.noise == "constant" else 1.0
 
     def residuals(self, model: Complex) -> Floats:
-        """Return the residuals (n,) of a magnitude, (2n,) of a complex curve."""
+        """Residuals (n,) of a magnitude, (2n,) of a complex curve."""
         data = self.curve.values
         shape: Numbers = model if self.curve.has_phase else np.abs(model)
         distance = np.log(shape / data) if self.noise == "relative" else shape - data
         return self._split(distance * self.scale)
 
     def jacobian(self, model: Complex, sensitivity: Complex) -> Floats:
-        """Return the residuals' derivatives by ln p from those of ln(curve), (n, p) complex."""
+        """Residuals' derivatives by ln p from those of ln(curve), (n, p) complex."""
         change: Numbers = sensitivity
         if self.noise != "relative":
             phase = self.curve.has_phase
@@ -175,7 +175,7 @@ class Misfit:
         return np.asarray(values.real)
 
     def surprise(self, residuals: Floats) -> float:
-        """Return −ln(likelihood) up to a constant, the noise level estimated.
+        """−ln(likelihood) up to a constant, the noise level estimated.
 
         Comparable between ``relative`` and ``constant``: densities are those of the data.
         """
@@ -213,7 +213,7 @@ def scan(model: CurveModel, start: Floats, low: Floats, high: Floats) -> Scan:
 
 
 def starts(costs: Floats, nodes: Floats) -> list[int]:
-    """Return the start itself and the best nodes of the grid, far enough from each other."""
+    """Start itself and the best nodes of the grid, far enough from each other."""
     picked: list[int] = []
     logs = np.log(np.abs(nodes))
     for i in np.argsort(costs):
@@ -235,17 +235,17 @@ class Fit:
     high: Floats
 
     def residuals(self, values: Floats) -> Floats:
-        """Return the residuals (n,) or (2n,)."""
+        """Residuals (n,) or (2n,)."""
         return self.misfit.residuals(self.model(values))
 
     def jacobian(self, values: Floats) -> Floats:
-        """Return the residuals' derivatives by ln p."""
+        """Residuals' derivatives by ln p."""
         return self.misfit.jacobian(self.model(values), self.model.sensitivities(values))
 
     def descend(
         self, start: Floats, free: list[int], most: int, tolerance: float = 1e-13
     ) -> tuple[float, Floats]:
-        """Return sum of squares and values (p,) after a descent over the free ones' logarithms.
+        """Sum of squares and values (p,) after a descent over the free ones' logarithms.
 
         It ends after `most` steps, or when the sum changes by no more than the tolerance.
         """
@@ -272,7 +272,7 @@ class Fit:
         return 2.0 * float(end.cost), values(end.x)
 
     def best(self, scanned: Scan) -> tuple[Floats, list[str]]:
-        """Return the best values (p,) and which bound each is at, if any."""
+        """Best values (p,) and which bound each is at, if any."""
         thin = replace(self.misfit, curve=self.misfit.curve.at(scanned.points))
         costs = np.array([np.sum(thin.residuals(c) ** 2) for c in scanned.curves])
         free = list(range(self.low.size))
@@ -293,7 +293,7 @@ class Fit:
         return values, edges
 
     def at_bounds(self, values: Floats, free: list[int]) -> dict[int, str]:
-        """Return which free values lie at a bound that the data push them against."""
+        """Which free values lie at a bound that the data push them against."""
         slope = self.jacobian(values).T @ self.residuals(values)
         return {
             i: edge
@@ -305,7 +305,7 @@ class Fit:
     def profile(
         self, best: Floats, index: int, rise: float, guess: float
     ) -> tuple[float, float, tuple[str, ...]]:
-        """Return the ends of a parameter's interval, and which of them are only its bounds.
+        """Ends of a parameter's interval, and which of them are only its bounds.
 
         An end is where the sum of squares, the other parameters refitted, has risen by `rise`
         from that of the `best` values (p,); `guess` is its distance in ln p, maybe nan.
@@ -391,12 +391,12 @@ class Statistics:
         return np.asarray(normed.T @ normed)
 
     def half_width(self, slopes: Floats) -> Floats:
-        """Return the half width (n,) of intervals of what has these slopes (n, p) over ln p."""
+        """Half width (n,) of intervals of what has these slopes (n, p) over ln p."""
         return np.asarray(self.quantile * np.linalg.norm(slopes @ self.root.T, axis=1))
 
 
 def statistics(jacobian: Floats, residuals: Floats, *, stated: bool) -> Statistics:
-    """Return the statistics of a fit from its Jacobian (n, p) over ln p and residuals (n,).
+    """Statistics of a fit from its Jacobian (n, p) over ln p and residuals (n,).
 
     `stated`: the residuals are in units of a stated standard deviation; otherwise their variance
     is estimated from them.

@@ -66,7 +66,7 @@ _ACCURACY, _PEAK_ACCURACY, _LOCATED = 1e-9, 1e-7, 1e-4
 
 
 def stated_band(threshold: ThresholdCurve) -> tuple[float, float]:
-    """Return the paper's band as far as a threshold is stated; all of it if nowhere (Hz)."""
+    """Paper's band as far as a threshold is stated; all of it if nowhere (Hz)."""
     low, high = max(PAPER_BAND[0], threshold.range[0]), min(PAPER_BAND[1], threshold.range[1])
     return (low, high) if low < high else threshold.range
 
@@ -121,7 +121,7 @@ class Aim:
 
 
 def lowest_margin(device: Actuator, aim: Aim, lengths: Floats) -> tuple[Floats, Floats]:
-    """Return m (n,) and the frequency (n,) in Hz that decides it, for lengths (n,) in m."""
+    """M (n,) and the frequency (n,) in Hz that decides it, for lengths (n,) in m."""
     lengths = np.asarray(lengths, dtype=float)
     f = band_points(aim.band)
 
@@ -283,13 +283,10 @@ class Design:
 
 
 def design(scene: Scene, aim: Aim) -> Design:
-    """Return the length for an aim.
+    """Length for an aim.
 
-    Raises
-    ------
-    InputError
-        If the tip does not move, or the range holds lengths that are not to be had or that
-        no beam model describes.
+    Raises InputError if the tip does not move, or the range holds lengths that are not to be had or
+    that no beam model describes.
     """
     device, own = actuator(scene), scene.bimorph.length
     grid, margins = _scan(device, aim, own)
@@ -325,7 +322,7 @@ def design(scene: Scene, aim: Aim) -> Design:
 
 
 def largest_margin(device: Actuator, aim: Aim, around: tuple[float, float]) -> float:
-    """Return the length (m) of largest m between two lengths that enclose one peak."""
+    """Length (m) of largest m between two lengths that enclose one peak."""
     inner = _extreme(device, aim, around, -1.0, _PEAK_ACCURACY)
     # the bounded search never tries the ends themselves
     return max(*around, inner, key=lambda l: _excess(device, aim, l))
@@ -359,7 +356,7 @@ def _feasible(device: Actuator, aim: Aim, grid: Floats, margins: Floats) -> tupl
 
 
 def length_rows(study: LengthMap, result: Design) -> list[dict[str, Any]]:
-    """Return one row per length of a map: start, minimum, lowest margin and where that is."""
+    """One row per length of a map: start, minimum, lowest margin and where that is."""
     margins, at = lowest_margin(actuator(result.scene), result.aim, study.lengths)
     columns = zip(
         study.lengths.tolist(), study.displacement[:, 0].tolist(), study.minima,

@@ -72,7 +72,7 @@ class Dependence:
 
 
 def dependences(result: Design, origins: dict[str, str]) -> tuple[Dependence, ...]:
-    """Return what the decided lengths of a design depend on, strongest first.
+    """What the decided lengths of a design depend on, strongest first.
 
     All numbers that the transfer-matrix model reads and that are not 0, a factor on the
     finger's stiffness and one on its damping, and each stated point of the threshold.
@@ -145,7 +145,7 @@ def _listed(result: Design, origins: dict[str, str]) -> Iterator[tuple[str, str,
 
 
 def sentences(result: Design) -> tuple[str, ...]:
-    """Return how it is driven, what length results, which keep the margin, its own, the limits."""
+    """How it is driven, what length results, which keep the margin, its own, the limits."""
     scene = result.scene
     setting = (
         f"Driven with {scene.drive.voltage:g} V, wired in {scene.bimorph.wiring}, "
@@ -155,7 +155,7 @@ def sentences(result: Design) -> tuple[str, ...]:
 
 
 def statements(result: Design) -> tuple[str, str, str]:
-    """Return what length results, which lengths keep the margin, and how the scene's own stands."""
+    """What length results, which lengths keep the margin, and how the scene's own stands."""
 
     def end(length: float, at: float | None) -> str:
         return f"{_mm(length)} ({'end of the range' if at is None else f'{at:.4g} Hz decides'})"
@@ -204,7 +204,7 @@ def _outcome(result: Design) -> str:
 
 
 def caveat(result: Design) -> str:
-    """Return where the threshold is known."""
+    """Where the threshold is known."""
     points = [p.frequency for p in result.aim.threshold.points]
     if len(points) > _LISTED:
         listed = f"{len(points)} frequencies from {points[0]:g} to {points[-1]:g} Hz"
@@ -218,7 +218,7 @@ def caveat(result: Design) -> str:
 
 
 def changed_setting(scene: Scene, other: Scene) -> str:
-    """Return where `other` is driven or loaded otherwise than the scene; nothing if nowhere."""
+    """Where `other` is driven or loaded otherwise than the scene; nothing if nowhere."""
     now, own = [], []
     if other.drive.voltage != scene.drive.voltage:
         now.append(f"at {other.drive.voltage:g} V")

@@ -97,7 +97,7 @@ class VoltageStudy:
 
 
 def voltage_study(scene: Scene) -> VoltageStudy:
-    """Return the voltages at the threshold of a scene's actuator.
+    """Voltages at the threshold of a scene's actuator.
 
     Loaded is the scene's load, or the finger if the scene has none.
     """
@@ -127,7 +127,7 @@ def voltage_study(scene: Scene) -> VoltageStudy:
 
 
 def loaded(scene: Scene) -> Scene:
-    """Return the scene with its own load, or under the finger if it has none."""
+    """Scene with its own load, or under the finger if it has none."""
     return scene if scene.load.kind != "none" else _with_load(scene, "finger")
 
 

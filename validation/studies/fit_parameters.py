@@ -75,10 +75,7 @@ def fit_parameter(scene: Scene, text: str) -> FitParameter:
     The start is the scene's value unless given, the bounds a factor 100 either side of it.  A LOW
     without a unit has that of HIGH.
 
-    Raises
-    ------
-    InputError
-        If the name, a value or its unit cannot be used.
+    Raises InputError if the name, a value or its unit cannot be used.
     """
     head, colon, bounds = text.partition(":")
     name, equals, start_text = (part.strip() for part in head.partition("="))

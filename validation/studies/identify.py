@@ -109,7 +109,7 @@ class Identification:
     warnings: tuple[str, ...]
 
     def get(self, name: str) -> FittedParameter:
-        """Return the estimate of a symbol or scene key."""
+        """Estimate of a symbol or scene key."""
         return next(e for e in self.estimates if name in (e.parameter.key, e.parameter.symbol))
 
     @property
@@ -141,10 +141,7 @@ def identify(
         Where the scene's values come from, as :func:`validation.scene.scene.load_scene` returns
         it; without it no assumptions are looked for.
 
-    Raises
-    ------
-    InputError
-        If a parameter or the data cannot be used, in one sentence.
+    Raises InputError if a parameter or the data cannot be used, in one sentence.
     """
     curve = data.at(data.used)
     quantity = curve.quantity.name
@@ -344,7 +341,7 @@ def _doubts(misfit: Misfit, stats: Statistics, now: Complex, residuals: Floats) 
 
 
 def neighbours_alike(residuals: Floats, parts: int) -> float | None:
-    """Return the correlation of neighbouring residuals if noise alone would hardly give it.
+    """Correlation of neighbouring residuals if noise alone would hardly give it.
 
     `parts` equal pieces (real, imaginary) follow each other.  Independent residuals have
     a correlation of 0 ± 1/√n; four times that is taken as proof.

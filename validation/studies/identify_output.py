@@ -46,7 +46,7 @@ _SMOOTH, _MANY = 600, 3000
 
 
 def as_text(result: Identification) -> str:
-    """Return estimates, correlations, misfit, assumptions and findings for people."""
+    """Estimates, correlations, misfit, assumptions and findings for people."""
     names = [e.parameter.symbol for e in result.estimates]
     parts = [_headline(result), _estimate_table(result)]
     if len(names) > 1:
@@ -170,7 +170,7 @@ def _table(heads: list[str], rows: list[list[str]]) -> str:
 
 
 def as_json(result: Identification) -> dict[str, Any]:
-    """Return plain values in SI units."""
+    """Plain values in SI units."""
     curve, stated = result.curve, result.noise == "stated"
     return {
         "scene": result.scene.name,
@@ -219,7 +219,7 @@ def as_json(result: Identification) -> dict[str, Any]:
 
 
 def checked_scene_name(name: str) -> Path:
-    """Return where a fitted scene goes; InputError if it is not a new TOML file."""
+    """Where a fitted scene goes; InputError if it is not a new TOML file."""
     path = Path(name)
     if path.suffix.lower() != ".toml":
         raise InputError(f"--write {quoted(name)} does not end in .toml; choose such a name")
@@ -233,10 +233,7 @@ def checked_scene_name(name: str) -> Path:
 def write_scene(result: Identification, origins: Mapping[str, str], path: Path) -> Path:
     """Write a scene with what the starting scene set and the fitted values; its paths start there.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     curve = result.curve
     estimates = {e.parameter.key: e for e in result.estimates}
@@ -267,7 +264,7 @@ def write_scene(result: Identification, origins: Mapping[str, str], path: Path) 
 
 
 def file_from(folder: Path, file: str, named: Callable[[str], bool]) -> str:
-    """Return a file relative to a folder; `named` recognises what is no file."""
+    """File relative to a folder; `named` recognises what is no file."""
     if named(file) or Path(file).is_absolute():
         return file
     return os.path.relpath(file, folder)
@@ -289,10 +286,7 @@ def _toml(value: Any, text: str) -> str:
 def write_plot(result: Identification, path: Path) -> Path:
     """Write the picture as SVG or PNG, by the file's suffix.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     figure = _figure(result)
     if path.suffix.lower() == ".svg":

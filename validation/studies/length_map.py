@@ -74,12 +74,12 @@ class LengthMap:
 
 
 def actuator(scene: Scene) -> Actuator:
-    """Return the scene's lateral actuator with what holds, loads and drives it."""
+    """Scene's lateral actuator with what holds, loads and drives it."""
     return Actuator(scene.device, scene.held, scene.load, scene.beam, scene.drive)
 
 
 def tip_amplitude(device: Actuator, lengths: Floats, frequencies: Floats) -> Floats:
-    """Return |w_tip| (m); lengths (m) and frequencies (Hz) broadcast against each other."""
+    """|w_tip| (m); lengths (m) and frequencies (Hz) broadcast against each other."""
     l, f = np.broadcast_arrays(np.asarray(lengths, float), np.asarray(frequencies, float))
     read = TIP_DISPLACEMENT.port_readout
     moved = evaluate(device, read, {"bimorph.length": l.ravel()}, f.ravel())
@@ -87,17 +87,14 @@ def tip_amplitude(device: Actuator, lengths: Floats, frequencies: Floats) -> Flo
 
 
 def band_points(band: tuple[float, float]) -> Floats:
-    """Return log-spaced frequencies (n,) with exact ends."""
+    """Log-spaced frequencies (n,) with exact ends."""
     return np.array([band[0], *np.geomspace(*band, _POINTS)[1:-1], band[1]])
 
 
 def length_map(scene: Scene, lengths: Floats, band: tuple[float, float]) -> LengthMap:
-    """Return the map of a scene's actuator over lengths (m,) in m and a band in Hz.
+    """Map of a scene's actuator over lengths (m,) in m and a band in Hz.
 
-    Raises
-    ------
-    InputError
-        If the tip does not move at all, or a length cannot be had.
+    Raises InputError if the tip does not move at all, or a length cannot be had.
     """
     device, f = actuator(scene), band_points(band)
     lengths = np.asarray(lengths, dtype=float)
@@ -145,7 +142,7 @@ def check_moves(displacement: Floats) -> None:
 
 
 def with_surroundings(frequencies: Floats, extremes: Floats) -> Floats:
-    """Return the grid (n,) with extremes (k,) and some points around each, ascending (Hz)."""
+    """Grid (n,) with extremes (k,) and some points around each, ascending (Hz)."""
     near = np.outer(extremes, [*(1.0 - _AROUND), 1.0, *(1.0 + _AROUND)])
     inside = near[(near > frequencies[0]) & (near < frequencies[-1])]
     return np.unique([*frequencies, *inside])

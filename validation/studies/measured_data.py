@@ -80,7 +80,7 @@ class MeasuredCurve:
         return np.asarray(self.weight / self.weight.mean())
 
     def at(self, points: Ints | Bools) -> MeasuredCurve:
-        """Return the curve at some of its points."""
+        """Curve at some of its points."""
         return replace(
             self,
             frequencies=self.frequencies[points],
@@ -109,10 +109,7 @@ def read_measured(path: str | Path) -> MeasuredCurve:
     deviation, same unit) or ``weight`` (no unit).  Separated by comma, semicolon or tab;
     decimal point; comments from ``#`` to the end of the line.
 
-    Raises
-    ------
-    InputError
-        In one sentence with file, line, column, value and remedy.
+    Raises InputError in one sentence with file, line, column, value and remedy.
     """
     source = "".join(c if c.isprintable() else "?" for c in str(path))
     remedy = f"give a CSV file with columns such as {_EXAMPLE}"

@@ -135,7 +135,7 @@ class Uncertainty:
 
 
 def targets(scene: Scene) -> tuple[Target, ...]:
-    """Return the headline numbers that this scene has."""
+    """Headline numbers that this scene has."""
     on_support, active = not scene.ends.rigid_motions, scene.piezo.d31 != 0.0
     rows = [
         row
@@ -173,7 +173,7 @@ class HeadlineNumbers:
         self._first: dict[Circuit, float] = {}
 
     def first(self, circuit: Circuit) -> float:
-        """Return the first natural frequency (Hz)."""
+        """First natural frequency (Hz)."""
         if circuit not in self._first:
             self._first[circuit] = float(values(self.actuator, ModalReadout((circuit,)))[0])
         return self._first[circuit]
@@ -192,7 +192,7 @@ class HeadlineNumbers:
         return solve(self.scene.model_copy(update={"frequency": at}), ("tmm",), sorted(names))
 
     def value_and_error(self, target: Target) -> tuple[float, float]:
-        """Return the number and its numerical error, absolute."""
+        """Number and its numerical error, absolute."""
         if target.peak == "frequency":
             before, _ = _peak(actuator(self.scene), self.peak[0], _ROUNDS - 1)
             return self.peak[0], abs(before - self.peak[0])
@@ -204,7 +204,7 @@ class HeadlineNumbers:
     def value_and_slopes(
         self, target: Target, keys: tuple[str, ...]
     ) -> tuple[float, dict[str, float]]:
-        """Return the number of `actuator` and its derivative by each key."""
+        """Number of `actuator` and its derivative by each key."""
         if target.peak:
             return self._peak_and_slopes(target, keys)
         at = None if target.frequency is None else np.array([target.frequency])
@@ -254,7 +254,7 @@ class SampledNumbers:
         self._modes: dict[Circuit, Floats] = {}
 
     def of(self, target: Target) -> Floats:
-        """Return the target's value (n,) at each sample."""
+        """Target's value (n,) at each sample."""
         if target.peak:
             return self._peaks[int(target.peak == "height")]
         read = target.read
@@ -282,7 +282,7 @@ class SampledNumbers:
 
 
 def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
-    """Return the parameters of the transfer-matrix model that have a range, in the scene's order.
+    """Parameters of the transfer-matrix model that have a range, in the scene's order.
 
     Springs that stand for a contact are no parameters of the scene.
     """
@@ -310,7 +310,7 @@ def parameter_uncertainty(
     evaluations: int | None = None,
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[Uncertainty]:
-    """Return every headline number with what the parameters' ranges do to it.
+    """Every headline number with what the parameters' ranges do to it.
 
     Parameters
     ----------
@@ -362,7 +362,7 @@ def parameter_uncertainty(
 
 
 def affordable(scene: Scene) -> int:
-    """Return how often a report may solve the model: segmented beams cost more."""
+    """How often a report may solve the model: segmented beams cost more."""
     if is_tapered(scene.device, scene.support):
         return _EVALUATIONS // 8
     single = len(beam_pieces(scene.device, scene.support)) == 1
@@ -370,7 +370,7 @@ def affordable(scene: Scene) -> int:
 
 
 def base_samples(parameters: int, evaluations: int) -> int:
-    """Return the largest power of two of base samples within so many evaluations."""
+    """Largest power of two of base samples within so many evaluations."""
     return int(2 ** max(1, math.floor(math.log2(evaluations / (parameters + 2)))))
 
 

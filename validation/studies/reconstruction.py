@@ -73,7 +73,7 @@ class Candidate:
 
 
 def actuator(radius: float, bore: float, coil_length: float) -> Device:
-    """Return the device with a shaft radius, a bore radius and a coil length (m); no collar."""
+    """Device with a shaft radius, a bore radius and a coil length (m); no collar."""
     flange = _COIL_TOP + coil_length + _FLANGE_BELOW
     length = flange + _FLANGE_THICKNESS
     return Device(
@@ -97,12 +97,12 @@ def actuator(radius: float, bore: float, coil_length: float) -> Device:
 
 
 def network_pull(device: Device, currents: Floats) -> Floats:
-    """Return the magnetic force by the reluctance network."""
+    """Magnetic force by the reluctance network."""
     return network_samples(device, currents, np.array([GAP]), cells=_CELLS).force[:, 0]
 
 
 def field_pull(device: Device, currents: Floats) -> Floats:
-    """Return the magnetic force by the axisymmetric field."""
+    """Magnetic force by the axisymmetric field."""
     from tactgen.fem.magnetics.axisymmetric import solve_map
 
     (row,) = solve_map(device, [GAP], currents.tolist(), order=_ORDER)
@@ -110,7 +110,7 @@ def field_pull(device: Device, currents: Floats) -> Floats:
 
 
 def ampere_turns_needed(device: Device, pull: Pull) -> float:
-    """Return the ampere-turns that give the stated force at the stated gap; inf if none do.
+    """Ampere-turns that give the stated force at the stated gap; inf if none do.
 
     The network looks for them over two decades; another model is solved around its answer.
     """
@@ -123,7 +123,7 @@ def ampere_turns_needed(device: Device, pull: Pull) -> float:
 
 
 def _crossing(currents: Floats, forces: Floats, *, beyond: bool = False) -> float:
-    """Return the current of the stated force, between samples by the power law they follow."""
+    """Current of the stated force, between samples by the power law they follow."""
     x, y = np.log(currents), np.log(forces / FORCE)
     if not beyond and y[-1] < 0.0:
         return math.inf
@@ -133,7 +133,7 @@ def _crossing(currents: Floats, forces: Floats, *, beyond: bool = False) -> floa
 
 
 def weighed(device: Device, pull: Pull) -> Candidate:
-    """Return a device with the turns and the heat that the paper's currents give it."""
+    """Device with the turns and the heat that the paper's currents give it."""
     needed = ampere_turns_needed(device, pull)
     if not math.isfinite(needed):
         return Candidate(device, needed, math.inf)
@@ -142,7 +142,7 @@ def weighed(device: Device, pull: Pull) -> Candidate:
 
 
 def coolest(lengths: Floats, pull: Pull = network_pull, steps: int = 12) -> tuple[Candidate, ...]:
-    """Return the coolest device with each coil length (m), the valley floor of the search.
+    """Coolest device with each coil length (m), the valley floor of the search.
 
     `steps` rounds of halving locate shaft and bore radii to 0.1 mm / 2^(steps/3).
     """

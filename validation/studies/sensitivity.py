@@ -89,7 +89,7 @@ class SensitivityColumn:
 
 
 def changed_scenes(name: str, overrides: Sequence[str]) -> Changed:
-    """Return a function that gives a command line's scene with another value (SI) at one key."""
+    """Function that gives a command line's scene with another value (SI) at one key."""
 
     def changed(key: str, value: float) -> Scene:
         values, _ = scene_values(name, list(overrides))
@@ -105,7 +105,7 @@ def all_columns(
     keys: Sequence[str] | None = None,
     announce: Callable[[str], None] = lambda _: None,
 ) -> tuple[list[SensitivityColumn], list[str]]:
-    """Return the scene's quantities by all of its models, and what each leaves out of the keys.
+    """Scene's quantities by all of its models, and what each leaves out of the keys.
 
     Parameters
     ----------
@@ -114,11 +114,8 @@ def all_columns(
     keys : sequence of str, optional
         Scene keys; by default all numbers that a model reads for these quantities.
 
-    Raises
-    ------
-    InputError
-        For a quantity or key without derivative, a number that is zero, or a model that gives
-        none of the quantities.
+    Raises InputError for a quantity or key without derivative, a number that is zero, or a model
+    that gives none of the quantities.
     """
     check_models(scene.models, scene.quantities)
     columns: list[SensitivityColumn] = []
@@ -156,14 +153,11 @@ def _differentiable(row: QuantityRow) -> bool:
 
 
 def sensitivity_columns(scene: Scene, keys: Sequence[str] | None = None) -> list[SensitivityColumn]:
-    """Return the scene's quantities by the transfer-matrix model, a column for each frequency.
+    """Scene's quantities by the transfer-matrix model, a column for each frequency.
 
     The threshold voltage has columns only where the threshold is stated.
 
-    Raises
-    ------
-    InputError
-        As :func:`all_columns`.
+    Raises InputError as :func:`all_columns`.
     """
     threshold = threshold_of(scene.threshold)
     rows = [QUANTITIES[name].at_threshold(threshold) for name in scene.quantities]
@@ -278,12 +272,9 @@ def _column(
 def readable_keys(
     scene: Scene, changed: Changed, model: str, keys: Sequence[str] | None = None
 ) -> tuple[list[str], str]:
-    """Return the keys that a model reads, or those given, and in words which cannot be varied.
+    """Keys that a model reads, or those given, and in words which cannot be varied.
 
-    Raises
-    ------
-    InputError
-        For a given key that cannot be varied.
+    Raises InputError for a given key that cannot be varied.
     """
     if keys is not None:
         chosen = list(dict.fromkeys(keys))
@@ -362,7 +353,7 @@ def _misfit(scene: Scene, changed: Changed, key: str) -> str:
 
 
 def tmm_kink(scene: Scene, device: Actuator, key: str) -> str:
-    """Return why the transfer-matrix model is not smooth in a number that is not 0, or nothing."""
+    """Why the transfer-matrix model is not smooth in a number that is not 0, or nothing."""
     try:
         check_keys(device, [key])
     except InputError:
@@ -374,7 +365,7 @@ def tmm_kink(scene: Scene, device: Actuator, key: str) -> str:
 
 
 def left_out(scene: Scene) -> str:
-    """Return which parameters that act have no exact sensitivity by tmm, and why; "" if none."""
+    """Which parameters that act have no exact sensitivity by tmm, and why; "" if none."""
     device = actuator(scene)
     reasons: dict[str, list[str]] = {}
     for key in scene_keys():
@@ -405,7 +396,7 @@ def _omission(scene: Scene, device: Actuator, key: str) -> str:
 
 
 def thinned(columns: Sequence[SensitivityColumn]) -> list[SensitivityColumn]:
-    """Return as many columns as people can read: of each quantity a few of its frequencies."""
+    """As many columns as people can read: of each quantity a few of its frequencies."""
     if len(columns) <= _SHOWN:
         return list(columns)
     names = dict.fromkeys(c.quantity for c in columns)

@@ -40,7 +40,7 @@ _SHADES = {"held": SKY, "rising": AMBER, "pressed": GREY, "falling": GREEN}
 
 
 def series(result: Simulation) -> dict[str, tuple[Floats, str, str]]:
-    """Return everything over time by name: values (k,), unit, meaning."""
+    """Everything over time by name: values (k,), unit, meaning."""
     run, outputs = result.answer.run, result.machine.system.outputs
     rows = {
         name: (result.answer.outputs[name], output.unit, output.meaning)
@@ -86,10 +86,7 @@ def write_run(path: str | Path, result: Simulation, drives: dict[str, str]) -> N
     drives : dict of str to str
         Text of the sources, by option.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     from scipy.io import netcdf_file  # slow to import
 
@@ -162,16 +159,13 @@ def _put(
 def write_film_page(run: Path, page: Path) -> None:
     """Write the page of a run's file, whole or not at all.
 
-    Raises
-    ------
-    InputError
-        If the file is no run that holds its body, or the page cannot be written.
+    Raises InputError if the file is no run that holds its body, or the page cannot be written.
     """
     write_text(page, run_page(read_film(run)))
 
 
 def film_of(result: Simulation) -> Film:
-    """Return a run as it is seen, by way of its file, so that a report shows what a page does."""
+    """Run as it is seen, by way of its file, so that a report shows what a page does."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.nc"
         write_run(path, result, {})
@@ -179,12 +173,9 @@ def film_of(result: Simulation) -> Film:
 
 
 def read_film(path: Path) -> Film:
-    """Return the run of a file of ``tactgen simulate --out``.
+    """Run of a file of ``tactgen simulate --out``.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or does not hold what a film needs.
+    Raises InputError if the file cannot be read, or does not hold what a film needs.
     """
     from scipy.io import netcdf_file  # slow to import
 

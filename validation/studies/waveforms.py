@@ -61,7 +61,7 @@ class Written:
 
 
 def parsed(text: str, option: str, units: tuple[Unit, ...]) -> Written:
-    """Return what an option's text says.
+    """What an option's text says.
 
     Parameters
     ----------
@@ -70,10 +70,7 @@ def parsed(text: str, option: str, units: tuple[Unit, ...]) -> Written:
     units : tuple of Unit
         VOLTS, AMPERES or both: what the level may be.
 
-    Raises
-    ------
-    InputError
-        In one sentence with an example.
+    Raises InputError in one sentence with an example.
     """
     text = text.strip()
     if text.lower().endswith(".csv"):

@@ -73,7 +73,7 @@ def region_labels(
     surfaces: list[Surface],
     tolerance: float,
 ) -> Ints:
-    """Return the index of the solid that each tetrahedron fills, -1 outside.
+    """Index of the solid that each tetrahedron fills, -1 outside.
 
     The surfaces cut space into pieces each of which lies in one solid or outside.  The
     CAD kernel classifies one point of each piece, every tetrahedron inherits.  A vertex
@@ -124,7 +124,7 @@ def _bounds(solids: dict[str, cq.Solid]) -> tuple[Floats, Floats]:
 
 
 def _classify(points: Floats, solids: dict[str, cq.Solid]) -> Ints:
-    """Return the index of the solid that holds each point, -1 for none, by the CAD kernel."""
+    """Index of the solid that holds each point, -1 for none, by the CAD kernel."""
     from OCP.BRepClass3d import BRepClass3d_SolidClassifier
     from OCP.gp import gp_Pnt
     from OCP.TopAbs import TopAbs_State
@@ -161,10 +161,7 @@ def skin(
     tolerance : float
         Largest distance allowed between a triangle's corners and its face (mm).
 
-    Raises
-    ------
-    MeshError
-        If two regions touch that do not touch in CAD, or a triangle lies on no face.
+    Raises MeshError if two regions touch that do not touch in CAD, or a triangle lies on no face.
     """
     triangles, cell, pairs = _between_regions(tets, labels)
     face = np.full(len(triangles), -1, dtype=np.int64)
@@ -188,7 +185,7 @@ def skin(
 
 
 def _between_regions(tets: Ints, labels: Ints) -> tuple[Ints, Ints, Ints]:
-    """Return triangles (n, 3), cell behind (n,) and sorted label pairs (n, 2)."""
+    """Triangles (n, 3), cell behind (n,) and sorted label pairs (n, 2)."""
     triangles = tets[:, TET_FACES].reshape(-1, 3)
     cell = np.repeat(np.arange(len(tets)), 4)
     key = np.sort(triangles, axis=1)
@@ -213,7 +210,7 @@ _WAYS = (0.1, 0.3, 0.6, 1.0)
 
 
 def relaxed(points: Floats, tets: Ints, free: Bools) -> Floats:
-    """Return the points, vertices of flat tetrahedra moved where their worst angle is best.
+    """Points, vertices of flat tetrahedra moved where their worst angle is best.
 
     Parameters
     ----------
@@ -239,7 +236,7 @@ def relaxed(points: Floats, tets: Ints, free: Bools) -> Floats:
 
 
 def _best_place(points: Floats, around: Ints, vertex: int, free: Bools) -> Floats:
-    """Return where the worst of the tetrahedra around a vertex is best, along free axes."""
+    """Where the worst of the tetrahedra around a vertex is best, along free axes."""
     here = points[vertex]
     ring = np.setdiff1d(around, [vertex])
     middle = np.where(free, points[ring].mean(axis=0), here)
@@ -266,7 +263,7 @@ _ROOM = 0.1
 def snapped(
     points: Floats, members: Ints, surface_of: Ints, surfaces: Sequence[Surface], reach: float
 ) -> Floats:
-    """Return the points moved onto all the surfaces that each belongs to.
+    """Points moved onto all the surfaces that each belongs to.
 
     Parameters
     ----------
@@ -279,10 +276,7 @@ def snapped(
     reach : float
         Longest way a point may be moved (mm).
 
-    Raises
-    ------
-    MeshError
-        If a point cannot be on all its surfaces or would have to move too far.
+    Raises MeshError if a point cannot be on all its surfaces or would have to move too far.
     """
     belongs = np.zeros((len(points), len(surfaces)), dtype=bool)
     belongs[members, surface_of] = True
@@ -304,7 +298,7 @@ def snapped(
 
 
 def _onto(points: Floats, surfaces: list[Surface]) -> Floats:
-    """Return points (n, 3) moved the shortest way onto all surfaces (Newton)."""
+    """Points (n, 3) moved the shortest way onto all surfaces (Newton)."""
     points = points.copy()
     for _ in range(_STEPS):
         distance = np.stack([s.distance(points) for s in surfaces], axis=1)
@@ -316,7 +310,7 @@ def _onto(points: Floats, surfaces: list[Surface]) -> Floats:
 
 
 def memberships(triangles: Ints, face: Ints, surface_of_face: Ints) -> tuple[Ints, Ints]:
-    """Return which vertices belong to which surfaces, given triangles on CAD faces.
+    """Which vertices belong to which surfaces, given triangles on CAD faces.
 
     Parameters
     ----------
@@ -343,7 +337,7 @@ def bent_middles(
     on_surface: tuple[Ints, Ints],
     surfaces: Sequence[Surface],
 ) -> Floats:
-    """Return mid-edge nodes moved onto the surfaces, except where an element would fold.
+    """Mid-edge nodes moved onto the surfaces, except where an element would fold.
 
     Parameters
     ----------
@@ -401,7 +395,7 @@ def conform(
     curved: bool,
     stretching: Stretching = UNSTRETCHED,
 ) -> Mesh:
-    """Return the mesh of the solids.
+    """Mesh of the solids.
 
     Parameters
     ----------
@@ -427,10 +421,7 @@ def conform(
     Mesh
         In metres.
 
-    Raises
-    ------
-    MeshError
-        If it does not pass its checks.
+    Raises MeshError if it does not pass its checks.
     """
     draft = _draft(raw, tets, solids, tessellation, slack, stretching)
     return _finished(draft, solids, tessellation, named, curved, stretching)
@@ -463,7 +454,7 @@ def _draft(
 
 
 def _free_axes(n: int, members: Ints, surface_of: Ints, surfaces: Sequence[Surface]) -> Bools:
-    """Return along which axes (n, 3) each point can move and stay on its surfaces.
+    """Along which axes (n, 3) each point can move and stay on its surfaces.
 
     The device's planes are across an axis; along a cylinder or another plane nothing moves.
     """
@@ -480,7 +471,7 @@ def _across_an_axis(surface: Surface) -> TypeGuard[Plane]:
 
 
 def _flat_on_the_outside(points: Floats, tets: Ints, found: Skin) -> Ints:
-    """Return the flat tetrahedra that show two faces to the outside on one CAD face.
+    """Flat tetrahedra that show two faces to the outside on one CAD face.
 
     Putting vertices back can flatten a tetrahedron on a surface.  Left out, the surface has
     the same shape and only another diagonal.
@@ -499,7 +490,7 @@ def _finished(
     curved: bool,
     stretching: Stretching,
 ) -> Mesh:
-    """Return the mesh without what is outside, with curved edges, checked, in metres."""
+    """Mesh without what is outside, with curved edges, checked, in metres."""
     found, faces = draft.skin, tessellation.faces
     inside = draft.labels >= 0
     used, tets = np.unique(draft.tets[inside], return_inverse=True)
@@ -538,7 +529,7 @@ def _finished(
 
 
 def _pieces(name: str, named: NamedFace, tessellation: Tessellation) -> list[int]:
-    """Return the CAD faces that make up a named face; there is at least one."""
+    """CAD faces that make up a named face; there is at least one."""
     pieces = [
         i
         for i, face in enumerate(tessellation.faces)
@@ -550,7 +541,7 @@ def _pieces(name: str, named: NamedFace, tessellation: Tessellation) -> list[int
 
 
 def _bounded_by_planes(tessellation: Tessellation) -> set[str]:
-    """Return the names of the solids without a cylinder."""
+    """Names of the solids without a cylinder."""
     names = {name for face in tessellation.faces for name in face.sides}
     round_ones = {n for f in tessellation.faces if is_curved([f.surface]) for n in f.sides}
     return names - round_ones

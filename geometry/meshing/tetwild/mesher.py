@@ -47,7 +47,7 @@ class Mesher:
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     def __enter__(self) -> Mesher:
-        """Return itself; nothing is started yet."""
+        """Itself; nothing is started yet."""
         return self
 
     def __exit__(
@@ -79,7 +79,7 @@ class Mesher:
             )
 
     def mesh(self, arrays: dict[str, NDArray[Any]], time_limit: float) -> tuple[Floats, Ints]:
-        """Return points (n, 3) and corners (m, 4) of what fTetWild makes of the arrays.
+        """Points (n, 3) and corners (m, 4) of what fTetWild makes of the arrays.
 
         Parameters
         ----------
@@ -88,10 +88,7 @@ class Mesher:
         time_limit : float
             Processor time (s) after which the process is ended, in whole seconds.
 
-        Raises
-        ------
-        MeshError
-            If the time is up or fTetWild fails.
+        Raises MeshError if the time is up or fTetWild fails.
         """
         self.start()
         assert self._process is not None
@@ -117,7 +114,7 @@ class Mesher:
             return result["points"], result["tets"].astype(np.int64)
 
     def _failed(self, time_limit: float) -> MeshError:
-        """Return what to say of a process that is gone; the next mesh gets a new one."""
+        """What to say of a process that is gone; the next mesh gets a new one."""
         assert self._process is not None
         assert self._folder is not None
         code = self._process.wait()
@@ -181,7 +178,7 @@ class SizingField:
     lengths: Floats
 
     def scaled(self, factor: float) -> SizingField:
-        """Return the field with all lengths times a factor."""
+        """Field with all lengths times a factor."""
         return replace(self, lengths=factor * self.lengths)
 
 
@@ -221,10 +218,7 @@ def run_ftetwild(
     tets : (m, 4) int array
         Corners in VTK order, box and all.
 
-    Raises
-    ------
-    MeshError
-        If the time is up or fTetWild fails.
+    Raises MeshError if the time is up or fTetWild fails.
     """
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
     settings = {
@@ -247,7 +241,7 @@ def run_ftetwild(
 
 
 def sizing_along_z(points: Floats, length_at: Callable[[Floats], Floats]) -> SizingField:
-    """Return a sizing field that varies along z, and coarsens away from the device.
+    """Sizing field that varies along z, and coarsens away from the device.
 
     Parameters
     ----------
@@ -272,7 +266,7 @@ def sizing_along_z(points: Floats, length_at: Callable[[Floats], Floats]) -> Siz
 
 
 def sizing_at_points(surface: Floats, points: Floats, lengths: Floats) -> SizingField:
-    """Return a sizing field through given lengths that coarsens away from the points.
+    """Sizing field through given lengths that coarsens away from the points.
 
     Parameters
     ----------
@@ -306,7 +300,7 @@ def sizing_at_points(surface: Floats, points: Floats, lengths: Floats) -> Sizing
 
 
 def _cubes_to_tets(n_x: int, n_y: int, n_z: int) -> Ints:
-    """Return the tetrahedra (six a cube, all positive) of a grid of points."""
+    """Tetrahedra (six a cube, all positive) of a grid of points."""
     index = np.arange(n_x * n_y * n_z).reshape(n_x, n_y, n_z)
     tets = []
     for axes in itertools.permutations(range(3)):
@@ -358,7 +352,7 @@ class Sizing:
 def sizing_for(
     mesh: Mesh, errors: Floats, wanted: float, *, shortest: float, most: float
 ) -> Sizing:
-    """Return the edge lengths that bring the sum of the elements' errors down to `wanted`.
+    """Edge lengths that bring the sum of the elements' errors down to `wanted`.
 
     With fewest elements each has the same error µ.  Since an element's share of the error
     falls with its volume and size, as h³⁺ᵠ, an element of error η becomes (η/µ)^(3/(3+q))
@@ -398,7 +392,7 @@ def sizing_for(
 
 
 def limited_growth(points: Floats, edges: Ints, lengths: Floats, growth: float) -> Floats:
-    """Return lengths lowered until none differs along an edge by more than growth x distance.
+    """Lengths lowered until none differs along an edge by more than growth x distance.
 
     Parameters
     ----------
@@ -447,12 +441,12 @@ class Stretching:
     growth: float
 
     def squeezed(self, points: Floats) -> Floats:
-        """Return points (n, 3) in mm as the mesher gets to see them."""
+        """Points (n, 3) in mm as the mesher gets to see them."""
         z, image = self._table()
         return _with_z(points, _mapped(points[:, 2], z, image))
 
     def restored(self, points: Floats) -> Floats:
-        """Return squeezed points (n, 3) in mm put back."""
+        """Squeezed points (n, 3) in mm put back."""
         z, image = self._table()
         return _with_z(points, _mapped(points[:, 2], image, z))
 

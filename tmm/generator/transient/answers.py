@@ -86,7 +86,7 @@ class Answers:
             self._offsets = np.concatenate([p.offsets for p in self._points])
 
     def deformations(self, near: Floats) -> tuple[list[float], ...]:
-        """Return those of each element, from the coordinates (m,) that are read."""
+        """Those of each element, from the coordinates (m,) that are read."""
         if not self._points:
             return ()
         each = (self._directions @ near + self._offsets).tolist()
@@ -100,7 +100,7 @@ class Answers:
         current: float,
         h: float,
     ) -> Answer:
-        """Return what acts over a step of `h` seconds that changes the coordinates by `y` (m,).
+        """What acts over a step of `h` seconds that changes the coordinates by `y` (m,).
 
         Parameters
         ----------
@@ -137,7 +137,7 @@ class Answers:
         return Answer(forces, pushed, slope, field, means, loss)
 
     def sizes(self, found: Answer) -> list[float]:
-        """Return the sizes (m,) of the terms that an answer's forces are sums of."""
+        """Sizes (m,) of the terms that an answer's forces are sums of."""
         sizes = list(map(abs, found.forces))
         for points, push in zip(self._points, found.pushed, strict=True):
             for k, reach in enumerate(points.reach):

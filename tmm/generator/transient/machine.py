@@ -87,7 +87,7 @@ def bimorph_modes(
     tip: Floats,
     highest: float,
 ) -> BimorphModes:
-    """Return the modes of a discretised bimorph.
+    """Modes of a discretised bimorph.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def machine(
     source: Literal["current", "voltage"],
     drive_scale: float = 1.0,
 ) -> Machine:
-    """Return the generator.
+    """Generator.
 
     Parameters
     ----------
@@ -195,10 +195,7 @@ def machine(
     drive_scale : float
         Largest voltage across each layer (V), by which the lateral error's scale is set.
 
-    Raises
-    ------
-    InputError
-        If the spring cannot hold the rod on its upper stop, or a disc is asked for.
+    Raises InputError if the spring cannot hold the rod on its upper stop, or a disc is asked for.
     """
     spring, contact = device.spring, device.contact
     lateral_bore, tilt_bore = lateral_guide(device), tilt_guide(device)
@@ -285,7 +282,7 @@ def machine(
 
 
 def _bore(bore: Play, direction: Floats) -> tuple[Element, ...]:
-    """Return both sides of a bore with play, each a spring that only pushes; none without play."""
+    """Both sides of a bore with play, each a spring that only pushes; none without play."""
     if not bore.play:
         return ()
     sides = np.stack([direction, -direction])
@@ -293,7 +290,7 @@ def _bore(bore: Play, direction: Floats) -> tuple[Element, ...]:
 
 
 def _rim(name: str, law: RoughContact, upwards: float, offset: float, n: int) -> Element:
-    """Return the points of the rim, those at equal x as one: δ = offset ± u + x ψ."""
+    """Points of the rim, those at equal x as one: δ = offset ± u + x ψ."""
     pairs = _POINTS // 2
     direction = np.zeros((pairs, n))
     direction[:, 0] = upwards
@@ -318,7 +315,7 @@ class Means(NamedTuple):
 def held_current(
     i0: float, g0: float, p0: CoenergyPoint, i1: float, g1: float, p1: CoenergyPoint, width: float
 ) -> Means:
-    """Return the means between two states of which the currents are given.
+    """Means between two states of which the currents are given.
 
     `width` (m) is the gap that the whole circuit is worth.  The work is ∫ i dλ.
     """
@@ -342,7 +339,7 @@ def held_current(
 def held_linkage(
     i0: float, g0: float, p0: CoenergyPoint, i1: float, g1: float, p1: CoenergyPoint, width: float
 ) -> Means:
-    """Return the means between two states whose flux linkages are those of the points.
+    """Means between two states whose flux linkages are those of the points.
 
     The work is what goes into the field and the mechanics: mean current times change of λ.
     """
@@ -383,7 +380,7 @@ class MachineStateSpace:
 def machine_state_space(
     rod: Linearised, modes: BimorphModes, *, supply: Literal["current", "voltage"]
 ) -> MachineStateSpace:
-    """Return the machine with changes of the coil's current, or of its voltage, as third input.
+    """Machine with changes of the coil's current, or of its voltage, as third input.
 
     Parameters
     ----------

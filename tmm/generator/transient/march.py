@@ -29,7 +29,7 @@ _LEAST, _MOST = 0.25, 2.0 / 3.0
 
 
 def error_bar(larger: Floats, smaller: Floats, safety: float) -> Floats:
-    """Return the error bar (k,) of the finest answers.
+    """Error bar (k,) of the finest answers.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ Piece = tuple[float, float, list[tuple[float, float]]]
 
 
 def paired(pieces: list[Piece]) -> tuple[list[Piece], Bools]:
-    """Return the same pieces with neighbours of equal length as one step.
+    """Same pieces with neighbours of equal length as one step.
 
     Also which of the times at which the given steps start or end are kept, (k,).
     """
@@ -70,7 +70,7 @@ def paired(pieces: list[Piece]) -> tuple[list[Piece], Bools]:
 
 
 def spread(values: Floats, ends: Bools) -> Floats:
-    """Return values at some of the times, those of `ends` (k,), at all: that of the next end."""
+    """Values at some of the times, those of `ends` (k,), at all: that of the next end."""
     after: Ints = np.cumsum(ends) - ends
     return np.asarray(values[after])
 
@@ -106,7 +106,7 @@ class Passes:
     of_fine: Bools
 
     def bar(self, of: Callable[[Run], Floats]) -> Floats:
-        """Return the error bar up to each time of the last run of what `of` reads off a run."""
+        """Error bar up to each time of the last run of what `of` reads off a run."""
         first, middle, last = (of(run) for run in (self.coarsest, self.coarse, self.fine))
         larger = np.maximum.accumulate(np.abs(middle[self.of_coarse] - first[self.ends]))
         smaller = np.maximum.accumulate(np.abs(last[self.of_fine] - middle))
@@ -128,7 +128,7 @@ class Marcher:
         self._rows = np.array([row for row in rows if row.any()]).reshape(-1, system.mass.shape[0])
 
     def passes(self, first: State, longest: float, local: float) -> Passes:
-        """Return the three runs over steps whose local errors are below `local`."""
+        """Three runs over steps whose local errors are below `local`."""
         chosen, coarse = self.choose(first, longest, local)
         longer, of_coarse = paired(chosen)
         coarsest, ends = self.follow(first, longer, parts=1, share=(2 / 7, 3 / 7), rough=True)
@@ -136,7 +136,7 @@ class Marcher:
         return Passes(coarsest, coarse, fine, ends, of_coarse, of_fine)
 
     def choose(self, first: State, longest: float, local: float) -> tuple[list[Piece], Run]:
-        """Return the steps whose local errors are below `local`, and the run with them."""
+        """Steps whose local errors are below `local`, and the run with them."""
         record, state, chosen = Record(self._system), first, []
         for start, end in between_breaks(self._sources, self._until):
             inside = 0.5 * (start + end)
@@ -182,7 +182,7 @@ class Marcher:
         share: tuple[float, float] = (0.0, 1.0),
         rough: bool = False,
     ) -> tuple[Run, Bools]:
-        """Return the run with each given step cut in parts, and which times end a given step.
+        """Run with each given step cut in parts, and which times end a given step.
 
         Parameters
         ----------
@@ -208,7 +208,7 @@ class Marcher:
         return record.run(), np.array(shared)
 
     def _first_level(self, state: State, longest: float) -> int:
-        """Return how often the longest step is halved after a break, when sources may jump.
+        """How often the longest step is halved after a break, when sources may jump.
 
         A circuit answers a jump within L/R, which the first step must resolve: the implicit
         midpoint rule does not damp what it steps over.
@@ -243,13 +243,13 @@ class Marcher:
         yield time, new, flow
 
     def _stepped(self, state: State, h: float, time: float, inside: float) -> tuple[State, Flow]:
-        """Return the state at `time`, `h` later."""
+        """State at `time`, `h` later."""
         coil = self._sources.coil
         source = coil.value(time - h, inside), coil.value(time, inside)
         return self._stepper.step(state, h, self._sources.bimorph.value(time, inside), source)
 
     def _jumped(self, state: State, time: float, inside: float, record: Record) -> State:
-        """Return the state after the sources' jumps at `time`, recorded."""
+        """State after the sources' jumps at `time`, recorded."""
         source = self._sources.coil.value(time, inside)
         voltage = self._sources.bimorph.value(time, inside)
         new, flow = self._stepper.jump(state, voltage, source)
@@ -259,7 +259,7 @@ class Marcher:
     def _local_error(
         self, earlier: list[tuple[float, State]], state: State, new: State, h: float
     ) -> float:
-        """Return the step's error over the outputs' scales, by its distance from a predictor."""
+        """Step's error over the outputs' scales, by its distance from a predictor."""
         if not earlier:
             return 0.0
         ahead = state.position + h * state.velocity + 0.5 * h * h * state.acceleration
@@ -299,7 +299,7 @@ class Marcher:
 
 
 def _bend(earlier: list[tuple[float, State]], state: State, new: State, h: float) -> float:
-    """Return how far the current is from the parabola through the three before it (A)."""
+    """How far the current is from the parabola through the three before it (A)."""
     (h2, first), (h1, second) = earlier
     slope1 = (state.current - second.current) / h1
     slope2 = (second.current - first.current) / h2
@@ -381,7 +381,7 @@ def simulate(
     longest: float = math.inf,
     announce: Callable[[float], None] = lambda _: None,
 ) -> Answer:
-    """Return what a system does under its sources from 0 to `until` (s).
+    """What a system does under its sources from 0 to `until` (s).
 
     Parameters
     ----------
@@ -394,11 +394,8 @@ def simulate(
     announce : callable
         Is told now and then which share of the work is done.
 
-    Raises
-    ------
-    InputError
-        If a step does not settle however short, the run needs too many, or the coil's current or
-        gap leaves what is known of it.
+    Raises InputError if a step does not settle however short, the run needs too many, or the coil's
+    current or gap leaves what is known of it.
     """
     n = system.mass.shape[0]
     first = Stepper(system).start(
@@ -439,7 +436,7 @@ def simulate_steps(
     position: Floats | None = None,
     velocity: Floats | None = None,
 ) -> Run:
-    """Return a run in equal steps, `steps` between every two breaks of the sources."""
+    """Run in equal steps, `steps` between every two breaks of the sources."""
     n = system.mass.shape[0]
     first = Stepper(system).start(
         np.zeros(n) if position is None else position,
@@ -458,7 +455,7 @@ def simulate_steps(
 
 
 def _at_start(system: System, sources: Sources, until: float) -> tuple[float, float]:
-    """Return the voltage across the bimorph and the current just before the start."""
+    """Voltage across the bimorph and the current just before the start."""
     by_current = system.coil is not None and system.coil.source == "current"
     inside = 0.5 * next(between_breaks(sources, until))[1]
     current = sources.coil.value(0.0, inside) if by_current else 0.0
@@ -472,7 +469,7 @@ def _read(row: Floats, run: Run) -> Floats:
 def _compared(
     system: System, passes: Passes
 ) -> tuple[dict[str, Floats], dict[str, Floats], Floats]:
-    """Return the outputs, their bars up to each time, and the largest of these over its scale."""
+    """Outputs, their bars up to each time, and the largest of these over its scale."""
     fine = passes.fine
     outputs: dict[str, Floats] = {}
     bars: dict[str, Floats] = {}

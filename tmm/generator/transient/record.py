@@ -108,7 +108,7 @@ class Record:
         )  # fmt: skip
 
     def run(self) -> Run:
-        """Return what was collected."""
+        """What was collected."""
         s, states = self._system, self._states
         position = np.array([state.position for state in states])
         velocity = np.array([state.velocity for state in states])
@@ -142,7 +142,7 @@ class Record:
         )  # fmt: skip
 
     def _stored(self, position: Floats) -> Floats:
-        """Return what springs and stops hold (k,), in J."""
+        """What springs and stops hold (k,), in J."""
         whole = np.zeros(position.shape[0])
         for element in self._system.elements:
             rows = np.atleast_2d(element.direction)
@@ -151,12 +151,12 @@ class Record:
 
 
 def _squares(rows: Floats, matrix: Floats) -> Floats:
-    """Return row · matrix · row for each row (k,)."""
+    """Row · matrix · row for each row (k,)."""
     return np.asarray(np.einsum("ki,ki->k", rows @ matrix, rows))
 
 
 def output_at(run: Run, row: Floats, at: Floats) -> Floats:
-    """Return an output of a run at other times (s): cubics through its values and rates."""
+    """Output of a run at other times (s): cubics through its values and rates."""
     value, rate = run.position @ row, run.velocity @ row
     k = np.clip(np.searchsorted(run.time, at, "right") - 1, 0, run.time.size - 2)
     h = run.time[k + 1] - run.time[k]

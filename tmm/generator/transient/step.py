@@ -65,7 +65,7 @@ class Structure(NamedTuple):
 
 
 def structure_of(stiffness: Floats, compliance: Floats) -> Structure:
-    """Return what a stiffness (m, m), with its inverse, is to the iteration."""
+    """What a stiffness (m, m), with its inverse, is to the iteration."""
     return Structure(
         stiffness.tolist(),
         np.abs(stiffness).tolist(),
@@ -104,7 +104,7 @@ def settled(
     first: list[float],
     source: tuple[float, float],
 ) -> tuple[Answer, float]:
-    """Return what acts over a step of `h` seconds, and the current after it.
+    """What acts over a step of `h` seconds, and the current after it.
 
     Parameters
     ----------
@@ -116,10 +116,7 @@ def settled(
     source : (float, float)
         What the coil's waveform says at both ends of the step (A, or V).
 
-    Raises
-    ------
-    StepTooLongError
-        If the iteration does not settle.
+    Raises StepTooLongError if the iteration does not settle.
     """
     count, by_voltage = len(free), answers.by_voltage
     stiffness = structure.stiffness
@@ -184,7 +181,7 @@ def _residual(
     h: float,
     source: tuple[float, float],
 ) -> list[float]:
-    """Return the residuals (N or N m, and Wb of a circuit)."""
+    """Residuals (N or N m, and Wb of a circuit)."""
     extra = list(map(sub, unknown, free))  # without a circuit's current
     residual = [
         sum(map(mul, row, extra)) - force
@@ -198,7 +195,7 @@ def _residual(
 
 
 def _slopes(answers: Answers, found: Answer, stiffness: Lists, h: float) -> Lists:
-    """Return the residuals' derivatives by the changes, and by the current of a circuit."""
+    """Residuals' derivatives by the changes, and by the current of a circuit."""
     matrix = [list(map(add, row, steep)) for row, steep in zip(stiffness, found.slope, strict=True)]
     coil = answers.coil
     if coil is None or not answers.by_voltage:
@@ -213,7 +210,7 @@ def _slopes(answers: Answers, found: Answer, stiffness: Lists, h: float) -> List
 
 
 def _solved(rows: Lists, right: list[float]) -> list[float]:
-    """Return the solution of a small system by elimination, which changes `rows`.
+    """Solution of a small system by elimination, which changes `rows`.
 
     Without pivots: the structure's stiffness and pushing springs make them positive.
     """
@@ -315,7 +312,7 @@ class Stepper:
         self._factors: dict[float, _Factors] = {}
 
     def start(self, position: Floats, velocity: Floats, voltage: float, current: float) -> State:
-        """Return a state (n,), (n,), V, A."""
+        """State (n,), (n,), V, A."""
         where = np.array(position, dtype=float)
         deformations = self._answers.deformations(where[self._at])
         coil, gap, field = self.system.coil, 0.0, NO_FIELD
@@ -329,12 +326,12 @@ class Stepper:
         )
 
     def charge(self, state: State) -> float:
-        """Return the charge on the bimorph (C)."""
+        """Charge on the bimorph (C)."""
         s = self.system
         return float(s.coupling @ state.position) + s.capacitance * state.voltage
 
     def jump(self, state: State, voltage: float, current: float) -> tuple[State, Flow]:
-        """Return the state after sources jumped while nothing moved; a circuit keeps its λ."""
+        """State after sources jumped while nothing moved; a circuit keeps its λ."""
         coil = self.system.coil
         new = dataclasses.replace(
             state,
@@ -354,7 +351,7 @@ class Stepper:
     def step(
         self, state: State, h: float, voltage: float, source: tuple[float, float]
     ) -> tuple[State, Flow]:
-        """Return the state after a step of `h` seconds, and what was exchanged.
+        """State after a step of `h` seconds, and what was exchanged.
 
         Parameters
         ----------
@@ -363,10 +360,7 @@ class Stepper:
         source : (float, float)
             What the coil's waveform says at both ends of the step (A, or V).
 
-        Raises
-        ------
-        StepTooLongError
-            If the iteration does not settle.
+        Raises StepTooLongError if the iteration does not settle.
         """
         at, coil = self._at, self.system.coil
         factors = self._factors.get(h) or self._factored(h)
@@ -429,7 +423,7 @@ class Stepper:
 
 
 def _inverted(matrix: Floats) -> Floats:
-    """Return the inverse of a symmetric positive definite matrix of mixed units."""
+    """Inverse of a symmetric positive definite matrix of mixed units."""
     scale = 1.0 / np.sqrt(np.diag(matrix))
     found = np.linalg.inv(matrix * scale[:, None] * scale) * scale[:, None] * scale
     return np.asarray(0.5 * (found + found.T))

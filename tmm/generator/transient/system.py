@@ -40,15 +40,15 @@ class Law(Protocol):
         ...
 
     def energy(self, deformation: Floats) -> Floats:
-        """Return the stored energy (J)."""
+        """Stored energy (J)."""
         ...
 
     def force(self, deformation: Floats, rate: Floats) -> Floats:
-        """Return the force (N) at a deformation (m) and its rate (m/s)."""
+        """Force (N) at a deformation (m) and its rate (m/s)."""
         ...
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
-        """Return what acts over a step of so many seconds that changes deformations by `moved`.
+        """What acts over a step of so many seconds that changes deformations by `moved`.
 
         The elastic part times `moved` is the change of the energy, to rounding.
         """
@@ -76,17 +76,17 @@ class Stop:
         return 0.0
 
     def energy(self, deformation: Floats) -> Floats:
-        """Return k δ²/2 in contact (J)."""
+        """K δ²/2 in contact (J)."""
         return np.asarray(0.5 * self.stiffness * np.maximum(deformation, 0.0) ** 2)
 
     def force(self, deformation: Floats, rate: Floats) -> Floats:
-        """Return the force (N) at a deformation (m) and its rate (m/s)."""
+        """Force (N) at a deformation (m) and its rate (m/s)."""
         pressed = np.maximum(deformation, 0.0)
         force = self.stiffness * pressed + self.damping * rate * (pressed > 0.0)
         return np.asarray(np.maximum(force, 0.0))
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
-        """Return what acts over a step."""
+        """What acts over a step."""
         each = [self._mean(b, m, step) for b, m in zip(before, moved, strict=True)]
         forces, slopes, elastic = zip(*each, strict=True)
         return forces, slopes, elastic
@@ -139,16 +139,16 @@ class RoughPoint:
         return _APART * self.decay_length
 
     def energy(self, deformation: Floats) -> Floats:
-        """Return P u₀ e^{δ/u₀} (J), 0 far apart."""
+        """P u₀ e^{δ/u₀} (J), 0 far apart."""
         return np.asarray(self.decay_length * self._force(deformation / self.decay_length))
 
     def force(self, deformation: Floats, rate: Floats) -> Floats:
-        """Return the force (N) at a deformation (m) and its rate (m/s)."""
+        """Force (N) at a deformation (m) and its rate (m/s)."""
         growth = 1.0 + self.relaxation_time * rate / self.decay_length
         return np.asarray(self._force(deformation / self.decay_length) * np.maximum(growth, 0.0))
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
-        """Return what acts over a step."""
+        """What acts over a step."""
         u0, load, rate = self.decay_length, self.load, self.relaxation_time / step
         forces, slopes, parts = [], [], []
         for b, m in zip(before, moved, strict=True):
@@ -194,16 +194,16 @@ class CubicSpring:
         return -math.inf
 
     def energy(self, deformation: Floats) -> Floats:
-        """Return k δ²/2 + k₃ δ⁴/4 (J)."""
+        """K δ²/2 + k₃ δ⁴/4 (J)."""
         square = np.square(deformation)
         return np.asarray(0.5 * self.linear * square + 0.25 * self.cubic * square * square)
 
     def force(self, deformation: Floats, rate: Floats) -> Floats:
-        """Return the force (N) at a deformation (m)."""
+        """Force (N) at a deformation (m)."""
         return np.asarray(self.linear * deformation + self.cubic * np.power(deformation, 3))
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
-        """Return what acts over a step."""
+        """What acts over a step."""
         forces, slopes = [], []
         for b, m in zip(before, moved, strict=True):
             after = b + m

@@ -24,11 +24,11 @@ class Waveform(Protocol):
     """A value over time."""
 
     def breaks(self, until: float) -> tuple[float, ...]:
-        """Return the times (s) in (0, until) at which the value jumps or has a kink."""
+        """Times (s) in (0, until) at which the value jumps or has a kink."""
         ...
 
     def value(self, time: float, inside: float) -> float:
-        """Return the value at `time` as the limit from the piece in which `inside` lies."""
+        """Value at `time` as the limit from the piece in which `inside` lies."""
         ...
 
     @property
@@ -49,11 +49,11 @@ class Constant:
     level: float
 
     def breaks(self, until: float) -> tuple[float, ...]:
-        """Return none."""
+        """None."""
         return ()
 
     def value(self, time: float, inside: float) -> float:
-        """Return the level."""
+        """Level."""
         return self.level
 
     @property
@@ -75,11 +75,11 @@ class Step(Constant):
     stop: float = math.inf
 
     def breaks(self, until: float) -> tuple[float, ...]:
-        """Return start and stop."""
+        """Start and stop."""
         return tuple(t for t in (self.start, self.stop) if 0.0 < t < until)
 
     def value(self, time: float, inside: float) -> float:
-        """Return the level between start and stop."""
+        """Level between start and stop."""
         return self.level if self.start <= inside < self.stop else 0.0
 
 
@@ -93,11 +93,11 @@ class Sine:
     start: float = 0.0
 
     def breaks(self, until: float) -> tuple[float, ...]:
-        """Return the start."""
+        """Start."""
         return (self.start,) if 0.0 < self.start < until else ()
 
     def value(self, time: float, inside: float) -> float:
-        """Return the sine, 0 before the start."""
+        """Sine, 0 before the start."""
         if inside < self.start:
             return 0.0
         return self.amplitude * math.sin(_TURN * self.frequency * (time - self.start) + self.phase)
@@ -124,12 +124,9 @@ class Square:
     start: float = 0.0
 
     def breaks(self, until: float) -> tuple[float, ...]:
-        """Return all switching times.
+        """All switching times.
 
-        Raises
-        ------
-        InputError
-            If they are more than a run can have steps.
+        Raises InputError if they are more than a run can have steps.
         """
         period = 1.0 / self.frequency
         count = max(0, math.ceil((until - self.start) / period))
@@ -144,7 +141,7 @@ class Square:
         return tuple(t for t in edges if 0.0 < t < until)
 
     def value(self, time: float, inside: float) -> float:
-        """Return one of the two levels."""
+        """One of the two levels."""
         turns = (inside - self.start) * self.frequency
         return self.high if inside >= self.start and turns % 1.0 < self.duty else self.low
 
@@ -169,11 +166,11 @@ class Chirp:
     duration: float
 
     def breaks(self, until: float) -> tuple[float, ...]:
-        """Return the end of the run."""
+        """End of the run."""
         return (self.duration,) if self.duration < until else ()
 
     def value(self, time: float, inside: float) -> float:
-        """Return the sine of the phase run through so far."""
+        """Sine of the phase run through so far."""
         t = min(time, self.duration)
         turns = self.first * t + 0.5 * (self.last - self.first) * t * t / self.duration
         turns += self.last * (time - t)
@@ -198,11 +195,11 @@ class Sampled:
     values: tuple[float, ...]
 
     def breaks(self, until: float) -> tuple[float, ...]:
-        """Return the times of the samples."""
+        """Times of the samples."""
         return tuple(sorted({t for t in self.times if 0.0 < t < until}))
 
     def value(self, time: float, inside: float) -> float:
-        """Return the straight line of the piece."""
+        """Straight line of the piece."""
         after = bisect_right(self.times, inside)
         if after == 0:
             return self.values[0]

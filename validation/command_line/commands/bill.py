@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _found(scene: Scene) -> dict[str, Any]:
-    """Return everything as plain values in SI units."""
+    """Everything as plain values in SI units."""
     from dataclasses import asdict
 
     from tactgen.geometry.display.bill import bill_of_parts, total_mass, wiring

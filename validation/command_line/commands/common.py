@@ -52,7 +52,7 @@ def asking_options(parser: argparse.ArgumentParser) -> None:
 
 
 def asked_overrides(options: argparse.Namespace) -> list[str]:
-    """Return the overrides that --frequency, --model and --quantity stand for."""
+    """Overrides that --frequency, --model and --quantity stand for."""
     return [
         *overrides_of("frequency", "frequency", options.frequency, "10:2000:200"),
         *overrides_of("model", "models", options.model, "tmm"),
@@ -61,12 +61,9 @@ def asked_overrides(options: argparse.Namespace) -> list[str]:
 
 
 def overrides_of(option: str, key: str, given: str | list[str] | None, example: str) -> list[str]:
-    """Return the override that ``--option`` stands for, none if it was not given.
+    """Override that ``--option`` stands for, none if it was not given.
 
-    Raises
-    ------
-    InputError
-        If it was given without a value.
+    Raises InputError if it was given without a value.
     """
     if given is None:
         return []
@@ -81,11 +78,8 @@ def lateral_scene(
 ) -> tuple[Scene, dict[str, str]]:
     """Load the scene of a command that is about the lateral actuator, and where values come from.
 
-    Raises
-    ------
-    InputError
-        As :func:`validation.scene.scene.load_scene`; or if no model of the lateral actuator is
-        asked for.
+    Raises InputError as :func:`validation.scene.scene.load_scene`; or if no model of the lateral
+    actuator is asked for.
     """
     from tactgen.validation.catalogue.models import models_of
     from tactgen.validation.scene.scene import load_scene
@@ -107,7 +101,7 @@ def warn(warnings: Iterable[str]) -> None:
 
 
 def low_high(text: str, option: str, example: str) -> tuple[str, str]:
-    """Return the two ends of ``LOW:HIGH``."""
+    """Two ends of ``LOW:HIGH``."""
     low, colon, high = (part.strip() for part in text.partition(":"))
     if not (low and colon and high) or ":" in high:
         raise InputError(f'{option} "{text}" is not LOW:HIGH; write for example {option} {example}')
@@ -117,7 +111,7 @@ def low_high(text: str, option: str, example: str) -> tuple[str, str]:
 def values_of(
     text: str, option: str, unit: Unit, example: str, most: int, *, zero: bool = False
 ) -> list[float]:
-    """Return the magnitudes (SI) of ``LIST`` or ``START:STOP:N[:log]``.
+    """Magnitudes (SI) of ``LIST`` or ``START:STOP:N[:log]``.
 
     Bare numbers are SI; with `zero` only 0 may be bare, and is a value.
     """

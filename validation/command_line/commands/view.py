@@ -124,7 +124,7 @@ def _open(page: Path) -> None:
 
 
 def _lengths(options: argparse.Namespace) -> tuple[float, float] | None:
-    """Return the ends (m) of the slider: lengths that the scene may have."""
+    """Ends (m) of the slider: lengths that the scene may have."""
     if options.lengths is None:
         return None
     from tactgen.validation.scene.scene import load_scene

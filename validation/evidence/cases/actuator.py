@@ -30,7 +30,7 @@ from tactgen.validation.scene.scene import load_scene
 def field_point(
     device: Device, current: float, gap: float | None = None, refinement: float = 1.0
 ) -> FieldPoint:
-    """Return a normal actuator's field at a current (A) and a gap (m), its own by default."""
+    """Normal actuator's field at a current (A) and a gap (m), its own by default."""
     from tactgen.fem.magnetics.axisymmetric import ORDER, solve_point
 
     found = solve_point(
@@ -59,7 +59,7 @@ COLLARED = Device(
 
 
 def collared(**changes: dict[str, float]) -> Device:
-    """Return the device with some values of its groups changed, as ``sleeve={"length": 3e-3}``."""
+    """Device with some values of its groups changed, as ``sleeve={"length": 3e-3}``."""
     groups = {name: getattr(COLLARED, name).model_copy(update=new) for name, new in changes.items()}
     return COLLARED.model_copy(update=groups)
 
@@ -72,7 +72,7 @@ KNOWN = {0.13: (110.0507e-3, 2.278879e-6), 0.05: (37.9644e-3, 1.376275e-6)}
 
 
 def field(current: float) -> FieldPoint:
-    """Return the axisymmetric field's answer at a current (A)."""
+    """Axisymmetric field's answer at a current (A)."""
     return field_point(COLLARED, current, GAP)
 
 
@@ -97,7 +97,7 @@ _QUANTITIES = ("coenergy", "flux_linkage", "magnetic_force")
 
 
 def power_of_size(name: str) -> float:
-    """Return the power with which a quantity grows with the device, as it is grown."""
+    """Power with which a quantity grows with the device, as it is grown."""
     return _powers()[name]
 
 
@@ -131,22 +131,22 @@ class SquareLaw(MagnetisationCurve):
     """H = Hs (B/Bs)² through the last point (Bs, Hs); the ladder needs no more of a curve."""
 
     def field_strength(self, b: Floats) -> Floats:
-        """Return H (A/m) at flux density `b` (T)."""
+        """H (A/m) at flux density `b` (T)."""
         return np.asarray(self.field[-1] * (b / self.flux_density[-1]) ** 2)
 
     def slope(self, b: Floats) -> Floats:
-        """Return dH/dB (m/H) at flux density `b` (T)."""
+        """DH/dB (m/H) at flux density `b` (T)."""
         return np.asarray(2.0 * self.field[-1] * b / self.flux_density[-1] ** 2)
 
     def energy_density(self, b: Floats) -> Floats:
-        """Return ∫ H dB (J/m³) at flux density `b` (T)."""
+        """∫ H dB (J/m³) at flux density `b` (T)."""
         return np.asarray(self.field_strength(b) * b / 3.0)
 
 
 def one_loop(
     curve: MagnetisationCurve, area: float, length: float, turns: float, reluctance: float = 0.0
 ) -> Ladder:
-    """Return one flux through one piece of iron and one gap."""
+    """One flux through one piece of iron and one gap."""
     none = np.zeros((1, 1))
     return Ladder(
         curve=curve,
@@ -162,7 +162,7 @@ def one_loop(
 
 
 def by_ladder() -> LadderSolution:
-    """Return the circuit's state at 0.2 A and −0.2 A."""
+    """Circuit's state at 0.2 A and −0.2 A."""
     field, flux_density, turns, area = 100.0, 2.0, 10.0, 0.01
     core = SquareLaw(np.array([0.0, flux_density]), np.array([0.0, field]))
     # the core's length for which λ(0.2 A) = N A Bs √(N i/(l Hs)) is 0.25 Wb
@@ -171,7 +171,7 @@ def by_ladder() -> LadderSolution:
 
 
 def by_map() -> CoenergyMap:
-    """Return a map with the same square root at each gap: λ = 0.25 Wb √(i/0.2 A) · 0.2 mm/g."""
+    """Map with the same square root at each gap: λ = 0.25 Wb √(i/0.2 A) · 0.2 mm/g."""
     i, g = 0.3 * (np.arange(25) / 24.0) ** 3, np.linspace(0.1e-3, 0.3e-3, 8)
     linkage = FLUX_LINKAGE * np.sqrt(i[:, None] / CURRENT) * SQUARE_LAW_GAP / g
     coenergy = 2.0 / 3.0 * i[:, None] * linkage

@@ -40,7 +40,7 @@ from tactgen.validation.scene.scene import Scene
 
 
 def section_formulas(device: Device, beam: Beam) -> dict[int, Any]:
-    """Return ρI, GA, EI, s_EP, m, K and C_p by the paper's equation numbers."""
+    """ΡI, GA, EI, s_EP, m, K and C_p by the paper's equation numbers."""
     with mp.workdps(reference.DIGITS):
         return _section_formulas(device, beam)
 
@@ -48,7 +48,7 @@ def section_formulas(device: Device, beam: Beam) -> dict[int, Any]:
 def frequency_formulas(
     support: Support, beam: Section, length: float, frequency: float
 ) -> dict[int, tuple[Any, ...]]:
-    """Return the values of eqs 7, 8, 11 and 13-48 at a frequency (Hz), by equation number.
+    """Values of eqs 7, 8, 11 and 13-48 at a frequency (Hz), by equation number.
 
     Eqs 46 and 48 are left out without piezoelectric coupling.
     """
@@ -166,12 +166,12 @@ class Audit:
     residual: float
 
     def row(self, equation: int) -> AuditRow:
-        """Return the row of an equation."""
+        """Row of an equation."""
         return next(row for row in self.rows if row.formula.equation == equation)
 
 
 def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any]:
-    """Return what the report shows: the audit of this scene's bimorph."""
+    """What the report shows: the audit of this scene's bimorph."""
     announce("audit of the printed formulas")
     return {"audit": audit(scene), "audit_at": AT}
 
@@ -206,14 +206,14 @@ def audit(scene: Scene) -> Audit:
 def _change(
     scene: Scene, device: Device, beam: Section, misprints: frozenset[int], correct: Complex
 ) -> Floats:
-    """Return the relative size (2, n) of the change of tip velocity and current."""
+    """Relative size (2, n) of the change of tip velocity and current."""
     wrong = _response(scene, device, beam, misprints)
     with np.errstate(invalid="ignore"):  # 0/0 without piezoelectric coupling: shown as n/a
         return np.asarray(np.abs(wrong / correct - 1.0))
 
 
 def _response(scene: Scene, device: Device, beam: Section, misprints: frozenset[int]) -> Complex:
-    """Return tip velocity and current (2, n) per volt from A with springs and finger."""
+    """Tip velocity and current (2, n) per volt from A with springs and finger."""
     beam = printed_section(beam, device, misprints)
     a = matrix_a(beam, device.bimorph.length, AT, misprints)
     jw = 2j * np.pi * AT
@@ -231,7 +231,7 @@ def _response(scene: Scene, device: Device, beam: Section, misprints: frozenset[
 
 
 def _ends(scene: Scene, frequencies: Floats) -> tuple[Complex, Complex, Complex]:
-    """Return the springs' two dynamic stiffnesses and the finger's, (n,) each."""
+    """Springs' two dynamic stiffnesses and the finger's, (n,) each."""
     support = scene.support.model_copy(update={"kind": "spring"})
     load = scene.load.model_copy(update={"kind": "finger"})
     ends = ends_of(support, load)
@@ -256,7 +256,7 @@ def _residual(scene: Scene, beam: Section, length: float, correct: Complex) -> f
 
 
 def _deviations(scene: Scene, device: Device, beam: Section) -> dict[int, float]:
-    """Return the largest relative deviation of each formula as printed."""
+    """Largest relative deviation of each formula as printed."""
     from tactgen.validation.evidence.cases import exact_beam as reference
 
     found = {}
@@ -276,7 +276,7 @@ def _deviations(scene: Scene, device: Device, beam: Section) -> dict[int, float]
 
 
 def _printed_sections(device: Device, beam: Section) -> dict[int, complex]:
-    """Return the values of eqs 49-55 as printed."""
+    """Values of eqs 49-55 as printed."""
     piezo, length = device.piezo, device.bimorph.length
     inertia, capacitor = (printed_section(beam, device, frozenset({n})) for n in (49, 55))
     return {
@@ -293,7 +293,7 @@ def _printed_sections(device: Device, beam: Section) -> dict[int, complex]:
 def _printed_formulas(
     scene: Scene, device: Device, beam: Section
 ) -> dict[int, tuple[Complex, ...]]:
-    """Return the values (n,) of eqs 7-48 as printed, each with all others right."""
+    """Values (n,) of eqs 7-48 as printed, each with all others right."""
     f, length = _COMPARED, device.bimorph.length
     jw = 2j * np.pi * f
     lateral, rotational, load = _ends(scene, f)

@@ -29,7 +29,7 @@ RADIUS, OUTER, CORE = 1.0, 3.0, 0.4
 
 
 def sphere_mesh(n: int, *, curved: bool, shells: Floats | None = None) -> Mesh:
-    """Return the mesh with `n` intervals along each edge of the core and of the ball's shell.
+    """Mesh with `n` intervals along each edge of the core and of the ball's shell.
 
     Regions ball, air and far, the outermost layer of cells; faces x_low, y_low, z_low, outer.
     `shells` are the radii of the layers around the ball, from RADIUS; to OUTER by default.
@@ -62,7 +62,7 @@ def sphere_mesh(n: int, *, curved: bool, shells: Floats | None = None) -> Mesh:
 
 
 def mirrored(mesh: Mesh, axis: int) -> Mesh:
-    """Return the mesh and its image at the plane through the origin as one, outer faces kept."""
+    """Mesh and its image at the plane through the origin as one, outer faces kept."""
     image = mesh.points.copy()
     image[:, axis] *= -1.0
     off = np.abs(mesh.points[:, axis]) > 1e-12
@@ -96,7 +96,7 @@ def _mapped(q: Floats) -> Floats:
 
 
 def _cube_octant(n: int, shells: Floats) -> tuple[Floats, Ints]:
-    """Return points and hexahedra of an inner cube and of three blocks around it, merged."""
+    """Points and hexahedra of an inner cube and of three blocks around it, merged."""
     across = np.tan(0.25 * np.pi * np.linspace(0.0, 1.0, n + 1))
     layers = np.concatenate([np.linspace(CORE, RADIUS, n + 1), shells[1:]])
     blocks = [np.stack(np.meshgrid(*[CORE * across] * 3, indexing="ij"), axis=-1)]
@@ -121,7 +121,7 @@ def _cube_octant(n: int, shells: Floats) -> tuple[Floats, Ints]:
 
 
 def _split(hexes: Ints, q: Floats) -> tuple[Ints, Floats]:
-    """Return twelve tetrahedra around each centre, and the points with the centres.
+    """Twelve tetrahedra around each centre, and the points with the centres.
 
     Faces cut from their lowest vertex match between neighbours.
     """
@@ -151,7 +151,7 @@ Potential = type[VectorPotential] | type[ScalarPotential]
 
 
 def sampled_ball(n: int, iron: MagnetisationCurve, *, curved: bool = True) -> SampledSolid:
-    """Return the problem on `n` intervals per edge, for a field of 1 A/m along z."""
+    """Problem on `n` intervals per edge, for a field of 1 A/m along z."""
     return sample(
         MagneticSolid(
             sphere_mesh(n, curved=curved),
@@ -164,7 +164,7 @@ def sampled_ball(n: int, iron: MagnetisationCurve, *, curved: bool = True) -> Sa
 
 
 def exact_flux_density(permeability: float) -> float:
-    """Return B in the ball (T) for 1 A/m, φ = −H0 z held at OUTER."""
+    """B in the ball (T) for 1 A/m, φ = −H0 z held at OUTER."""
     shape = (permeability + 2.0) - (permeability - 1.0) * (RADIUS / OUTER) ** 3
     return 3.0 * permeability * MU0 / shape
 
@@ -172,7 +172,7 @@ def exact_flux_density(permeability: float) -> float:
 def ball_error(
     potential: Potential, n: int, *, curved: bool = True, permeability: float = 1000.0
 ) -> tuple[float, float]:
-    """Return the relative error of B in the ball: of its mean and in the mean square."""
+    """Relative error of B in the ball: of its mean and in the mean square."""
     solid = sampled_ball(n, linear(permeability), curved=curved)
     solver = potential(solid)
     counted(solver.size)
@@ -190,7 +190,7 @@ _FIELD = 600e3
 
 
 def _exact() -> float:
-    """Return B in the ball (T)."""
+    """B in the ball (T)."""
     from scipy.optimize import brentq
 
     share = (RADIUS / OUTER) ** 3 / 3.0
@@ -204,7 +204,7 @@ def _exact() -> float:
 
 @cached
 def _mean(potential: Potential) -> float:
-    """Return the mean of B_z in the ball (T), three intervals along an edge."""
+    """Mean of B_z in the ball (T), three intervals along an edge."""
     solid = sampled_ball(intervals(3, least=1), TEAM20)
     solver = potential(solid)
     counted(solver.size)

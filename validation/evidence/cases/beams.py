@@ -34,12 +34,12 @@ _CLOSED = "rounding, and 1e-10 from what stands for infinite shear stiffness"
 
 
 def slender(length: float, *, stiffness: float = 1.0, mass: float = 1.0) -> Section:
-    """Return an Euler–Bernoulli beam: no shear, no rotary inertia."""
+    """Euler–Bernoulli beam: no shear, no rotary inertia."""
     return Section(EI=stiffness, GA=_NO_SHEAR * stiffness / length**2, m=mass, rhoI=0.0)
 
 
 def _wavenumbers(beam: Section, length: float, ends: Ends, count: int) -> Floats:
-    """Return β L of the lowest modes, β⁴ = ω² m/EI."""
+    """Β L of the lowest modes, β⁴ = ω² m/EI."""
     omega = 2.0 * np.pi * bending_frequencies([(beam, length)], ends, count, open_circuit=False)
     return np.asarray(np.sqrt(omega * length**2 * math.sqrt(beam.m / beam.EI)))
 
@@ -116,7 +116,7 @@ _UNIFORM = (
 
 
 def deep_beam() -> Section:
-    """Return NAFEMS FV5's 2 m x 2 m section, Cowper's shear factor."""
+    """NAFEMS FV5's 2 m x 2 m section, Cowper's shear factor."""
     modulus, poisson, side = 200e9, 0.3, 2.0
     shear = 10.0 * (1.0 + poisson) / (12.0 + 11.0 * poisson)
     inertia, area = side**4 / 12.0, side**2
@@ -163,7 +163,7 @@ _FV5 = case(
 
 
 def _taper(power: float, end: float) -> Callable[[float], Section]:
-    """Return a slender section whose breadth (power 1) or height (power 3) falls to `end`."""
+    """Slender section whose breadth (power 1) or height (power 3) falls to `end`."""
 
     def at(share: float) -> Section:
         size = 1.0 - (1.0 - end) * share
@@ -184,7 +184,7 @@ def _tapered_frequencies(power: float, end: float) -> Floats:
 
 @cached
 def _triangular_deflection() -> float:
-    """Return the tip deflection (in) of VM34: width 3 in to nothing, 10 lb on 20 in."""
+    """Tip deflection (in) of VM34: width 3 in to nothing, 10 lb on 20 in."""
     root = 30e6 * 3.0 * 0.5**3 / 12.0
     row = segmented(
         lambda share: slender(20.0, stiffness=root * (1.0 - share), mass=1.0), 20.0, segments(16)
@@ -194,7 +194,7 @@ def _triangular_deflection() -> float:
 
 
 def _sharp(power: float, number: int) -> float:
-    """Return a frequency of a taper to a point: extrapolated from ends of 0.1 and 0.05 %."""
+    """Frequency of a taper to a point: extrapolated from ends of 0.1 and 0.05 %."""
     blunt, sharp = (_tapered_frequencies(power, end)[number] for end in (1e-3, 5e-4))
     return float(2.0 * sharp - blunt)
 
@@ -250,7 +250,7 @@ _TAPERS = (
 
 @cached
 def _smits() -> Floats:
-    """Return the matrix' entries without pressure, in the order of the rows.
+    """Matrix' entries without pressure, in the order of the rows.
 
     Two PZT-5A layers of 0.26 mm in series: the lumped model's voltage is that of one layer.
     """
@@ -303,7 +303,7 @@ _LOW, _HIGH, _PATCH = 8e-3, 10e-3, (55e-3, 65e-3)
 
 
 def _beam() -> Box:
-    """Return half of the beam: x through the layers, z along it."""
+    """Half of the beam: x through the layers, z along it."""
     metal = Material(isotropic_stiffness(70e9, 0.33), 2700.0)
     foam = Material(isotropic_stiffness(35.3e6, 0.383), 32.0)
     z = np.array([0, 2, 10, 30, 50, 54, 55, 56, 60, 64, 65, 66, 70, 85, 100]) * 1e-3
@@ -330,7 +330,7 @@ def _beam() -> Box:
 
 
 def _tip() -> float:
-    """Return how far (m) the tip's upper face has moved."""
+    """How far (m) the tip's upper face has moved."""
     return abs(statics(_beam()).mean(Where(x=18e-3, z=0.1), "x"))
 
 

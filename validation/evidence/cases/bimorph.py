@@ -35,7 +35,7 @@ def _value(name: str, model: str, quantity: str, *overrides: str) -> NDArray[Any
 
 
 def _first(name: str, model: str, quantity: str, *overrides: str) -> Estimate:
-    """Return a number, or the first of a list, with the model's own bar."""
+    """Number, or the first of a list, with the model's own bar."""
     return _number(_solved(name, model, quantity, *overrides), model, quantity)
 
 
@@ -87,7 +87,7 @@ def clamped_open_circuit() -> Estimate:
 
 
 def clamped_static() -> Estimate:
-    """Return the static tip displacement at 1 V (m)."""
+    """Static tip displacement at 1 V (m)."""
     return _first("paper", "tmm", "static_tip_displacement", *_CLAMPED)
 
 
@@ -112,7 +112,7 @@ def finger_damping_start() -> float:
 
 
 def j1_default_deflection() -> Estimate:
-    """Return the static tip displacement of job J1 on the default mesh (m)."""
+    """Static tip displacement of job J1 on the default mesh (m)."""
     return _first("j1", "solid", "static_tip_displacement")
 
 
@@ -128,7 +128,7 @@ def _j1_fine() -> Solution:
 
 
 def j1_fine_deflection() -> Estimate:
-    """Return the static tip displacement of job J1 on the fine mesh (m)."""
+    """Static tip displacement of job J1 on the fine mesh (m)."""
     return _number(_j1_fine(), "solid", "static_tip_displacement")
 
 
@@ -167,7 +167,7 @@ def lumped_over_tmm_frequency() -> float:
 
 @cached
 def _clamped_steps() -> list[Step]:
-    """Return steps from beam to solid of the paper's bimorph on a clamp, where f1 is its own."""
+    """Steps from beam to solid of the paper's bimorph on a clamp, where f1 is its own."""
     from tactgen.validation.models.difference import beam_to_solid
 
     scene = _scene("paper", "support.kind=clamped")
@@ -192,7 +192,7 @@ def _deflection(frequency: float, *overrides: str) -> float:
 
 
 def paper_end_deflection() -> float:
-    """Return the loaded deflection at 1000 Hz and 50 V (m)."""
+    """Loaded deflection at 1000 Hz and 50 V (m)."""
     return _deflection(1000.0)
 
 

@@ -34,7 +34,7 @@ CURRENTS = (2.0, 3.0)
 
 
 def mutual_inductance(a: Floats, b: Floats, distance: Floats) -> Floats:
-    """Return M of two coaxial filaments with radii a, b at an axial distance (H)."""
+    """M of two coaxial filaments with radii a, b at an axial distance (H)."""
     from scipy.special import ellipe, ellipk
 
     m = 4.0 * a * b / ((a + b) ** 2 + distance**2)
@@ -45,7 +45,7 @@ def mutual_inductance(a: Floats, b: Floats, distance: Floats) -> Floats:
 
 
 def mutual_inductance_slope(a: Floats, b: Floats, distance: Floats) -> Floats:
-    """Return dM/d(distance) of the same (H/m)."""
+    """DM/d(distance) of the same (H/m)."""
     from scipy.special import ellipe, ellipk
 
     m = 4.0 * a * b / ((a + b) ** 2 + distance**2)
@@ -60,7 +60,7 @@ def between_windings(
     function: Callable[[Floats, Floats, Floats], Floats],
     points: int = 8,
 ) -> float:
-    """Return the mean of a filament function over both sections, times the turns."""
+    """Mean of a filament function over both sections, times the turns."""
     (r1, z1, w1), (r2, z2, w2) = (_filaments(winding, points) for winding in (one, other))
     values = function(r1[:, None], r2[None, :], z2[None, :] - z1[:, None])
     return one.turns * other.turns * float(w1 @ values @ w2)
@@ -75,7 +75,7 @@ def _filaments(winding: Region, points: int) -> tuple[Floats, Floats, Floats]:
 
 @cached
 def solved() -> MagneticField:
-    """Return the field of both coils, walls at eighty times their radius."""
+    """Field of both coils, walls at eighty times their radius."""
     space = discretise(graded_grid((LOW, HIGH), 4.0, refinement=2.0), degree(4))
     counted(space.size)
     return solve_field(space, np.array(CURRENTS))
@@ -87,7 +87,7 @@ _FIELD = "axisymmetric field, quadrilaterals of order 4 on a graded grid, walls 
 def _solved(
     windings: tuple[Region, ...], currents: tuple[float, ...], walls: float, order: int = 4
 ) -> MagneticField:
-    """Return the field of windings in a box of radius `walls` (m)."""
+    """Field of windings in a box of radius `walls` (m)."""
     space = discretise(graded_grid(windings, walls, refinement=2.0), degree(order))
     counted(space.size)
     return solve_field(space, np.array(currents))
@@ -100,12 +100,12 @@ _WIRE = 1e-3
 
 @cached
 def _loops() -> MagneticField:
-    """Return their field with 1 A each."""
+    """Their field with 1 A each."""
     return _solved(_loop_windings(), (1.0, 1.0), 20.0)
 
 
 def _loop_windings() -> tuple[Region, ...]:
-    """Return loops of 0.20 and 0.25 m at a distance of 0.10 m."""
+    """Loops of 0.20 and 0.25 m at a distance of 0.10 m."""
     half = 0.5 * _WIRE
     return tuple(
         Region(name, (radius - half, radius + half), (at - half, at + half), turns=1.0, moves=moves)
@@ -141,7 +141,7 @@ _PIECES = 8
 
 
 def _nagaoka(ratio: float) -> float:
-    """Return L of a thin solenoid of 2R/l = `ratio` over that of an endless one.
+    """L of a thin solenoid of 2R/l = `ratio` over that of an endless one.
 
     Extrapolated to no thickness from sheets of 0.2 and 0.1 % of the radius.
     """
@@ -150,7 +150,7 @@ def _nagaoka(ratio: float) -> float:
 
 
 def _sheet(radius: float, length: float, thickness: float, pieces: int) -> tuple[Region, ...]:
-    """Return a thin winding in pieces, so that the grid is as fine along it."""
+    """Thin winding in pieces, so that the grid is as fine along it."""
     ends = np.linspace(-0.5 * length, 0.5 * length, pieces + 1)
     radii = (radius - 0.5 * thickness, radius + 0.5 * thickness)
     return tuple(
@@ -192,7 +192,7 @@ _INCH = 25.4e-3
 
 @cached
 def _vm168(height: float) -> float:
-    """Return B_z (T) on the axis of VM168's solenoid, at a height (m) above its middle."""
+    """B_z (T) on the axis of VM168's solenoid, at a height (m) above its middle."""
     pieces = 16
     sheet = _sheet(0.5 * _INCH, 5.0 * _INCH, 1e-4, pieces)
     # an empty ring: a line of the grid where the field is asked for
@@ -233,13 +233,13 @@ def _coil() -> tuple[Region, ...]:
 
 @cached
 def _brooks() -> float:
-    """Return the inductance (H) of VM207's coil: square section, inner radius its side."""
+    """Inductance (H) of VM207's coil: square section, inner radius its side."""
     return float(_solved(_coil(), (1.0,), 4.0, order=3).incremental_inductance[0, 0])
 
 
 @cached
 def _current() -> complex:
-    """Return the current's phasor (A) at 12 V and 60 Hz, by steps in time."""
+    """Current's phasor (A) at 12 V and 60 Hz, by steps in time."""
     return settled_current(_brooks(), _RESISTANCE, 12.0, 60.0)
 
 
@@ -282,7 +282,7 @@ SOLENOID_ERROR = 18.0**-5
 def infinite_solenoid(
     density: float, core: MagnetisationCurve | None = None, order: int = 6
 ) -> MagneticField:
-    """Return the field of the winding carrying `density` (A/m²).
+    """Field of the winding carrying `density` (A/m²).
 
     All sides are left open for tangential H = 0: exact outside an infinite solenoid.
     """
@@ -298,17 +298,17 @@ def infinite_solenoid(
 
 
 def exact_profile(density: float, radii: Floats) -> Floats:
-    """Return B_z (T) of the empty solenoid."""
+    """B_z (T) of the empty solenoid."""
     return np.asarray(MU0 * density * np.clip(OUTER - radii, 0.0, OUTER - INNER))
 
 
 def flux_density_in_core(field: MagneticField) -> Floats:
-    """Return B_z (n_e, n_q) in the cells of the core (T)."""
+    """B_z (n_e, n_q) in the cells of the core (T)."""
     return np.asarray(field.flux_density[..., 1][field.discretisation.cell_labels == 1])
 
 
 def core_tolerance(core: MagnetisationCurve) -> float:
-    """Return how far B in the core may be off, relative.
+    """How far B in the core may be off, relative.
 
     The flux's error is the square of the field's, weighed by the core's permeability; the
     second term is the tolerance of Newton's method.
@@ -324,14 +324,14 @@ _NEAR, _FAR = 0.5 * (APART - THICK), 0.5 * (APART + THICK)
 
 
 def thin_strips() -> float:
-    """Return the force per length (N/m) between facing strips, Maxwell's integral solved."""
+    """Force per length (N/m) between facing strips, Maxwell's integral solved."""
     ratio = APART / TALL
     factor = 2.0 * ratio * np.arctan(1.0 / ratio) - ratio**2 * np.log1p(1.0 / ratio**2)
     return float(2e-7 * CURRENT**2 / APART * factor)
 
 
 def conductors(potential: Potential, scale: float) -> tuple[float, float]:
-    """Return the force per length (N/m) away from the other bar, by stress and by J x B.
+    """Force per length (N/m) away from the other bar, by stress and by J x B.
 
     `scale` is a factor on all cell sizes; 0.7 leaves 0.1 %.
     """
@@ -370,7 +370,7 @@ def _mesh(scale: float) -> Mesh:
 
 
 def _conductor_source(points: Floats) -> Floats:
-    """Return T0 between the bars, falling to 0 across each: ±1 A along z."""
+    """T0 between the bars, falling to 0 across each: ±1 A along z."""
     field = np.zeros(points.shape)
     ramp = np.clip((_FAR - points[..., 0]) / THICK, 0.0, 1.0)
     field[..., 1] = np.where(points[..., 1] < 0.5 * TALL, ramp / TALL, 0.0)

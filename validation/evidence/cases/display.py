@@ -61,7 +61,7 @@ def _both_ways() -> float:
 
 
 def _spread() -> float:
-    """Return the spread of a small scatter of lengths over the slope's times the lengths' own."""
+    """Spread of a small scatter of lengths over the slope's times the lengths' own."""
     none = [f"scatter.{key}=0" for key in ("thickness", "roughness", "preload")]
     scene = _scene("display.rows=1", "display.columns=4", f"scatter.length={_SMALL}", *none)
 
@@ -81,7 +81,7 @@ def _spread() -> float:
 
 
 def _far_apart() -> float:
-    """Return by how much the loss to alternating neighbours follows their permeance, far apart."""
+    """By how much the loss to alternating neighbours follows their permeance, far apart."""
     device, pitches = _scene().device, (1e8, 1e16)
     losses = []
     for pitch in pitches:
@@ -93,7 +93,7 @@ def _far_apart() -> float:
 
 @cached
 def _nine() -> dict[str, NineForces]:
-    """Return the pulls of nine units: one driven, all, those beside reversed, the middle one."""
+    """Pulls of nine units: one driven, all, those beside reversed, the middle one."""
     states = {"alone": (1, 0, 0), "all": (1, 1, 1), "beside": (1, -1, 1), "middle": (-1, 1, 1)}
     driven = [
         {unit: _CURRENT * sign for unit, sign in zip(UNITS, signs, strict=True)}
@@ -108,14 +108,14 @@ def _mean(pair: tuple[float, float]) -> float:
 
 
 def _reversal(unit: str, reversed_one: str) -> float:
-    """Return what a unit's pull loses where others' current is reversed (N)."""
+    """What a unit's pull loses where others' current is reversed (N)."""
     nine = _nine()
     return _mean(getattr(nine["all"], unit)) - _mean(getattr(nine[reversed_one], unit))
 
 
 @cached
 def _all_four() -> float:
-    """Return what a unit of an endless array loses where all nearest neighbours reverse (N)."""
+    """What a unit of an endless array loses where all nearest neighbours reverse (N)."""
     found = array_forces(_scene().device, _CURRENT, _GAP, _PITCH)
     return _mean(found.same) - _mean(found.alternating)
 

@@ -52,7 +52,7 @@ def _unit_cube() -> Box:
 
 @cached
 def _cube() -> Floats:
-    """Return ω a √(ρ/E) of a free cube's lowest modes, ν = 0.3."""
+    """Ω a √(ρ/E) of a free cube's lowest modes, ν = 0.3."""
     # more than are read: the copies of a multiple frequency are found one after the other
     return 2.0 * np.pi * natural_frequencies(_unit_cube(), 12, loose=6, near=0.1)
 
@@ -94,7 +94,7 @@ _LAME = case(
 
 
 def _turned_bar(ratio: float) -> Box:
-    """Return a bar turned by its ends, which may warp.
+    """Bar turned by its ends, which may warp.
 
     Uniform torsion is linear along it, so its length and degree there do not matter.
     """
@@ -110,7 +110,7 @@ def _turned_bar(ratio: float) -> Box:
 
 
 def _torsion_constant(ratio: float) -> float:
-    """Return J/(a b³) of a rectangle: the moment that turns such a bar over G θ."""
+    """J/(a b³) of a rectangle: the moment that turns such a bar over G θ."""
     box = _turned_bar(ratio)
     state = statics(box)
     x, y, _ = box.grid
@@ -137,7 +137,7 @@ _TORSION = case(
 
 
 def _free_rod() -> Box:
-    """Return VM61's free rod, lengths in inches."""
+    """VM61's free rod, lengths in inches."""
     side, length = 1.0, 800.0
     return _block(
         (even(side, 1, 1), even(side, 1, 1), even(length, 2, 8)), 30e6, 0.0, 0.00073,
@@ -147,7 +147,7 @@ def _free_rod() -> Box:
 
 @cached
 def _rod() -> Floats:
-    """Return its lowest axial frequencies (Hz)."""
+    """Its lowest axial frequencies (Hz)."""
     return natural_frequencies(_free_rod(), 2, loose=1, near=1.0)
 
 
@@ -175,13 +175,13 @@ _LONG, _ROOT, _TIP, _THICK = 10.0, 5.0, 1.0, 0.05
 
 
 def _height(share: float) -> float:
-    """Return the height at a share of the length, over the root's."""
+    """Height at a share of the length, over the root's."""
     return 1.0 - (1.0 - _TIP / _ROOT) * share
 
 
 @cached
 def _membrane() -> Floats:
-    """Return the lowest frequencies (Hz): half the thickness, which is free to become thinner."""
+    """Lowest frequencies (Hz): half the thickness, which is free to become thinner."""
     n = intervals(16)
     planes = (
         np.linspace(0.0, _LONG, n + 1),
@@ -238,13 +238,13 @@ def _solid(axes: tuple[Axis, Axis, Axis], *held: Held, loss: float = 0.0) -> Box
 
 
 def plate(*held: Held, through: int = 2, along: int = 6) -> Box:
-    """Return NAFEMS' plate: 10 x 10 x 0.05 m, E = 200 GPa, 8000 kg/m³; x is its normal."""
+    """NAFEMS' plate: 10 x 10 x 0.05 m, E = 200 GPa, 8000 kg/m³; x is its normal."""
     side = even(10.0, 2, along)
     return _solid((_thickness(through), side, side), *held)
 
 
 def clamped_plate() -> Box:
-    """Return the plate clamped at z = 0, graded there and towards the edges that meet it."""
+    """Plate clamped at z = 0, graded there and towards the edges that meet it."""
     across = graded([0.0, 0.1, 1.0, 5.0, 9.0, 9.9, 10.0], 5)
     along = graded([0.0, 0.1, 0.6, 3.0, 10.0], 5)
     return _solid((_thickness(2), across, along), Held(Where(z=0.0), ("x", "y", "z")))
@@ -266,18 +266,18 @@ def _supported() -> Floats:
 
 @cached
 def free_plate() -> Floats:
-    """Return the lowest frequencies (Hz) of the plate without supports."""
+    """Lowest frequencies (Hz) of the plate without supports."""
     return natural_frequencies(plate(), 8, loose=6, near=0.3)
 
 
 @cached
 def cantilever_plate() -> Floats:
-    """Return ω a² √(ρh/D) of the plate clamped along one edge."""
+    """Ω a² √(ρh/D) of the plate clamped along one edge."""
     return 2.0 * np.pi * natural_frequencies(clamped_plate(), 6) / _THIN
 
 
 def _mindlin(m: int, n: int) -> float:
-    """Return the frequency (Hz) of the simply supported plate with m and n half waves.
+    """Frequency (Hz) of the simply supported plate with m and n half waves.
 
     The lower root of (S k² − M ω²)(D k² + S − J ω²) = (S k)², κ = 5/(6 − ν) in the shear stiffness.
     """
@@ -296,7 +296,7 @@ _PRESSURE, _LOSS, _DRIVEN_AT = 100.0, 0.04, 2.377
 
 
 def _driven_plate() -> Box:
-    """Return a quarter of the plate, its upper face pressed."""
+    """Quarter of the plate, its upper face pressed."""
     side = even(5.0, 1, 6)
     quarter = _solid(
         (_thickness(2), side, side),
@@ -308,12 +308,12 @@ def _driven_plate() -> Box:
 
 
 def _peak() -> float:
-    """Return the amplitude (m) of the middle."""
+    """Amplitude (m) of the middle."""
     return abs(harmonic(_driven_plate(), _DRIVEN_AT).mean(Where(x=0.0, y=5.0, z=5.0), "x"))
 
 
 def _thin_peak() -> float:
-    """Return the thin plate's: the sum over its modes of odd m and n half waves."""
+    """Thin plate's: the sum over its modes of odd m and n half waves."""
     omega2, total = (2.0 * math.pi * _DRIVEN_AT) ** 2, 0j
     for m, n in itertools.product(range(1, 60, 2), repeat=2):
         own = (_THIN * math.pi**2 * (m**2 + n**2)) ** 2 * (1.0 + 1j * _LOSS)

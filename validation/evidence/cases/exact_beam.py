@@ -61,7 +61,7 @@ class Layers:
 
     @classmethod
     def of(cls, device: Device, beam: Beam) -> Layers:
-        """Return the layers of a device, digit for digit."""
+        """Layers of a device, digit for digit."""
         bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
         with mp.workdps(DIGITS):
             permittivity = mp.mpf(piezo.eps33) * mp.mpf(EPS0)
@@ -135,7 +135,7 @@ def bimorph_constants(layers: Layers) -> Constants:
 
 @_exact
 def transfer(beam: Constants, length: Any, omega: Any) -> mp.matrix:
-    """Return exp(S l), 6 x 6, over the internal state [w, ψ, M, F, q, U]."""
+    """Exp(S l), 6 x 6, over the internal state [w, ψ, M, F, q, U]."""
     o2, span = mp.mpf(omega) ** 2, mp.mpf(length)
     return _exponential(
         [
@@ -150,7 +150,7 @@ def transfer(beam: Constants, length: Any, omega: Any) -> mp.matrix:
 
 
 def _exponential(rows: list[list[tuple[int, Any]]]) -> mp.matrix:
-    """Return exp of a matrix of few entries, given as (column, value) by row.
+    """Exp of a matrix of few entries, given as (column, value) by row.
 
     Its power series in whole numbers, multiples of 2^-_FIXED, of the real matrix
     [[A, -B], [B, A]] for A + jB, or of A alone: an entry that is 0 costs nothing.
@@ -179,7 +179,7 @@ def _exponential(rows: list[list[tuple[int, Any]]]) -> mp.matrix:
 
 
 def _combined(row: list[tuple[int, int]], power: list[list[int]]) -> list[int]:
-    """Return a row of few entries, as (column, value), times a matrix."""
+    """Row of few entries, as (column, value), times a matrix."""
     if not row:
         return [0] * len(power[0])
     (m, v), *more = row
@@ -190,14 +190,14 @@ def _combined(row: list[tuple[int, int]], power: list[list[int]]) -> list[int]:
 
 
 def without_electrode(active: Constants) -> Constants:
-    """Return the same layers where the faces carry no charge: U follows from K ψ' + C U = 0."""
+    """Same layers where the faces carry no charge: U follows from K ψ' + C U = 0."""
     with mp.workdps(DIGITS):
         return replace(active, EI=active.EI + active.K**2 / active.C, K=mp.mpf(0), C=mp.mpf(0))
 
 
 @_exact
 def matrix_a(beam: Constants, length: Any, frequency: Any) -> np.ndarray:
-    """Return the paper's A (5, 5): [v, ψ̇, M, F, U] below to [v, ψ̇, M, F, I] above."""
+    """Paper's A (5, 5): [v, ψ̇, M, F, U] below to [v, ψ̇, M, F, I] above."""
     omega = 2 * mp.pi * mp.mpf(frequency)
     t, jw = transfer(beam, length, omega), mp.j * omega
     rates = mp.diag([jw, jw, 1, 1, jw])  # displacements to velocities, charge to current
@@ -207,7 +207,7 @@ def matrix_a(beam: Constants, length: Any, frequency: Any) -> np.ndarray:
 
 @_exact
 def dynamic_stiffness(beam: Constants, length: Any, omega: Any) -> mp.matrix:
-    """Return D, 5 x 5, over [w_0, ψ_0, w_l, ψ_l, U]; forces act on the beam from outside."""
+    """D, 5 x 5, over [w_0, ψ_0, w_l, ψ_l, U]; forces act on the beam from outside."""
     waves = abs(beam.m * mp.mpf(omega) ** 2 / beam.EI) ** 0.25 * length
     waves = max(waves, mp.mpf(omega) * length * mp.sqrt(abs(beam.m / beam.GA)))
     doublings = max(0, int(mp.ceil(mp.log(waves / _ONE_PIECE, 2)))) if waves > 0 else 0
@@ -235,7 +235,7 @@ def _from_transfer(t: mp.matrix) -> mp.matrix:
 
 @_exact
 def join(lower: mp.matrix, upper: mp.matrix) -> mp.matrix:
-    """Return D of two beams end to end: equal motion, no force left over at the joint."""
+    """D of two beams end to end: equal motion, no force left over at the joint."""
     both = mp.zeros(7)  # base 2, joint 2, tip 2, U
     for block, at in ((lower, (0, 1, 2, 3, 6)), (upper, (2, 3, 4, 5, 6))):
         for i in range(5):
@@ -245,7 +245,7 @@ def join(lower: mp.matrix, upper: mp.matrix) -> mp.matrix:
 
 
 def eliminate(matrix: mp.matrix, keep: list[int]) -> mp.matrix:
-    """Return the Schur complement on the kept unknowns, the others being free of force."""
+    """Schur complement on the kept unknowns, the others being free of force."""
     drop = [i for i in range(matrix.rows) if i not in keep]
     if not drop:
         return _pick(matrix, keep, keep)
@@ -255,7 +255,7 @@ def eliminate(matrix: mp.matrix, keep: list[int]) -> mp.matrix:
 
 @_exact
 def tip_motion(d: mp.matrix, base: tuple[Any, Any] | None, tip: Any) -> tuple[Any, Any, Any]:
-    """Return tip displacement, charge and tip rotation per volt, base held (None) or sprung."""
+    """Tip displacement, charge and tip rotation per volt, base held (None) or sprung."""
     held = d.copy()
     held[2, 2] += mp.mpmathify(tip)
     if base is not None:
@@ -269,7 +269,7 @@ def tip_motion(d: mp.matrix, base: tuple[Any, Any] | None, tip: Any) -> tuple[An
 
 @_exact
 def relative_error(value: Any, exact: Any) -> float:
-    """Return |value − exact|/|exact| of a double, 0 for 0 against 0."""
+    """|value − exact|/|exact| of a double, 0 for 0 against 0."""
     if exact == 0:
         return 0.0 if value == 0 else float("inf")
     return float(abs(mp.mpmathify(complex(value)) - exact) / abs(exact))
@@ -292,7 +292,7 @@ _STEP = mp.mpf("1e-9")
 
 
 def natural_frequency(row: Row, ends: Ends, near: Any, *, open_circuit: bool) -> mp.mpf:
-    """Return the natural frequency (Hz) next to one that is right to some nine digits.
+    """Natural frequency (Hz) next to one that is right to some nine digits.
 
     One secant over a step of 1e-9: what it misses is the product of step and distance.
     """
@@ -306,14 +306,14 @@ def natural_frequency(row: Row, ends: Ends, near: Any, *, open_circuit: bool) ->
 
 
 def offset(row: Row, ends: Ends, frequency: float, *, open_circuit: bool = False) -> float:
-    """Return how far (relative) a frequency lies from the root next to it."""
+    """How far (relative) a frequency lies from the root next to it."""
     root = natural_frequency(row, ends, frequency, open_circuit=open_circuit)
     with mp.workdps(DIGITS):
         return float(mp.mpf(frequency) / root - 1)
 
 
 def _end_condition(row: Row, ends: Ends, frequency: Any, *, open_circuit: bool) -> Any:
-    """Return the determinant of [M, F] at the loaded upper end; with an open circuit of q, too."""
+    """Determinant of [M, F] at the loaded upper end; with an open circuit of q, too."""
     omega = 2 * mp.pi * frequency
     state = mp.zeros(6, 3)
     state[5, 2] = 1

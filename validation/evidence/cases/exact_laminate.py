@@ -49,7 +49,7 @@ class Laminate:
     length: float
 
     def transfer(self, omega: Any) -> Any:
-        """Return the 6 x 6 matrix from the lowest to the highest face at angular frequency ω."""
+        """6 x 6 matrix from the lowest to the highest face at angular frequency ω."""
         with mp.workdps(_DIGITS):
             whole = mp.eye(6)
             for layer in self.layers:
@@ -59,7 +59,7 @@ class Laminate:
 
 
 def _system(layer: Layer, p: Any, omega: Any) -> Any:
-    """Return A of y' = A y, from the constitutive law T = c S − eᵀ E, D = e S + ε E."""
+    """A of y' = A y, from the constitutive law T = c S − eᵀ E, D = e S + ε E."""
     c, e, eps = (np.asarray(v) for v in (layer.c, layer.e, layer.eps))
     inertia = mp.mpf(layer.density) * omega**2
     c_xx, c_xz, c_zz, c_s = (mp.mpf(float(c[i, j])) for i, j in ((0, 0), (0, 2), (2, 2), (4, 4)))
@@ -89,7 +89,7 @@ def _system(layer: Layer, p: Any, omega: Any) -> Any:
 def static_state(
     laminate: Laminate, *, pressure: tuple[float, float], faces: tuple[float | None, float | None]
 ) -> tuple[Any, Any]:
-    """Return y at the lowest and the highest face, at rest.
+    """Y at the lowest and the highest face, at rest.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def _electric(potential: float | None) -> tuple[int, Any]:
 def natural_frequency(
     laminate: Laminate, guess: float, *, grounded: Sequence[bool] = (True, True)
 ) -> float:
-    """Return the natural frequency (Hz) nearest `guess` with free faces.
+    """Natural frequency (Hz) nearest `guess` with free faces.
 
     A face is grounded (φ = 0) or without charge (D = 0).
     """

@@ -44,12 +44,12 @@ _WALL = 60.0
 
 
 def _uniform(points: Floats) -> Floats:
-    """Return T0 = 1 A/m along z."""
+    """T0 = 1 A/m along z."""
     return np.broadcast_to([0.0, 0.0, 1.0], points.shape)
 
 
 def _in_uniform_field(mesh: Mesh, iron: str) -> SolidField:
-    """Return the field of an eighth of a body in 1 A/m along z."""
+    """Field of an eighth of a body in 1 A/m along z."""
     problem = MagneticSolid(
         mesh, {iron: linear(_PERMEABILITY)}, _uniform, flux_normal=("z_low", "outer"), copies=8
     )
@@ -57,14 +57,14 @@ def _in_uniform_field(mesh: Mesh, iron: str) -> SolidField:
 
 
 def _solved(problem: MagneticSolid) -> SolidField:
-    """Return its field by the scalar potential."""
+    """Its field by the scalar potential."""
     potential = ScalarPotential(sample(problem))
     counted(potential.size)
     return potential.solve(1.0)
 
 
 def _mean_in(field: SolidField, region: str) -> float:
-    """Return the mean of B_z in a region over µ0 H0."""
+    """Mean of B_z in a region over µ0 H0."""
     cells = field.solid.problem.mesh.cells_of(region)
     weights = field.solid.weights[cells]
     return float(np.sum(weights * field.flux_density[cells][..., 2]) / (MU0 * weights.sum()))
@@ -76,7 +76,7 @@ _OUTSIDE = 1.1
 
 
 def _shell_mesh(n: int) -> Mesh:
-    """Return air in the ball, iron from radius 1 to 1.1, air beyond."""
+    """Air in the ball, iron from radius 1 to 1.1, air beyond."""
     iron = np.linspace(RADIUS, _OUTSIDE, n // 2 + 1)
     beyond = np.geomspace(_OUTSIDE, _WALL, 4 * n + 1)
     mesh = sphere_mesh(n, curved=True, shells=np.concatenate([iron, beyond[1:]]))
@@ -88,7 +88,7 @@ def _shell_mesh(n: int) -> Mesh:
 
 @cached
 def _shielded() -> float:
-    """Return B in the hollow over B far away."""
+    """B in the hollow over B far away."""
     return _mean_in(_in_uniform_field(_shell_mesh(intervals(4)), "iron"), "ball")
 
 
@@ -112,7 +112,7 @@ _SHELL = case(
 
 @cached
 def _factor(ratio: float, finest: int) -> float:
-    """Return N from B = µr H0 µ0 / (1 + N (µr − 1)), on so many intervals along an edge."""
+    """N from B = µr H0 µ0 / (1 + N (µr − 1)), on so many intervals along an edge."""
     n = intervals(finest)
     ball = sphere_mesh(n, curved=True, shells=np.geomspace(RADIUS, _WALL, 4 * n + 1))
     mesh = replace(ball, points=ball.points * [1.0, 1.0, ratio])
@@ -143,7 +143,7 @@ _STEEL = 1e7
 
 
 def _slot_mesh(ratio: float) -> Mesh:
-    """Return half a slot of width `ratio` in the upper of two iron faces, a gap of 1 apart."""
+    """Half a slot of width `ratio` in the upper of two iron faces, a gap of 1 apart."""
     edge = 0.5 * ratio
     finest, coarse, growth = (size(wanted) for wanted in (1e-3, 0.2, 0.5))
     x = graded_planes([(0.0, coarse), (edge, finest), (edge + _WIDE, coarse)], growth=growth)
@@ -160,7 +160,7 @@ def _slot_mesh(ratio: float) -> Mesh:
 
 
 def _across_the_gap(points: Floats) -> Floats:
-    """Return T0: 1 A between the iron faces."""
+    """T0: 1 A between the iron faces."""
     field = np.zeros(points.shape)
     field[..., 2] = (points[..., 2] > 0.0) & (points[..., 2] < 1.0)
     return field
@@ -168,7 +168,7 @@ def _across_the_gap(points: Floats) -> Floats:
 
 @cached
 def _slot(ratio: float) -> float:
-    """Return σ from the permeance."""
+    """Σ from the permeance."""
     problem = MagneticSolid(
         _slot_mesh(ratio), {"iron": linear(_STEEL)}, _across_the_gap,
         flux_normal=("z_low", "z_high"),
@@ -201,7 +201,7 @@ _TURNS, _AREA, _GAP, _STIFFNESS = 500.0, 4e-6, 0.2e-3, 100.0
 
 @cache
 def _snap() -> Switching:
-    """Return when a rod on a spring without preload snaps: W' = µ0 N² A i²/(2 g)."""
+    """When a rod on a spring without preload snaps: W' = µ0 N² A i²/(2 g)."""
     strength = MU0 * _TURNS**2 * _AREA
     current, gap = np.linspace(0.0, 0.03, 9), np.geomspace(0.015e-3, 0.25e-3, 48)
     inductance: Floats = np.tile(strength / gap, (current.size, 1))
@@ -253,7 +253,7 @@ def _below(permeability: float, extent: float = _WALLS) -> Region:
 
 @cached
 def _solved_images(permeability: float) -> MagneticField:
-    """Return the field of 1 A above a body of this permeability, 1 for none."""
+    """Field of 1 A above a body of this permeability, 1 for none."""
     regions = (_ring(), _below(permeability))
     space = discretise(graded_grid(regions, _WALLS, refinement=2.0), degree(4))
     counted(space.size)
@@ -261,7 +261,7 @@ def _solved_images(permeability: float) -> MagneticField:
 
 
 def _gained() -> float:
-    """Return by how much the iron raises the ring's inductance (H), on one grid."""
+    """By how much the iron raises the ring's inductance (H), on one grid."""
     above, alone = (float(_solved_images(mu).flux_linkage[0]) for mu in (_PERMEABILITY_IMAGES, 1.0))
     return above - alone
 
@@ -303,7 +303,7 @@ class IdealGap:
     strength: float
 
     def at(self, current: float, gap: float) -> CoenergyPoint:
-        """Return all that holds at a current (A) and gap (m)."""
+        """All that holds at a current (A) and gap (m)."""
         linkage = self.strength * current / gap
         force = float(self.force(current, gap))
         return CoenergyPoint(
@@ -312,11 +312,11 @@ class IdealGap:
         )  # fmt: skip
 
     def force(self, current: Any, gap: Any) -> Any:
-        """Return the pull (N)."""
+        """Pull (N)."""
         return 0.5 * self.strength * (current / np.asarray(gap)) ** 2
 
     def force_gradient(self, current: Any, gap: Any) -> Any:
-        """Return ∂F/∂g (N/m)."""
+        """∂F/∂g (N/m)."""
         return -2.0 * self.force(current, gap) / np.asarray(gap)
 
 

@@ -45,7 +45,7 @@ def bending_bimorph(
     degree: int = 6,
     intervals: int = 1,
 ) -> Box:
-    """Return half of the half wave of two PZT-5A layers poled towards each other.
+    """Half of the half wave of two PZT-5A layers poled towards each other.
 
     No strain along y; simply supported with φ = 0 at z = 0, mirrored at z = L/2; the lower face
     at 0 V and the upper at `volts` sin(π z/L), or both without charge.
@@ -84,7 +84,7 @@ def _bending_frequency(thickness: float, grounded: bool) -> float:
 
 @cached
 def _driven(thickness: float) -> Floats:
-    """Return w and D_x at the lower face's crest with 1 V sin(π z/L) on the upper one."""
+    """W and D_x at the lower face's crest with 1 V sin(π z/L) on the upper one."""
     box = bending_bimorph(thickness, volts=1.0)
     state = statics(box)
     w = state.mean(Where(x=0.0, z=0.5 * _LENGTH), "x").real
@@ -155,7 +155,7 @@ _DRIVEN = tuple(
 
 
 def ply(along: str) -> Material:
-    """Return Pagano's ply, E_L = 25, E_T = 1, G_LT = 0.5, G_TT = 0.2, ν = 0.25, fibres along."""
+    """Pagano's ply, E_L = 25, E_T = 1, G_LT = 0.5, G_TT = 0.2, ν = 0.25, fibres along."""
     axes = ("x", "y", "z")
     fibre = axes.index(along)
     compliance = np.zeros((6, 6))
@@ -169,7 +169,7 @@ def ply(along: str) -> Material:
 
 
 def _laminate(slenderness: float) -> Box:
-    """Return half of a 0/90/0 laminate of height 1 under sin(π z/L), its middle between bricks."""
+    """Half of a 0/90/0 laminate of height 1 under sin(π z/L), its middle between bricks."""
     h, length = 1.0, slenderness
 
     def wave(_x: Floats, _y: Floats, z: Floats) -> Floats:
@@ -194,7 +194,7 @@ def _laminate(slenderness: float) -> Box:
 
 
 def _pagano(slenderness: float) -> float:
-    """Return 100 E_T h³ w/(q L⁴) of the middle of the laminate."""
+    """100 E_T h³ w/(q L⁴) of the middle of the laminate."""
     w = statics(_laminate(slenderness)).mean(Where(x=0.5, z=0.5 * slenderness), "x").real
     return 100.0 * w / slenderness**4
 
@@ -223,7 +223,7 @@ _PAGANO = case(
 
 
 def pvdf(uniform: bool) -> Box:
-    """Return the bimorph of Tzou and of Hwang and Park: 100 x 5 x 1 mm, poled oppositely, 1 V.
+    """Bimorph of Tzou and of Hwang and Park: 100 x 5 x 1 mm, poled oppositely, 1 V.
 
     E = 2 GPa, e31 = 0.046 C/m², ε = 12 ε0, no Poisson's ratio; the field linear through the whole
     thickness (`uniform`) or as electrostatics has it.
@@ -256,7 +256,7 @@ def pvdf(uniform: bool) -> Box:
 
 @cached
 def pvdf_deflection(position: float, uniform: bool) -> float:
-    """Return the deflection (m) at a position (m) along the bimorph of case HP."""
+    """Deflection (m) at a position (m) along the bimorph of case HP."""
     state = statics(pvdf(uniform))
     return abs(state.mean(Where(x=0.5e-3, z=position), "x").real)
 
@@ -298,7 +298,7 @@ _FIBRES = ("fibres along z", "fibres along y")
 
 
 def _ply(*, along: bool) -> Material:
-    """Return a ply with its fibres along z or along y; Voigt's order xx, yy, zz, yz, xz, xy.
+    """Ply with its fibres along z or along y; Voigt's order xx, yy, zz, yz, xz, xy.
 
     E 100, 5, 5 GPa; ν12 0.4, ν13 = ν23 0.3; G12 3, G13 = G23 2 GPa; axis 3 is the thickness, x.
     """
@@ -313,7 +313,7 @@ def _ply(*, along: bool) -> Material:
 
 
 def _quarter() -> Box:
-    """Return a quarter of the strip, 30 mm between its supports, under 10 N/mm in the middle."""
+    """Quarter of the strip, 30 mm between its supports, under 10 N/mm in the middle."""
     parts = tuple(
         (Slab(f"{_FIBRES[i % 2]} {i}", (i, i + 1), (0, 4)), _ply(along=i % 2 == 0))
         for i in range(len(_LAYERS))

@@ -34,7 +34,7 @@ _BENT, _SHAKEN = 0.02, 0.1
 
 
 def cube(cells: Cells, divisions: int, across: int | None = None) -> Mesh:
-    """Return a cube of 1 mm: shaken straight tetrahedra, curved ones, or rectangular hexahedra.
+    """Cube of 1 mm: shaken straight tetrahedra, curved ones, or rectangular hexahedra.
 
     The curved ones follow a smooth map of the cube onto itself, all edges with their middles.
     With `across` it is a column along x, so many of these cells wide.
@@ -66,7 +66,7 @@ def _curved(mesh: Mesh, sizes: Floats) -> Mesh:
 
 
 def hexahedra(planes: Sequence[Floats]) -> Mesh:
-    """Return the rectangular hexahedra between planes (m) along x, y and z."""
+    """Rectangular hexahedra between planes (m) along x, y and z."""
     nodes = [p.size for p in planes]
     points = np.stack(np.meshgrid(*planes, indexing="ij"), axis=-1).reshape(-1, 3)
     low = np.arange(len(points)).reshape(nodes)[:-1, :-1, :-1].ravel()[:, None]
@@ -84,7 +84,7 @@ FREQUENCY = 0.5e6
 
 
 def ceramic(*, lossy: bool) -> Material:
-    """Return the cube's material."""
+    """Cube's material."""
     of = LIBRARY["PZT-5H"]
     tensors = of.tensors(lossy=lossy)
     return Material(tensors.c, of.density, tensors)
@@ -122,7 +122,7 @@ class Space:
 
 
 def manufactured_errors(space: Space, material: Material, unit: float, frequency: float) -> Floats:
-    """Return the errors of gradients and of values, relative, in the mean square.
+    """Errors of gradients and of values, relative, in the mean square.
 
     y_q = a_q sin(k_q · x + c_q) in (u, φ / unit).  Its load is −div of the flux C grad y less
     the inertia: (Σ_q C_paqb k_qa k_qb − Ω² ρ_p) y in row p.
@@ -151,7 +151,7 @@ def manufactured_errors(space: Space, material: Material, unit: float, frequency
 
 
 def cells_space(mesh: Mesh, material: Material) -> tuple[Space, float]:
-    """Return the space of tetrahedra or hexahedra by scikit-fem, and the potential's unit (V)."""
+    """Space of tetrahedra or hexahedra by scikit-fem, and the potential's unit (V)."""
     from skfem import LinearForm
 
     known = {mesh.regions[0]: material}
@@ -179,7 +179,7 @@ def cells_space(mesh: Mesh, material: Material) -> tuple[Space, float]:
 
 
 def bricks_space(degree: int, intervals: int, material: Material) -> tuple[Space, float]:
-    """Return the space of bricks of one degree along all axes, and the potential's unit (V)."""
+    """Space of bricks of one degree along all axes, and the potential's unit (V)."""
     axis = even(EDGE, intervals, degree)
     box = block((axis,) * 3, material)
     points, weights, both = _line(axis)
@@ -206,7 +206,7 @@ def bricks_space(degree: int, intervals: int, material: Material) -> tuple[Space
 
 
 def _line(axis: Axis) -> tuple[Floats, Floats, Floats]:
-    """Return Gauss points and weights of an axis, and values and slopes (2, points, nodes)."""
+    """Gauss points and weights of an axis, and values and slopes (2, points, nodes)."""
     p, lengths = axis.degree, np.diff(axis.breaks)
     weights, local = gauss_values(p)
     reference, _ = np.polynomial.legendre.leggauss(p + 1)
@@ -224,7 +224,7 @@ def _line(axis: Axis) -> tuple[Floats, Floats, Floats]:
 
 @cache
 def solid_error(cells: Cells, divisions: int, driven: bool) -> Floats:
-    """Return errors of gradients and values on a cube; `driven` at a frequency, with losses."""
+    """Errors of gradients and values on a cube; `driven` at a frequency, with losses."""
     material = ceramic(lossy=driven)
     space, unit = cells_space(cube(cells, divisions), material)
     return manufactured_errors(space, material, unit, FREQUENCY if driven else 0.0)
@@ -232,7 +232,7 @@ def solid_error(cells: Cells, divisions: int, driven: bool) -> Floats:
 
 @cache
 def bricks_error(degree: int, intervals: int, driven: bool) -> Floats:
-    """Return the same on bricks."""
+    """Same on bricks."""
     material = ceramic(lossy=driven)
     space, unit = bricks_space(degree, intervals, material)
     return manufactured_errors(space, material, unit, FREQUENCY if driven else 0.0)
@@ -244,7 +244,7 @@ _PLATE = 0.5 * 1934044.1700592
 
 @cache
 def plate_error(cells: Cells, divisions: int) -> float:
-    """Return the relative error of a plate's thickness resonance, a piece of its upper half.
+    """Relative error of a plate's thickness resonance, a piece of its upper half.
 
     Its motion along the normal and the potential are odd about the middle.  A column does, but
     curved cells must become straight as they become smaller, along all axes.
@@ -261,7 +261,7 @@ def plate_error(cells: Cells, divisions: int) -> float:
 
 
 def quarter_wave_error(degree: int, intervals: int) -> float:
-    """Return the leading relative error of a rod's lowest frequency, one end held.
+    """Leading relative error of a rod's lowest frequency, one end held.
 
     Half of the eigenvalue's, (p!/(2p)!)² (k h)^(2p)/(2p + 1) with k h = π/(2 n).
     """

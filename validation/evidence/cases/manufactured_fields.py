@@ -17,12 +17,12 @@ from tactgen.validation.evidence.cases.manufactured import EDGE, Cells, cube
 
 
 def cylinder(curve: MagnetisationCurve) -> Region:
-    """Return what carries the field: a cylinder of radius 1 m, 2 m high."""
+    """What carries the field: a cylinder of radius 1 m, 2 m high."""
     return Region("all", (0.0, 1.0), (-1.0, 1.0), curve)
 
 
 def rings_error(curve: MagnetisationCurve, order: int, divisions: int) -> float:
-    """Return the relative error of B in the mean square for u = (1 − r²)² cos(πz/2), up to 2 T.
+    """Relative error of B in the mean square for u = (1 − r²)² cos(πz/2), up to 2 T.
 
     The source ∫ H(B)·curl v is what a current density curl H does.
     """
@@ -46,7 +46,7 @@ _STRENGTH = 1e2
 
 
 def _flux(points: Floats) -> Floats:
-    """Return B (..., 3): each component varies along the other two axes, so div B = 0."""
+    """B (..., 3): each component varies along the other two axes, so div B = 0."""
     x, y, z = np.moveaxis(_TURNS * points, -1, 0)
     return _DENSITY * np.stack(
         [np.sin(z) + np.cos(y), np.sin(x) + np.cos(z), np.sin(y) + np.cos(x)], axis=-1
@@ -54,7 +54,7 @@ def _flux(points: Floats) -> Floats:
 
 
 def _source(points: Floats) -> Floats:
-    """Return T0 = H + grad g of that field, g zero on all walls: φ must become g."""
+    """T0 = H + grad g of that field, g zero on all walls: φ must become g."""
     b = _flux(points)
     h = TEAM20.reluctivity(np.linalg.norm(b, axis=-1))[..., None] * b
     share = np.pi * points / EDGE
@@ -66,7 +66,7 @@ def _source(points: Floats) -> Floats:
 
 @cache
 def cube_error(potential: Literal["A", "phi"], cells: Cells, divisions: int) -> float:
-    """Return the relative error of B, in the mean square, in the steel of TEAM problem 20."""
+    """Relative error of B, in the mean square, in the steel of TEAM problem 20."""
     from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
     from tactgen.fem.magnetics.scalar_potential import ScalarPotential
     from tactgen.fem.magnetics.vector_potential import VectorPotential

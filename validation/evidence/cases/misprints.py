@@ -33,7 +33,7 @@ def _audit() -> Audit:
 
 
 def _as_printed(equation: int) -> float:
-    """Return 1 + how far a printed formula is from the exact one; of σ, what it does at 10 Hz.
+    """1 + how far a printed formula is from the exact one; of σ, what it does at 10 Hz.
 
     σ's denominator is so far off that the tip hardly moves: there the effect is stated.
     """
@@ -118,7 +118,7 @@ _RITZ = (
 
 
 def _in_hertz(number: int) -> float:
-    """Return a frequency (Hz) of the cantilevered plate."""
+    """Frequency (Hz) of the cantilevered plate."""
     scale = 2.0 * math.pi * 100.0 * math.sqrt(8000.0 * 0.05 / _RIGIDITY)
     return float(cantilever_plate()[number]) / scale
 

@@ -46,7 +46,7 @@ def _one_mass(mass: float, element: Element) -> System:
 
 
 def vm156_period() -> float:
-    """Return four times the first quarter of the swing (s), from 1600 steps."""
+    """Four times the first quarter of the swing (s), from 1600 steps."""
     system = _one_mass(2588e-6, Element("spring", CubicSpring(2.0, 4.0), _ONE))
     run = simulate_steps(system, Sources(), 0.04, steps(1600), position=_ONE)
     x = run.position[:, 0]
@@ -57,12 +57,12 @@ def vm156_period() -> float:
 
 
 def vm207_current() -> float:
-    """Return the current (A) after 10 ms."""
+    """Current (A) after 10 ms."""
     return float(run_of_coil(0.01274, 5.991, Step(12.0), 0.01, 500).current[-1])
 
 
 def rough_bounce() -> float:
-    """Return the speed (m/s) at which a mass leaves rough surfaces that it met at 0.3 m/s."""
+    """Speed (m/s) at which a mass leaves rough surfaces that it met at 0.3 m/s."""
     law = RoughPoint(0.1, 3e-7)
     system = _one_mass(3e-4, Element("stop", law, -_ONE))
     run = simulate_steps(
@@ -72,13 +72,13 @@ def rough_bounce() -> float:
 
 
 def generator_imbalance() -> float:
-    """Return the generator's energy imbalance over what was exchanged, in a short coarse run."""
+    """Generator's energy imbalance over what was exchanged, in a short coarse run."""
     found = _scene_run(Sources(Sine(10.0, 200.0), Step(0.15)), 3e-4, 0.2)
     return found.answer.run.worst_imbalance
 
 
 def pull_in_current() -> Estimate:
-    """Return the current (A) that pulls the rod down from its upper stop, by the field.
+    """Current (A) that pulls the rod down from its upper stop, by the field.
 
     There its pull is the preload; nearer to the lower stop it grows faster than the spring's force.
     """
@@ -92,17 +92,17 @@ def pull_in_current() -> Estimate:
 
 
 def rise_time() -> float:
-    """Return how long the rod takes from switching off to the upper stop (s)."""
+    """How long the rod takes from switching off to the upper stop (s)."""
     return _phase("pressed", after=5e-3).start - 5e-3
 
 
 def fall_time() -> float:
-    """Return how long the rod takes from switching on, at the start, to the lower stop (s)."""
+    """How long the rod takes from switching on, at the start, to the lower stop (s)."""
     return _phase("held", after=0.0).start
 
 
 def _phase(name: str, after: float) -> Phase:
-    """Return the first phase of a name that starts after a time (s)."""
+    """First phase of a name that starts after a time (s)."""
     from tactgen.validation.models.generator.transient import phases
 
     return next(p for p in phases(paper_run()) if p.name == name and p.start > after)
@@ -110,12 +110,12 @@ def _phase(name: str, after: float) -> Phase:
 
 @lru_cache(maxsize=1)
 def paper_run() -> Simulation:
-    """Return the run of Fig 16: 10 V at 200 Hz, 120 mA on and off at 100 Hz."""
+    """Run of Fig 16: 10 V at 200 Hz, 120 mA on and off at 100 Hz."""
     return _scene_run(SOURCES, UNTIL, 0.05)
 
 
 def flight_to_contact() -> float:
-    """Return the largest lateral amplitude in flight over the smaller one on the two stops.
+    """Largest lateral amplitude in flight over the smaller one on the two stops.
 
     1 or more also where the tip moves more while the rod rises than while it falls.
     """
@@ -126,7 +126,7 @@ def flight_to_contact() -> float:
 
 
 def held_to_pressed() -> float:
-    """Return the tip's amplitude at the drive's frequency on the lower stop over the upper one's.
+    """Tip's amplitude at the drive's frequency on the lower stop over the upper one's.
 
     By what two runs have in common whose drives are a quarter of a period apart: the smallest of
     all times held over the largest of all times pressed.
@@ -147,7 +147,7 @@ def held_to_pressed() -> float:
 
 
 def small_held_to_pressed() -> float:
-    """Return the small-signal answer at the drive's frequency, held by 120 mA over pressed up."""
+    """Small-signal answer at the drive's frequency, held by 120 mA over pressed up."""
     from tactgen.validation.scene.scene import load_scene
 
     scene = load_scene("generator", [])[0]
@@ -155,7 +155,7 @@ def small_held_to_pressed() -> float:
 
 
 def small_tip(scene: Scene, current: float) -> complex:
-    """Return the tip's lateral motion per volt (m/V) at the drive's frequency, in small motions.
+    """Tip's lateral motion per volt (m/V) at the drive's frequency, in small motions.
 
     Of a rod that `current` (A) holds down, or that the spring presses up.
     """
@@ -168,14 +168,14 @@ def small_tip(scene: Scene, current: float) -> complex:
 
 @lru_cache(maxsize=2)
 def _finger_run(angle: float = 0.0) -> Simulation:
-    """Return a run of Fig 16 under the finger, with the drive's phase (rad) at the start."""
+    """Run of Fig 16 under the finger, with the drive's phase (rad) at the start."""
     sources = Sources(replace(DRIVE, phase=angle), SQUARE)
     return _scene_run(sources, PERIOD_AND_HALF, 0.02, "generator", ())
 
 
 @lru_cache(maxsize=1)
 def _amplitudes() -> dict[str, float]:
-    """Return the largest lateral amplitude (m) of each kind of phase, under the finger."""
+    """Largest lateral amplitude (m) of each kind of phase, under the finger."""
     from tactgen.validation.models.generator.transient import phases
 
     found = phases(_finger_run())

@@ -57,7 +57,7 @@ class _Problem:
 
 
 def _rod(intervals: int, degree: int) -> Box:
-    """Return a quarter wave of a rod without Poisson's ratio: ω = π/2 in units of the rod."""
+    """Quarter wave of a rod without Poisson's ratio: ω = π/2 in units of the rod."""
     unit = even(1.0, 1, 1)
     slab = Slab("rod", (0, 1), (0, intervals))
     material = Material(isotropic_stiffness(1.0, 0.0), 1.0)
@@ -78,7 +78,7 @@ def _bimorph_error(degree: int, intervals: int) -> float:
 
 
 def _order(problem: _Problem, degree: int) -> float:
-    """Return the observed order from a division and its halves."""
+    """Observed order from a division and its halves."""
     n = problem.coarse[degree]
     return math.log2(problem.error(degree, n) / problem.error(degree, 2 * n))
 
@@ -150,7 +150,7 @@ def _rows(
     bound: tuple[float, str],
     heavy: bool = False,
 ) -> Iterator[Answer]:
-    """Return two rows: the order from `coarse` divisions to twice as many, and a bound on these."""
+    """Two rows: the order from `coarse` divisions to twice as many, and a bound on these."""
 
     def order() -> float:
         return math.log2(error(coarse) / error(2 * coarse))
@@ -164,7 +164,7 @@ def _rows(
 
 
 def _halved(error: Callable[[int], float], *levels: int, order: int) -> Refinement:
-    """Return the errors on so many divisions."""
+    """Errors on so many divisions."""
     return Refinement(levels, error, f"order {order}")
 
 
@@ -172,7 +172,7 @@ def _halved(error: Callable[[int], float], *levels: int, order: int) -> Refineme
 
 
 def interpolation_error(degree: int, divisions: int) -> float:
-    """Return 2 (kh/4)^(p+1)/(p+1)!, the largest error of a wave's interpolation over cells h.
+    """2 (kh/4)^(p+1)/(p+1)!, the largest error of a wave's interpolation over cells h.
 
     k is the shortest wave's of the manufactured solution, 1.6 over the edge.
     """
@@ -308,7 +308,7 @@ def _mode_error(elements: int) -> float:
 
 @cache
 def _port_error(elements: int) -> float:
-    """Return the largest error of the five ports' stiffness, by the diagonal's sizes."""
+    """Largest error of the five ports' stiffness, by the diagonal's sizes."""
     from tactgen.fem import beam
     from tactgen.tmm.beam import transfer_matrix
 
@@ -344,7 +344,7 @@ _STEEPEST = {2: 24.0, 4: (math.pi / 2.0) ** 5}
 
 
 def _rings_bound(order: int) -> float:
-    """Return the error of a slope by degree p − 1 in Chebyshev points, cells of 1/8."""
+    """Error of a slope by degree p − 1 in Chebyshev points, cells of 1/8."""
     steep = _STEEPEST[order] / (2.0 ** (order - 1) * math.factorial(order))
     return (1.0 / 16.0) ** order * steep
 

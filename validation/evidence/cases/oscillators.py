@@ -33,7 +33,7 @@ def one_mass(
     stiffness: float = 0.0,
     force: float = 1.0,
 ) -> Oscillator:
-    """Return a mass on a linear spring and damper and a law; a drive of 1 is the given force.
+    """Mass on a linear spring and damper and a law; a drive of 1 is the given force.
 
     Parameters
     ----------
@@ -54,17 +54,17 @@ def one_mass(
 
 
 def cubic(coefficient: float) -> Callable[[Floats], tuple[Floats, Floats]]:
-    """Return the law f = g x³."""
+    """Law f = g x³."""
     return lambda x: (coefficient * x**3, 3.0 * coefficient * x**2)
 
 
 def one_sided(stiffness: float) -> Callable[[Floats], tuple[Floats, Floats]]:
-    """Return the law of a spring that touches at x > 0 only."""
+    """Law of a spring that touches at x > 0 only."""
     return lambda x: (stiffness * np.maximum(x, 0.0), np.where(x > 0.0, stiffness, 0.0))
 
 
 def cubic_frequency(stiffness: float, coefficient: float, mass: float, amplitude: float) -> float:
-    """Return the free angular frequency on k x + g x³, by an elliptic integral.
+    """Free angular frequency on k x + g x³, by an elliptic integral.
 
     Kovacic and Brennan (eds), *The Duffing Equation*, 2011: ω = π sqrt((k + g A²)/m) / (2 K(μ)),
     μ = g A² / (2 (k + g A²)).
@@ -77,7 +77,7 @@ def cubic_frequency(stiffness: float, coefficient: float, mass: float, amplitude
 
 
 def free_on_cubic(stiffness: float, coefficient: float, mass: float, amplitude: float) -> Orbit:
-    """Return the free oscillation on k x + g x³ by harmonic balance."""
+    """Free oscillation on k x + g x³ by harmonic balance."""
     scaled = one_mass(cubic(coefficient), mass=mass, stiffness=stiffness)
     # one harmonic's answer to begin with
     omega = np.sqrt((stiffness + 0.75 * coefficient * amplitude**2) / mass)
@@ -86,12 +86,12 @@ def free_on_cubic(stiffness: float, coefficient: float, mass: float, amplitude: 
 
 
 def period_of_vm156() -> float:
-    """Return the period (s) of the mass on a hardening spring of Ansys verification case VM156."""
+    """Period (s) of the mass on a hardening spring of Ansys verification case VM156."""
     return 2.0 * np.pi / free_on_cubic(2.0, 4.0, 2588e-6, 1.0).omega
 
 
 def free_on_one_sided(ratio: float, harmonics: int) -> Orbit:
-    """Return the free oscillation on a spring of 1 that is 1 + `ratio` on one side.
+    """Free oscillation on a spring of 1 that is 1 + `ratio` on one side.
 
     The ratio is approached in steps, each from the answer before.
     """
@@ -105,44 +105,44 @@ def free_on_one_sided(ratio: float, harmonics: int) -> Orbit:
 
 
 def one_sided_frequency(ratio: float) -> float:
-    """Return its exact angular frequency, half a period on each side: 2 ω₁ ω₂/(ω₁ + ω₂)."""
+    """Its exact angular frequency, half a period on each side: 2 ω₁ ω₂/(ω₁ + ω₂)."""
     stiff = np.sqrt(1.0 + ratio)
     return float(2.0 * stiff / (1.0 + stiff))
 
 
 def driven_duffing() -> Oscillator:
-    """Return ẍ + 0.05 ẋ + x + 0.1 x³ = 0.18 cos Ωt, example 01 of the program NLvib."""
+    """Ẍ + 0.05 ẋ + x + 0.1 x³ = 0.18 cos Ωt, example 01 of the program NLvib."""
     return one_mass(cubic(0.1), damping=0.05, stiffness=1.0, force=0.18)
 
 
 @cache
 def driven_duffing_branch() -> Branch:
-    """Return its response from Ω = 0.5 to 1.6."""
+    """Its response from Ω = 0.5 to 1.6."""
     oscillator = driven_duffing()
     start = steady_orbit(oscillator, 0.5, 1.0, resolution=EXACT)
     return follow(oscillator, start, "omega", 0.5, 1.6, resolution=EXACT)
 
 
 def driven_vm86() -> Orbit:
-    """Return 0.5 ẍ + 6 ẋ + 200 x = 10 cos 20t, Ansys verification case VM86."""
+    """0.5 ẍ + 6 ẋ + 200 x = 10 cos 20t, Ansys verification case VM86."""
     plain = one_mass(cubic(0.0), mass=0.5, damping=6.0, stiffness=200.0, force=10.0)
     return steady_orbit(plain, 20.0, 1.0, resolution=EXACT)
 
 
 def fundamental(orbit: Orbit) -> complex:
-    """Return the first harmonic of the first coordinate."""
+    """First harmonic of the first coordinate."""
     return complex(orbit.spectrum[1, 0])
 
 
 @cache
 def driven_duffing_peak() -> Orbit:
-    """Return where its first harmonic is largest."""
+    """Where its first harmonic is largest."""
     return peaks(driven_duffing(), driven_duffing_branch(), fundamental)[0].orbit
 
 
 @cache
 def driven_duffing_folds() -> tuple[Orbit, ...]:
-    """Return where its response turns back, in the order in which it is met."""
+    """Where its response turns back, in the order in which it is met."""
     return tuple(at.orbit for at in folds(driven_duffing(), driven_duffing_branch()))
 
 
@@ -156,7 +156,7 @@ class _Inductor:
         self.inductance = inductance
 
     def at(self, current: float, gap: float) -> CoenergyPoint:
-        """Return W' = L i²/2 and its derivatives, whatever the gap."""
+        """W' = L i²/2 and its derivatives, whatever the gap."""
         linkage = self.inductance * current
         return CoenergyPoint(0.5 * linkage * current, linkage, 0.0, self.inductance, 0.0, 0.0)
 
@@ -164,7 +164,7 @@ class _Inductor:
 def run_of_coil(
     inductance: float, resistance: float, voltage: Step | Sine, until: float, wanted: int
 ) -> Run:
-    """Return the run of a coil (H, ohm) at a voltage until a time (s), in so many steps."""
+    """Run of a coil (H, ohm) at a voltage until a time (s), in so many steps."""
     zero = 0.0 * _ONE
     coil = Coil(_Inductor(inductance), zero, 1.0, resistance, "voltage")
     system = System(_UNIT, 0.0 * _UNIT, _UNIT, zero, zero, 0.0, (), (), coil)
@@ -174,7 +174,7 @@ def run_of_coil(
 def settled_current(
     inductance: float, resistance: float, amplitude: float, hertz: float
 ) -> complex:
-    """Return the current's phasor (A) at amplitude · sin(2π f t), from the last of ten periods."""
+    """Current's phasor (A) at amplitude · sin(2π f t), from the last of ten periods."""
     periods, each = 10, 400
     run = run_of_coil(
         inductance, resistance, Sine(amplitude, hertz), periods / hertz, periods * each

@@ -25,7 +25,7 @@ _PRINT = "three printed digits and the plot's width"
 
 @cache
 def _sizes(state: State) -> tuple[Floats, Floats]:
-    """Return frequencies (Hz) and the tip's displacement (m) at 50 V, the contact linear."""
+    """Frequencies (Hz) and the tip's displacement (m) at 50 V, the contact linear."""
     scene, _ = load_scene("paper", (_FREQUENCIES, *_PAD, *STATES[state]))
     found = solve(scene, ("tmm",), ("tip_displacement",)).get("tip_displacement", "tmm")
     return np.asarray(scene.frequency), np.abs(found.value)

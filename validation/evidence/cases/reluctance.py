@@ -103,7 +103,7 @@ def ladder_coenergy() -> float:
 
 
 def ladder_energy() -> float:
-    """Return its stored energy iλ − W' (J)."""
+    """Its stored energy iλ − W' (J)."""
     linkage = float(square_law.by_ladder().flux_linkage[0, 0])
     return square_law.CURRENT * linkage - ladder_coenergy()
 
@@ -119,7 +119,7 @@ def map_coenergy() -> float:
 
 
 def map_energy() -> float:
-    """Return its stored energy by the map (J)."""
+    """Its stored energy by the map (J)."""
     return float(_square_law_map().energy(square_law.CURRENT, square_law.SQUARE_LAW_GAP))
 
 
@@ -168,12 +168,12 @@ def network_over_field_force(state: int) -> Estimate:
 
 
 def _over(value: float, field: float, bar: float) -> Estimate:
-    """Return a value over that of a field with its bar, of which the quotient has the share."""
+    """Value over that of a field with its bar, of which the quotient has the share."""
     return Estimate(value / field, abs(value / field * bar / field))
 
 
 def network_over_field_straight_iron() -> Estimate:
-    """Return the same at the paper's point with straight iron, µr = 1000."""
+    """Same at the paper's point with straight iron, µr = 1000."""
     device = Device(steel=Steel(curve="linear", relative_permeability=1000.0))
     current, gap = STATES[0]
     network = network_samples(device, np.array([current]), np.array([gap]))
@@ -241,13 +241,13 @@ def network_loop_work() -> float:
 
 
 def network_map_loop_work() -> float:
-    """Return the same of the map made from the network."""
+    """Same of the map made from the network."""
     device = Device()
     return _loop(fit(network_samples(device, *map_grid(device))).sampled, 64)
 
 
 def field_map_loop_work() -> float:
-    """Return the same of the map made from the axisymmetric field."""
+    """Same of the map made from the axisymmetric field."""
     device = Device()
     currents, gaps = map_grid(device, 8, 8)
     rows = solve_map(device, gaps.tolist(), currents.tolist(), order=degree(3))
@@ -279,7 +279,7 @@ def _number(rod: Linearised, name: Number) -> float:
 
 
 def network_over_field_machine(name: Number, history: str) -> float:
-    """Return a number of the generator's rod at 50 mA by the network over that by the field."""
+    """Number of the generator's rod at 50 mA by the network over that by the field."""
     one, other = (_number(_rod(model, history), name) for model in ("network", "axisymmetric"))
     return one / other
 

@@ -36,7 +36,7 @@ _AXES = (0, 1, 2)
 
 
 def poled(ceramic: Piezoceramic, poled: Component = "x") -> Material:
-    """Return a ceramic poled along an axis of the box."""
+    """Ceramic poled along an axis of the box."""
     tensors = ceramic.tensors(lossy=False)
     if poled == "z":  # exchange x and z: Voigt xx yy zz yz xz xy
         voigt, axes = np.array([2, 1, 0, 5, 4, 3]), np.array([2, 1, 0])
@@ -54,7 +54,7 @@ _THICKNESS = 1e-3
 
 
 def _plate(shear: bool) -> Box:
-    """Return a column of a 1 mm plate that moves along its normal (x) or in its plane (z).
+    """Column of a 1 mm plate that moves along its normal (x) or in its plane (z).
 
     What does not vary along the plate does not move the other way.  Its halves are mirrored: the
     column reaches from the middle (φ = 0) to one electrode.
@@ -96,7 +96,7 @@ def _plate_answers(coupling: float, parallel: float, series: float, shear: bool)
 
 
 def _coupling(series: float, parallel: float) -> float:
-    """Return the coupling factor of a bar or plate driven along its motion, from f_s and f_p."""
+    """Coupling factor of a bar or plate driven along its motion, from f_s and f_p."""
     phase = 0.5 * math.pi * series / parallel
     return math.sqrt(phase / math.tan(phase))
 
@@ -132,7 +132,7 @@ _SLENDER = "Rayleigh's correction for a bar 0.1 mm thick: (ν π a/L)²/12 is 1e
 
 
 def _bar(along: bool) -> Box:
-    """Return an eighth of a 10 mm bar along z, driven across (31) or along its length (33)."""
+    """Eighth of a 10 mm bar along z, driven across (31) or along its length (33)."""
     material = poled(_BAR_CERAMIC, "z" if along else "x")
     side = even(0.5 * _SIDE, 1, 2)
     box = block((side, side, even(0.5 * _BAR, 2, 7)), material)
@@ -140,7 +140,7 @@ def _bar(along: bool) -> Box:
 
 
 def _mirrored(grounded: Component) -> tuple[Held, ...]:
-    """Return what holds an eighth at its planes of symmetry; the potential is odd at one."""
+    """What holds an eighth at its planes of symmetry; the potential is odd at one."""
     planes = {"x": Where(x=0.0), "y": Where(y=0.0), "z": Where(z=0.0)}
     held = [Held(plane, (axis,)) for axis, plane in planes.items()]  # type: ignore[arg-type]
     return (*held, Held(planes[grounded], ("phi",)))
@@ -184,7 +184,7 @@ _FACE = Where(x=0.025e-3)
 
 
 def _driven_bar() -> Box:
-    """Return an eighth of the 10 x 0.2 x 0.05 mm bar, half a volt on its face."""
+    """Eighth of the 10 x 0.2 x 0.05 mm bar, half a volt on its face."""
     axes = (even(0.025e-3, 1, 2), even(0.1e-3, 1, 2), even(5e-3, 2, 6))
     held = (*_mirrored(grounded="x"), Held(_FACE, ("phi",), 0.5))
     return replace(block(axes, poled(_BAR_CERAMIC)), held=held)
@@ -192,7 +192,7 @@ def _driven_bar() -> Box:
 
 @cached
 def _admittance(frequency: float) -> float:
-    """Return Im Y (S) of the whole bar."""
+    """Im Y (S) of the whole bar."""
     state = harmonic(_driven_bar(), frequency)
     return 2.0 * math.pi * frequency * 4.0 * state.force(_FACE, "phi").real
 
@@ -219,7 +219,7 @@ _ADMITTANCE = case(
 
 
 def _held_block() -> Box:
-    """Return the block with 1 V across 1 mm, held against rigid motion alone."""
+    """Block with 1 V across 1 mm, held against rigid motion alone."""
     box = block((even(1e-3, 1, 1), even(2e-3, 1, 1), even(10e-3, 1, 1)), poled(_CERAMIC))
     held = (
         Held(Where(x=0.0), ("phi",), 1.0),
@@ -233,7 +233,7 @@ def _held_block() -> Box:
 
 @cached
 def _free_block() -> tuple[float, float]:
-    """Return the stretch along 10 mm and across 1 mm (m)."""
+    """Stretch along 10 mm and across 1 mm (m)."""
     state = statics(_held_block())
     along = state.mean(Where(z=10e-3), "z") - state.mean(Where(z=0.0), "z")
     across = state.mean(Where(x=1e-3), "x") - state.mean(Where(x=0.0), "x")
@@ -257,7 +257,7 @@ _BLOCK = case(
 
 
 def _pzt4() -> Material:
-    """Return PZT-4 as ANSYS VM175 has it, poled along x (c, e and ε at constant strain)."""
+    """PZT-4 as ANSYS VM175 has it, poled along x (c, e and ε at constant strain)."""
     c = np.zeros((6, 6))
     c[:3, :3] = np.array([[115.0, 73.0, 73.0], [73.0, 132.0, 71.0], [73.0, 71.0, 132.0]]) * 1e9
     c[3, 3], c[4, 4], c[5, 5] = 30.0e9, 26.0e9, 26.0e9
@@ -275,7 +275,7 @@ _PERTURBED = (
 
 
 def _eighth(grounded: bool) -> Box:
-    """Return an eighth of VM175's cube, its electrode at 0 V or without charge."""
+    """Eighth of VM175's cube, its electrode at 0 V or without charge."""
     half = 10e-3
     box = block((even(half, 1, 6),) * 3, _pzt4())
     held = _mirrored(grounded="x")
@@ -287,7 +287,7 @@ def _eighth(grounded: bool) -> Box:
 
 @cached
 def _cube(grounded: bool) -> Floats:
-    """Return the frequencies (Hz) of the cube that are even at all planes of symmetry.
+    """Frequencies (Hz) of the cube that are even at all planes of symmetry.
 
     Some of them are odd under the exchange of y and z: a voltage does not excite those.
     """

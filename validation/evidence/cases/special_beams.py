@@ -38,7 +38,7 @@ _NO_SHEAR, _NO_BENDING = 1e10, 1e3
 
 @cached
 def _parabolic() -> float:
-    """Return the tip deflection (in) of VM148: 1000 lb at the tip, height 2 √(x/L) in."""
+    """Tip deflection (in) of VM148: 1000 lb at the tip, height 2 √(x/L) in."""
     root, length = 30e6 * 0.2 * 2.0**3 / 12.0, 4.0
 
     def at(share: float) -> Section:
@@ -51,7 +51,7 @@ def _parabolic() -> float:
 
 @cached
 def _shear_beam() -> Floats:
-    """Return two frequencies (Hz) of VM202's tube, which shears and does not bend."""
+    """Two frequencies (Hz) of VM202's tube, which shears and does not bend."""
     length, side, wall, poisson = 30.0, 10.0, 0.1, 0.27
     area, modulus = 4.0 * side * wall, 200e9 / (2.0 * (1.0 + poisson))
     # Cowper's factor of a thin square tube
@@ -68,7 +68,7 @@ _PEAK = 42.65
 
 @cached
 def _deep_beam() -> Box:
-    """Return NAFEMS' beam of 2 x 2 x 10 m with its load of 1 MN/m, bent along x.
+    """NAFEMS' beam of 2 x 2 x 10 m with its load of 1 MN/m, bent along x.
 
     The load is spread over the height as Simpson's rule does, which is even for what varies at
     most as its cube: the faces bend less than the axis, so a load on one of them does less work.
@@ -86,12 +86,12 @@ def _deep_beam() -> Box:
 
 @cached
 def _deep_beam_at(frequency: float) -> float:
-    """Return the amplitude (m) of the beam's middle."""
+    """Amplitude (m) of the beam's middle."""
     return abs(harmonic(_deep_beam(), frequency).mean(Where(x=1.0, y=1.0, z=5.0), "x"))
 
 
 def _deep_beam_peak() -> float:
-    """Return where (Hz) a parabola through three squared inverse amplitudes has its least.
+    """Where (Hz) a parabola through three squared inverse amplitudes has its least.
 
     Of one mode the inverse amplitude squared is a parabola in ω², which over 1 % of it is one in ω.
     """
@@ -103,7 +103,7 @@ def _deep_beam_peak() -> float:
 
 @cached
 def _turned_or_stretched(turned: bool) -> float:
-    """Return the first frequency (Hz) of the beam in torsion or along, by its symmetries."""
+    """First frequency (Hz) of the beam in torsion or along, by its symmetries."""
     along: tuple[tuple[Component, ...], ...] = (("y", "z"), ("x", "z"), ("x", "y"))
     across: tuple[tuple[Component, ...], ...] = (("x",), ("y",), ("z",))
     on_x, on_y, at_root = along if turned else across
@@ -198,7 +198,7 @@ SLOPE = -20e9
 
 
 def strip_material() -> Material:
-    """Return PZT-4 as ANSYS VM231 has it, poled along x (c, e and ε at constant strain)."""
+    """PZT-4 as ANSYS VM231 has it, poled along x (c, e and ε at constant strain)."""
     c = np.zeros((6, 6))
     c[:3, :3] = np.array([[115.0, 74.3, 74.3], [74.3, 139.0, 77.8], [74.3, 77.8, 139.0]]) * 1e9
     c[3, 3], c[4, 4], c[5, 5] = 30.6e9, 25.6e9, 25.6e9
@@ -209,7 +209,7 @@ def strip_material() -> Material:
 
 
 def _strip() -> Box:
-    """Return half the strip, poled along its height x, bent about y, free but for rigid motion."""
+    """Half the strip, poled along its height x, bent about y, free but for rigid motion."""
     height = even(2.0 * HEIGHT, 2, 2)
     axes = (replace(height, breaks=height.breaks - HEIGHT), even(_WIDTH, 1, 2), even(LENGTH, 1, 2))
     box = block(axes, strip_material())
@@ -223,7 +223,7 @@ def _strip() -> Box:
 
 @cached
 def _corner() -> Floats:
-    """Return displacement along and across the strip (m) and the potential (V) at its corner."""
+    """Displacement along and across the strip (m) and the potential (V) at its corner."""
     state = statics(_strip())
     at = Where(x=HEIGHT, y=0.0, z=LENGTH)
     return np.array([state.mean(at, component).real for component in _COMPONENTS])

@@ -27,7 +27,7 @@ from tactgen.validation.evidence.section_drawing import section
 
 
 def expanding(modulus: float, strain: float) -> Material:
-    """Return an isotropic layer (ν = 0) that expands by `strain` along z.
+    """Isotropic layer (ν = 0) that expands by `strain` along z.
 
     An expansion is what a field of 1 V/m along x does to a material with e = c · strain: so a
     potential of −x makes the twin of a change of temperature.
@@ -42,7 +42,7 @@ def expanding(modulus: float, strain: float) -> Material:
 def _bimetal(
     layers: tuple[tuple[float, float, float], ...], length: float, moment: float = 0.0
 ) -> tuple[float, float, Callable[[float], float]]:
-    """Return deflection and stretch of the tip, and the stress along z at a depth x.
+    """Deflection and stretch of the tip, and the stress along z at a depth x.
 
     Layers are (thickness, modulus, free strain), from below; clamped at z = 0.  A moment (per
     width) pulls the upper side of the free end, where the stress is that of a long strip.
@@ -86,7 +86,7 @@ def _bimetal(
 def _strip_theory(
     layers: tuple[tuple[float, float, float], ...], moment: float = 0.0
 ) -> tuple[float, float]:
-    """Return strain at the lower face and curvature of a long strip: force 0, moment as given."""
+    """Strain at the lower face and curvature of a long strip: force 0, moment as given."""
     edges = np.concatenate([[0.0], np.cumsum([layer[0] for layer in layers])])
     moduli, free = (np.array([layer[i] for layer in layers]) for i in (1, 2))
     a, b, d = (float(moduli @ np.diff(edges**n)) / n for n in (1, 2, 3))
@@ -98,7 +98,7 @@ def _strip_theory(
 def _end_stress(
     layers: tuple[tuple[float, float, float], ...], length: float, moment: float
 ) -> tuple[Load, ...]:
-    """Return the tractions on the free end that it has the stress of the strip far from it.
+    """Tractions on the free end that it has the stress of the strip far from it.
 
     Without them the thermal stress, whose force and moment are 0, would have to fade there.
     """
@@ -172,7 +172,7 @@ _STIFF = 100.0
 
 
 def _bimorph(pressure: float, volts: float) -> Box:
-    """Return the two layers in series: a pressure (Pa) on the upper face, volts across both."""
+    """Two layers in series: a pressure (Pa) on the upper face, volts across both."""
     stiffness = np.diag([_STIFF, _STIFF, 1.0, _STIFF, _STIFF, _STIFF]) / _S11
     coupling = np.zeros((3, 6))
     coupling[0, 2] = _D31 / _S11
@@ -207,12 +207,12 @@ def _deflection() -> float:
 
 
 def _rotation() -> float:
-    """Return that of the end face, by its motion along z, which is 0 in the middle."""
+    """That of the end face, by its motion along z, which is 0 in the middle."""
     return -_state(1.0, 0.0).mean(Where(x=2.0 * _H, z=_L), "z").real / _H
 
 
 def _volume(pressure: float, volts: float) -> float:
-    """Return the volume (m³) that the bimorph sweeps."""
+    """Volume (m³) that the bimorph sweeps."""
     return _W * _L * abs(_state(pressure, volts).mean(Where(x=_H), "x"))
 
 

@@ -60,7 +60,7 @@ class FluxDensities:
 
 
 def team20_problem(scale: float) -> MagneticSolid:
-    """Return a quarter of the problem, cells `scale` times as large as the default's."""
+    """Quarter of the problem, cells `scale` times as large as the default's."""
     mesh = team20_mesh(Team20Meshing(scale=scale))
     return MagneticSolid(mesh, {"pole": TEAM20, "yoke": TEAM20}, team20_source, copies=4)
 
@@ -98,7 +98,7 @@ def flux_densities(field: MagneticField) -> FluxDensities:
 
 
 def _section(x: tuple[float, float], y: tuple[float, float]) -> Floats:
-    """Return the middles (n, 3) of 20 by 20 equal parts of a section half way up the coil."""
+    """Middles (n, 3) of 20 by 20 equal parts of a section half way up the coil."""
     shares = (np.arange(20) + 0.5) / 20.0
     along = (low + (high - low) * shares for low, high in (x, y))
     grid = np.meshgrid(*along, [HALF_WAY_UP], indexing="ij")
@@ -125,7 +125,7 @@ def _force(current: float) -> float:
 
 
 def _best_force(current: float) -> float:
-    """Return the mean of both potentials' forces on one mesh (N)."""
+    """Mean of both potentials' forces on one mesh (N)."""
     return 0.5 * sum(_states(potential)[current][0].force for potential in ("A", "phi"))
 
 

@@ -15,13 +15,13 @@ from tactgen.tmm.beam.sections import Section
 
 
 def transfer(beam: Section, length: float, frequencies: Floats) -> Complex:
-    """Return A (n, 5, 5); overflow and 0/0 give what they give."""
+    """A (n, 5, 5); overflow and 0/0 give what they give."""
     with np.errstate(all="ignore"):
         return matrix_a(beam, length, frequencies)
 
 
 def dynamic_stiffness(beam: Section, length: float, frequencies: Floats) -> Complex:
-    """Return D (n, 5, 5) over [w_0, ψ_0, w_l, ψ_l, U] by inverting A's upper right block."""
+    """D (n, 5, 5) over [w_0, ψ_0, w_l, ψ_l, U] by inverting A's upper right block."""
     a, jw = transfer(beam, length, frequencies), 2j * np.pi * np.asarray(frequencies, float)
     n = jw.size
     # internal [M, F] below that turn the motion below into the motion above; rates to motions
@@ -41,7 +41,7 @@ def dynamic_stiffness(beam: Section, length: float, frequencies: Floats) -> Comp
 def tip_velocity(
     beam: Section, length: float, frequencies: Floats, *, base: tuple[Any, Any] | None, tip: Any
 ) -> Complex:
-    """Return tip velocity per volt (n,): paper eqs 6-12, the boundary conditions through A.
+    """Tip velocity per volt (n,): paper eqs 6-12, the boundary conditions through A.
 
     Dynamic stiffnesses `base` (lateral, rotational; None is a clamp) and `tip` hold the ends.
     """

@@ -24,12 +24,12 @@ PYTHON = "TACTGEN_PEERS"
 
 
 def missing(peer: str) -> str:
-    """Return a sentence if a peer is not installed, else nothing."""
+    """Sentence if a peer is not installed, else nothing."""
     return not_installed(PEERS[peer][0])
 
 
 def not_installed(package: str) -> str:
-    """Return a sentence if the peers' Python lacks a package, else nothing."""
+    """Sentence if the peers' Python lacks a package, else nothing."""
     look = f"import importlib.util as u, sys; sys.exit(u.find_spec({package!r}) is None)"
     try:
         done = subprocess.run([python(), "-c", look], capture_output=True, check=False)
@@ -41,14 +41,11 @@ def not_installed(package: str) -> str:
 def solve(peer: str, job: Job) -> Answer:
     """Let a peer solve a job, alone in a process.
 
-    Raises
-    ------
-    InputError
-        If the peer's process ends badly, with the last line that it wrote.
+    Raises InputError if the peer's process ends badly, with the last line that it wrote.
     """
     return cast(Answer, on_one_core(PEERS[peer][1], "run", job, python=python()))
 
 
 def python() -> str:
-    """Return the interpreter that runs the peers."""
+    """Interpreter that runs the peers."""
     return os.environ.get(PYTHON, sys.executable)

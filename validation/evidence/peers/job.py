@@ -101,19 +101,19 @@ class Clock:
 
 
 def tensor(values: list[list[float]], loss: list[list[float]], *, lossy: bool) -> Numbers:
-    """Return one of a material's tensors, complex if `lossy`."""
+    """One of a material's tensors, complex if `lossy`."""
     return np.array(values) + 1j * np.array(loss) if lossy else np.array(values)
 
 
 def potential_unit(material: Material) -> float:
-    """Return the voltage (V) that makes entries of displacement and potential alike."""
+    """Voltage (V) that makes entries of displacement and potential alike."""
     return float(np.sqrt(material["stiffness"][0][0] / material["permittivity"][0][0]))
 
 
 def lowest_frequencies(
     inverse: Callable[[Floats], Floats], weigh: Callable[[Floats], Floats], size: int, count: int
 ) -> list[float]:
-    """Return the lowest natural frequencies (Hz) by SciPy's Lanczos with a given inverse.
+    """Lowest natural frequencies (Hz) by SciPy's Lanczos with a given inverse.
 
     The potential has no mass; starting from inverse times mass keeps it where the
     displacement puts it.
@@ -145,7 +145,7 @@ def answer(
     natural: list[float] | None = None,
     sweep: list[complex] | None = None,
 ) -> Answer:
-    """Return the answer with what this process has used so far."""
+    """Answer with what this process has used so far."""
     return Answer(
         deflection=static[0],
         capacitance=static[1],
@@ -209,7 +209,7 @@ class Bricks:
     layer: Ints
 
     def faces(self) -> list[Face]:
-        """Return all faces on the surface and between ceramic and shim."""
+        """All faces on the surface and between ceramic and shim."""
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         half = float(self.points[self.cells[self.layer == SHIM], 0].max())
 
@@ -235,7 +235,7 @@ class Bricks:
 
 
 def bricks(job: Job) -> Bricks:
-    """Return the graded grid that the job asks for.
+    """Graded grid that the job asks for.
 
     Bricks grow from the clamp by `growth`, and shrink by 2.5 twice at most towards layer
     faces and side edges, where stress is singular too; at the tip they are as long as a

@@ -107,7 +107,7 @@ class _Model:
         return back @ inner @ to + a.inner_solve
 
     def static(self, inverse: Any) -> tuple[float, float]:
-        """Return deflection and capacitance."""
+        """Deflection and capacitance."""
         force, moved = self._volt.CreateVector(), self._volt.CreateVector()
         self._stiffness.Apply(self._volt, force)
         moved.data = self._volt - inverse * force
@@ -116,7 +116,7 @@ class _Model:
         return self._ngs.InnerProduct(self._tip, moved) / self._area, charge
 
     def natural_frequencies(self, inverse: Any, count: int) -> list[float]:
-        """Return the lowest natural frequencies (Hz)."""
+        """Lowest natural frequencies (Hz)."""
         x, y = self._volt.CreateVector(), self._volt.CreateVector()
 
         def times(operator: Any, v: Floats) -> Floats:
@@ -129,7 +129,7 @@ class _Model:
         )
 
     def deflection_at(self, frequency: float) -> complex:
-        """Return the complex deflection at a frequency (Hz) by a factorisation of its own."""
+        """Complex deflection at a frequency (Hz) by a factorisation of its own."""
         k = self._stiffness.mat
         dynamic = k.CreateMatrix()
         omega = 2.0 * np.pi * frequency
@@ -142,14 +142,14 @@ class _Model:
 
 
 def _strain(ngs: Any, u: Any) -> Any:
-    """Return the strain of a displacement in Voigt's order."""
+    """Strain of a displacement in Voigt's order."""
     g = ngs.Grad(u)
     shear = (g[1, 2] + g[2, 1], g[0, 2] + g[2, 0], g[0, 1] + g[1, 0])
     return ngs.CoefficientFunction((g[0, 0], g[1, 1], g[2, 2], *shear))
 
 
 def _coefficients(ngs: Any, mesh: Any, job: Job, unit: float, *, lossy: bool) -> list[Any]:
-    """Return stiffness, coupling, permittivity and density, the potential in its unit."""
+    """Stiffness, coupling, permittivity and density, the potential in its unit."""
     ceramic, shim = job["ceramic"], job["shim"]
 
     def constant(values: Any) -> Any:
@@ -169,7 +169,7 @@ def _coefficients(ngs: Any, mesh: Any, job: Job, unit: float, *, lossy: bool) ->
 
 
 def _brick_mesh(grid: Bricks) -> Any:
-    """Return the grid as a mesh with named layers and faces."""
+    """Grid as a mesh with named layers and faces."""
     import netgen.meshing as netgen
     import ngsolve as ngs
 
@@ -190,7 +190,7 @@ def _brick_mesh(grid: Bricks) -> Any:
 
 
 def _tetrahedra(job: Job) -> Any:
-    """Return Netgen's mesh of three glued boxes, finest at the clamped face."""
+    """Netgen's mesh of three glued boxes, finest at the clamped face."""
     import netgen.occ as occ
     import ngsolve as ngs
 

@@ -64,7 +64,7 @@ def run(job: Job) -> Answer:
 
 
 def _domain(job: Job) -> Any:
-    """Return the grid as a domain; cell groups 1 and 2 are the ceramic, 3 the shim."""
+    """Grid as a domain; cell groups 1 and 2 are the ceramic, 3 the shim."""
     from sfepy.discrete.fem import FEDomain, Mesh
 
     grid = bricks(job)
@@ -98,13 +98,13 @@ class _Model:
         self._force, self._inertia = (whole @ volt)[free], (mass @ volt)[free]
 
     def static(self, inverse: Any) -> tuple[float, float]:
-        """Return deflection and capacitance."""
+        """Deflection and capacitance."""
         y = self._volt.copy()
         y[self._free] -= inverse(self._force)
         return float(self._tip @ y / self._area), float(-self._volt @ (self._whole @ y))
 
     def deflection_at(self, frequency: float) -> complex:
-        """Return the complex deflection at a frequency (Hz) by a factorisation of its own."""
+        """Complex deflection at a frequency (Hz) by a factorisation of its own."""
         o2 = (2.0 * np.pi * frequency) ** 2
         inverse = _factorised(self.stiffness - o2 * self.mass)
         moved = -inverse(self._force - o2 * self._inertia)
@@ -143,7 +143,7 @@ class _Forms:
         self._problem.update_materials()
 
     def _sum(self, name: str, *terms: tuple[float, str, Any, Any]) -> Any:
-        """Return an equation of (factor, term, region, material)."""
+        """Equation of (factor, term, region, material)."""
         from sfepy.discrete import Equation
         from sfepy.terms import Term
 
@@ -157,7 +157,7 @@ class _Forms:
         return Equation(name, sum(made[1:], made[0]))
 
     def _constitutive(self, job: Job, *, loss: bool) -> dict[str, Any]:
-        """Return the two rows of the piezoelectric stiffness, or of its imaginary part."""
+        """Two rows of the piezoelectric stiffness, or of its imaginary part."""
         from sfepy.discrete import Material as Constants
 
         at, (ceramic, shim) = f"{loss:d}", (_tensors(job[key], loss=loss) for key in _LAYERS)
@@ -203,21 +203,21 @@ class _Forms:
         return matrix
 
     def stiffness(self, *, loss: bool) -> Sparse:
-        """Return the stiffness, or its imaginary part."""
+        """Stiffness, or its imaginary part."""
         return self._assembled(f"u{loss:d}", f"phi{loss:d}")
 
     def mass(self) -> Sparse:
-        """Return the mass matrix."""
+        """Mass matrix."""
         return self._assembled("mass")
 
     def tip(self) -> Floats:
-        """Return the integral of u_x over the tip per unknown."""
+        """Integral of u_x over the tip per unknown."""
         zero = np.zeros(self._problem.mtx_a.shape[0])
         found = self._equations["tip"].evaluate(mode="weak", dw_mode="vector", asm_obj=zero)
         return np.asarray(found)
 
     def essential(self) -> tuple[Ints, Floats]:
-        """Return the free unknowns, and all unknowns at 1 V with nothing moved."""
+        """Free unknowns, and all unknowns at 1 V with nothing moved."""
         starts = self._all.variables.di.indx
         moved, field = self._spaces
 
@@ -235,12 +235,12 @@ class _Forms:
 
 
 def _arguments(form: str) -> list[str]:
-    """Return the names between the brackets of a term."""
+    """Names between the brackets of a term."""
     return form.partition("(")[2].rstrip(")").split(", ")
 
 
 def _tensors(material: Material, *, loss: bool) -> tuple[Floats, Floats, Floats]:
-    """Return stiffness, coupling and permittivity (or their losses) in SfePy's order."""
+    """Stiffness, coupling and permittivity (or their losses) in SfePy's order."""
     part = (
         (material["stiffness_loss"], material["coupling_loss"], material["permittivity_loss"])
         if loss
@@ -251,7 +251,7 @@ def _tensors(material: Material, *, loss: bool) -> tuple[Floats, Floats, Floats]
 
 
 def _faces(domain: Any, job: Job) -> dict[str, Any]:
-    """Return the named faces as regions."""
+    """Named faces as regions."""
     half = 0.5 * job["shim_thickness"]
     outer, upper = half + job["piezo_thickness"] - _NEAR, job["length"] - _NEAR
     where = {
@@ -264,7 +264,7 @@ def _faces(domain: Any, job: Job) -> dict[str, Any]:
 
 
 def _factorised(matrix: Sparse) -> Any:
-    """Return v ↦ matrix⁻¹ v."""
+    """V ↦ matrix⁻¹ v."""
     from scipy.sparse.linalg import splu
 
     return splu(

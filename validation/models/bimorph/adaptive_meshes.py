@@ -172,26 +172,26 @@ class AdaptedPair(MeshPair):
         return [name for name in self.fine.goals if name.startswith("bending")]
 
     def _factor(self, names: list[str], most: float) -> float:
-        """Return SAFETY / (gain − 1), with the estimated gain of the goal that gained least."""
+        """SAFETY / (gain − 1), with the estimated gain of the goal that gained least."""
         gain = min(_gain(self.coarse, self.fine, name) for name in names)
         return SAFETY / (float(np.clip(gain, 1.0 + _LEAST_GAIN, most)) - 1.0)
 
 
 def _gain(coarse: Solved, fine: Solved, name: str) -> float:
-    """Return the estimated ratio of the errors of a goal on two meshes."""
+    """Estimated ratio of the errors of a goal on two meshes."""
     least = np.finfo(float).tiny
     return abs(coarse.goals[name].error) / max(abs(fine.goals[name].error), least)
 
 
 def _judged(solved: list[Solved]) -> AdaptedPair:
-    """Return the last mesh with the last one that is far enough from it, else the first."""
+    """Last mesh with the last one that is far enough from it, else the first."""
     fine = solved[-1]
     far = [s for s in solved[:-1] if all(_gain(s, fine, n) >= _TELLING for n in fine.goals)]
     return AdaptedPair(fine, far[-1] if far else solved[0])
 
 
 def level_limits(scene: Scene) -> tuple[float, int]:
-    """Return the accuracy that the scene asks for, and the most elements for it."""
+    """Accuracy that the scene asks for, and the most elements for it."""
     accuracy, most = _LEVELS[scene.mesh.level]
     return accuracy or scene.accuracy, most
 
@@ -216,10 +216,7 @@ def adapted_pair(
         What is wanted of the solid on the mesh that judges the last one: called with every mesh
         that may be that, while the mesher is busy with the next.
 
-    Raises
-    ------
-    MeshError
-        If a mesh cannot be made.
+    Raises MeshError if a mesh cannot be made.
     """
     with Mesher() as mesher:
         mesher.meanwhile = _import_solvers
@@ -255,7 +252,7 @@ def _import_solvers() -> None:
 def _finer(
     scene: Scene, mesher: Mesher, last: Solved, allowed: float, most_elements: int
 ) -> Solved:
-    """Return the next mesh, solved; its error is allowed to be this share of the last one's."""
+    """Next mesh, solved; its error is allowed to be this share of the last one's."""
     from tactgen.geometry.bimorph.tets import squeezed
 
     # each element is as fine as the goal that needs it most
@@ -305,7 +302,7 @@ def _meshed(scene: Scene, mesher: Mesher, sizing: Sizing | None, most_elements: 
 
 
 def _first_edge(scene: Scene) -> float:
-    """Return the edge length (m) of the first mesh: a foil of a shim does not ask for millions."""
+    """Edge length (m) of the first mesh: a foil of a shim does not ask for millions."""
     b = scene.bimorph
     volume = b.width * b.thickness * b.length
     # a tetrahedron of edge a has the volume a³ / 8.5

@@ -42,7 +42,7 @@ class BeamModel(BeamTheoryModel):
     )
 
     def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
-        """Return the centre lines of the modes, at the nodes of many elements."""
+        """Centre lines of the modes, at the nodes of many elements."""
         from tactgen.fem import beam
 
         s = self.scene
@@ -50,7 +50,7 @@ class BeamModel(BeamTheoryModel):
         return beam.mode_lines(matrices, s.ends, s.modes, open_circuit=open_circuit)
 
     def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
-        """Return the centre line at a frequency and a voltage across each layer."""
+        """Centre line at a frequency and a voltage across each layer."""
         from tactgen.fem import beam
 
         s = self.scene
@@ -94,14 +94,14 @@ class BeamModel(BeamTheoryModel):
         return Refined(Modes(fine, classes), judges, self._METHOD)
 
     def _meshes(self, number: int, *, lossy: bool) -> list[BeamMatrices]:
-        """Return about `number` elements along the row, half of them and a quarter."""
+        """About `number` elements along the row, half of them and a quarter."""
         return [
             self._assembled(number, lossy=lossy, halvings=halvings)
             for halvings in range(_HALVINGS, -1, -1)
         ]
 
     def _rounded(self, number: int, *, lossy: bool) -> Iterator[BeamMatrices]:
-        """Return the finest elements again, each time in other units and a little elsewhere."""
+        """Finest elements again, each time in other units and a little elsewhere."""
         for unit, shift in _OTHERWISE:
             yield self._assembled(number, lossy=lossy, halvings=_HALVINGS, unit=unit, shift=shift)
 

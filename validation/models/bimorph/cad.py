@@ -37,7 +37,7 @@ class CadModel(TwoMeshModel):
         self._ahead: list[tuple[SolidSystem, MeshModes]] = []
 
     def make_pair(self) -> AdaptedPair:
-        """Return the last mesh of the refinement, and an earlier one to judge it by."""
+        """Last mesh of the refinement, and an earlier one to judge it by."""
         # an answer from the store needs none of what makes meshes
         from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
 
@@ -47,7 +47,7 @@ class CadModel(TwoMeshModel):
         return pair
 
     def coarse_modes(self, system: SolidSystem) -> MeshModes:
-        """Return what modes follow from on a mesh that judges another; found before, perhaps."""
+        """What modes follow from on a mesh that judges another; found before, perhaps."""
         ahead = (modes for of, modes in self._ahead if of is system)
         return next(ahead, None) or super().coarse_modes(system)
 
@@ -57,12 +57,9 @@ class CadModel(TwoMeshModel):
 
 
 def mesh_pair(scene: Scene) -> MeshPair:
-    """Return the meshes for pictures and files: bricks if the scene asks for them and can.
+    """Meshes for pictures and files: bricks if the scene asks for them and can.
 
-    Raises
-    ------
-    InputError
-        If neither bricks nor tetrahedra know the scene's bimorph.
+    Raises InputError if neither bricks nor tetrahedra know the scene's bimorph.
     """
     if scene.support.kind == "rod" or ("cad" in scene.models and "solid" not in scene.models):
         from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
@@ -74,5 +71,5 @@ def mesh_pair(scene: Scene) -> MeshPair:
 
 
 def cells_of(mesh: Mesh | Bricks) -> Mesh:
-    """Return the cells to show or to write, of the whole: bricks become eight-cornered ones."""
+    """Cells to show or to write, of the whole: bricks become eight-cornered ones."""
     return mesh.corner_mesh() if isinstance(mesh, Bricks) else whole_mesh(mesh)

@@ -67,20 +67,20 @@ class MeshModes:
         )
 
     def opened(self, ends: Ends) -> float:
-        """Return how far off Ω² of open circuit is beside that of short circuit, relative.
+        """How far off Ω² of open circuit is beside that of short circuit, relative.
 
         Of the first mode that bends in x, by what the mesh lacks.
         """
         return cancelling(*self.ports.opened(ends))
 
     def lowest(self, ends: Ends, count: int, *, open_circuit: bool) -> dict[Motion, list[BareMode]]:
-        """Return the lowest `count` modes of every class of motion."""
+        """Lowest `count` modes of every class of motion."""
         of_ports = self.ports.modes(ends, count, open_circuit=open_circuit)
         return {self.ports.motion: of_ports} | {m: list(f[:count]) for m, f in self.others.items()}
 
 
 def coarse_modes(coarse: SolidSystem, count: int) -> MeshModes:
-    """Return what the lowest `count` modes need on any support, on a mesh that judges another."""
+    """What the lowest `count` modes need on any support, on a mesh that judges another."""
     return mesh_modes(coarse, dict.fromkeys(_of(coarse), count), count)
 
 
@@ -90,7 +90,7 @@ def fine_modes(
     count: int,
     lacking: Callable[[Motion], Surplus] | None = None,
 ) -> MeshModes:
-    """Return the same on the finer mesh, of the classes that the coarser one has found low.
+    """Same on the finer mesh, of the classes that the coarser one has found low.
 
     With what functions that are `lacking` in each class of motion make of them.
     """
@@ -107,7 +107,7 @@ def mesh_modes(
     count: int,
     lacking: Callable[[Motion], Surplus] | None = None,
 ) -> MeshModes:
-    """Return what `count` bending modes in x need, and so many of other classes of motion."""
+    """What `count` bending modes in x need, and so many of other classes of motion."""
     from tactgen.fem.piezo.modal_reduction import modal_model
 
     surplus = None if lacking is None else lacking(system.motion)
@@ -124,7 +124,7 @@ def mesh_modes(
 def lowest_modes(
     fine: MeshModes, coarse: MeshModes, ends: Ends, count: int, *, open_circuit: bool
 ) -> tuple[list[BareMode], list[BareMode]]:
-    """Return the lowest modes on both meshes: `count`, or up to the first bending in x.
+    """Lowest modes on both meshes: `count`, or up to the first bending in x.
 
     The coarser list is longer where modes are close, so that each finer one has a partner.
     """
@@ -152,7 +152,7 @@ def _other(
     count: int,
     lacking: Callable[[Motion], Surplus] | None,
 ) -> list[tuple[BareMode, ...]]:
-    """Return modes of a class of motion; moved by what is lacking of displacement; of potential."""
+    """Modes of a class of motion; moved by what is lacking of displacement; of potential."""
     from tactgen.fem.piezo.modes import eigenpairs, solid_mode
 
     assert system.related is not None
@@ -177,23 +177,23 @@ def _other(
 
 
 def all_modes(by_motion: Iterable[Iterable[BareMode]]) -> list[BareMode]:
-    """Return all modes in ascending order."""
+    """All modes in ascending order."""
     return sorted((m for modes in by_motion for m in modes), key=lambda mode: mode.frequency)
 
 
 def _reach(modes: list[BareMode], count: int) -> float:
-    """Return the frequency up to which modes are wanted: `count`, and one that bends in x."""
+    """Frequency up to which modes are wanted: `count`, and one that bends in x."""
     first = next((m.frequency for m in modes if m.kind == "bending_x"), 0.0)
     return max(modes[min(count, len(modes)) - 1].frequency, first)
 
 
 def only(of: Bools, fine: Modes, coarse: Modes) -> Modes:
-    """Return the coarse modes where `of` (n,) says so, the fine ones elsewhere."""
+    """Coarse modes where `of` (n,) says so, the fine ones elsewhere."""
     return Modes(np.where(of, coarse.frequencies, fine.frequencies), fine.classes)
 
 
 def least_apart(fine: Modes, coarse: Modes) -> dict[str, float]:
-    """Return the relative difference that the modes of each class count with at least.
+    """Relative difference that the modes of each class count with at least.
 
     A mode that is alone in its class has all others for neighbours.
     """
@@ -206,7 +206,7 @@ def least_apart(fine: Modes, coarse: Modes) -> dict[str, float]:
 
 
 def moved(fine: Modes, least: dict[str, float]) -> Modes:
-    """Return the modes moved by what each of its class counts with at least."""
+    """Modes moved by what each of its class counts with at least."""
     shares = np.array([least[kind] for kind in fine.classes])
     return Modes(fine.frequencies * (1.0 + shares), fine.classes)
 

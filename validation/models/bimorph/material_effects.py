@@ -75,7 +75,7 @@ def choices(ceramic: Piezoceramic) -> Iterator[tuple[str, str, Piezoceramic]]:
 def material_effects(
     scene: Scene, announce: Callable[[str], None], *, level: int = 1
 ) -> list[MaterialRow]:
-    """Return a row per choice of the scene's tensor, solved on the scene's support."""
+    """Row per choice of the scene's tensor, solved on the scene's support."""
     rows = []
     for name, what, ceramic in choices(scene.piezo.ceramic()):
         try:
@@ -113,7 +113,7 @@ def _with_s12(ceramic: Piezoceramic, ratio: float) -> Piezoceramic:
 
 
 def _scaled(ceramic: Piezoceramic, place: tuple[int, int], factor: float) -> Piezoceramic:
-    """Return the ceramic with s13 (and its equals) or s33 scaled."""
+    """Ceramic with s13 (and its equals) or s33 scaled."""
     s = ceramic.s.copy()
     places = {place, place[::-1]} | ({(1, 2), (2, 1)} if place == (0, 2) else set())
     for i, j in places:

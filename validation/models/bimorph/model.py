@@ -65,7 +65,7 @@ class BimorphModel(Model):
         self.frequencies = np.asarray(scene.frequency, dtype=float)
 
     def answer(self, need: Need) -> Any:
-        """Return what quantities with this need are read from."""
+        """What quantities with this need are read from."""
         if need in ("small_signal", "machine_poles"):
             return self._machine(need)
         if need == "crosstalk":
@@ -79,7 +79,7 @@ class BimorphModel(Model):
         return self.modes(open_circuit=need == "modes_open")
 
     def _machine(self, need: Need) -> Any:
-        """Return the machine's answer, with this bimorph on its rod."""
+        """Machine's answer, with this bimorph on its rod."""
         from tactgen.validation.models.generator.small_signal import (
             SmallSignal,
             machine_of,
@@ -93,22 +93,22 @@ class BimorphModel(Model):
         return SmallSignal(self.scene, self.ports(), linear)
 
     def _crosstalk(self) -> Any:
-        """Return what one unit moves at the others, all of them on this bimorph."""
+        """What one unit moves at the others, all of them on this bimorph."""
         from tactgen.validation.models.display.crosstalk import crosstalk
 
         return self.run("crosstalk", lambda: crosstalk(self.scene, self.ports()))
 
     @abstractmethod
     def ports(self) -> Refined[Multiport]:
-        """Return D(Ω) with losses over the scene's frequencies, parallel wiring."""
+        """D(Ω) with losses over the scene's frequencies, parallel wiring."""
 
     @abstractmethod
     def static(self) -> Refined[Multiport]:
-        """Return the lossless D(0), parallel wiring."""
+        """Lossless D(0), parallel wiring."""
 
     @abstractmethod
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
-        """Return the lossless modes on the scene's support."""
+        """Lossless modes on the scene's support."""
 
 
 class BeamTheoryModel(BimorphModel):
@@ -140,7 +140,7 @@ class BeamTheoryModel(BimorphModel):
         return (sentence,)
 
     def answer(self, need: Need) -> Any:
-        """Return what quantities with this need are read from; of many units, each its own beam."""
+        """What quantities with this need are read from; of many units, each its own beam."""
         return self._spread() if need == "spread" else super().answer(need)
 
     def _spread(self) -> Any:
@@ -153,33 +153,33 @@ class BeamTheoryModel(BimorphModel):
         return self.run("spread", lambda: spread(alone, first))
 
     def ports(self) -> Refined[Multiport]:
-        """Return D(Ω) with losses over the scene's frequencies."""
+        """D(Ω) with losses over the scene's frequencies."""
         return self.run("ports", lambda: self._multiport(self.frequencies, lossy=True))
 
     def static(self) -> Refined[Multiport]:
-        """Return the lossless D(0)."""
+        """Lossless D(0)."""
         return self.run("static", lambda: self._multiport(np.zeros(1), lossy=False))
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
-        """Return the lossless modes."""
+        """Lossless modes."""
         both = self.run("modes", lambda: tuple(self._modes(open_circuit=q) for q in (False, True)))
         return both[open_circuit]
 
     @abstractmethod
     def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
-        """Return the centre line of every mode of :meth:`modes`, of unit tip displacement."""
+        """Centre line of every mode of :meth:`modes`, of unit tip displacement."""
 
     @abstractmethod
     def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
-        """Return the centre line at a frequency (Hz) and a voltage (V) across each layer.
+        """Centre line at a frequency (Hz) and a voltage (V) across each layer.
 
         Without losses the ends have none either, and the finger is left out, as in statics.
         """
 
     @abstractmethod
     def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
-        """Return D(Ω), parallel wiring."""
+        """D(Ω), parallel wiring."""
 
     @abstractmethod
     def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
-        """Return the lossless modes in one circuit."""
+        """Lossless modes in one circuit."""

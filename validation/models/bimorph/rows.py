@@ -54,7 +54,7 @@ class RowModel(BeamTheoryModel):
         return transfer_matrix.sections(s.device, s.support, s.beam, lossy=lossy, segments=segments)
 
     def _judged(self, read: Callable[[int], T], method: str = "") -> Refined[T]:
-        """Return what `read` gives for a number of segments, judged by half as many."""
+        """What `read` gives for a number of segments, judged by half as many."""
         method = method or self._METHOD
         fine = read(transfer_matrix.SEGMENTS)
         if not transfer_matrix.is_tapered(self.scene.device, self.scene.support):
@@ -88,14 +88,14 @@ class LumpedModel(RowModel):
     _solved = staticmethod(lumped.multiport)
 
     def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
-        """Return the centre line of the first mode."""
+        """Centre line of the first mode."""
         row, ends = self._row(lossy=False), self.scene.ends
         *motion, charge = lumped.first_mode(row, ends, open_circuit=open_circuit)
         frequency = float(self.modes(open_circuit=open_circuit).fine.frequencies[0])
         return [shapes.static_line(row, np.array(motion), charge, frequency)]
 
     def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
-        """Return the static line between the ends as the ports move them."""
+        """Static line between the ends as the ports move them."""
         port = self._multiport(np.array([frequency]), lossy=lossy).fine
         ends = self.scene.ends if lossy else self.scene.ends.lossless
         found = respond(attach(port, ends), {"voltage": voltage})
@@ -106,7 +106,7 @@ class LumpedModel(RowModel):
         return shapes.static_line(row, np.array([*ports, voltage]), charge, frequency)
 
     def circuit(self, *, open_circuit: bool = False) -> lumped.EquivalentCircuit:
-        """Return the first mode as a one-mode circuit (parallel wiring)."""
+        """First mode as a one-mode circuit (parallel wiring)."""
         return self._circuit(transfer_matrix.SEGMENTS, open_circuit=open_circuit)
 
     def _circuit(self, segments: int, *, open_circuit: bool) -> lumped.EquivalentCircuit:
@@ -130,17 +130,17 @@ class TmmModel(RowModel):
     _solved = staticmethod(transfer_matrix.multiport)
 
     def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
-        """Return the centre lines of the modes."""
+        """Centre lines of the modes."""
         s = self.scene
         return shapes.mode_lines(self._row(lossy=False), s.ends, s.modes, open_circuit=open_circuit)
 
     def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
-        """Return the centre line at a frequency and a voltage across each layer."""
+        """Centre line at a frequency and a voltage across each layer."""
         ends = self.scene.ends if lossy else self.scene.ends.lossless
         return shapes.driven_line(self._row(lossy=lossy), ends, frequency, voltage)
 
     def closed_form(self, ends: Ends) -> Refined[Response] | None:
-        """Return the response of one uniform beam, right also at the poles of D(Ω)."""
+        """Response of one uniform beam, right also at the poles of D(Ω)."""
         s = self.scene
         row = transfer_matrix.sections(s.device, s.support, s.beam, lossy=True)
         series = s.bimorph.wiring == "series"

@@ -52,7 +52,7 @@ class SolidModel(TwoMeshModel):
         return (sentence,)
 
     def make_pair(self) -> BrickPair:
-        """Return the level that the accuracy asks for, and the next coarser one."""
+        """Level that the accuracy asks for, and the next coarser one."""
         return brick_pair(self.scene)
 
 
@@ -111,14 +111,14 @@ class BrickPair(MeshPair):
 
 
 def brick_pair(scene: Scene) -> BrickPair:
-    """Return the bricks that the scene asks for, and the next coarser ones."""
+    """Bricks that the scene asks for, and the next coarser ones."""
     finer = level_for(scene)
     fine, coarse = (bimorph_bricks(scene.device, LEVELS[n]) for n in (finer, finer - 1))
     return BrickPair(scene.device, (fine, coarse))
 
 
 def level_for(scene: Scene) -> int:
-    """Return the index (1 to 4) of the finer bricks' level; never the coarsest."""
+    """Index (1 to 4) of the finer bricks' level; never the coarsest."""
     if scene.mesh.level:
         return max(scene.mesh.level - 1, 1)
     for index, error in enumerate(_BRICK_BARS):

@@ -71,7 +71,7 @@ class SupportCompliance:
         return float(1.0 / (m[0, 0] - m[0, 1] ** 2 / m[1, 1]))
 
     def moved_up(self, distance: float) -> SupportCompliance:
-        """Return the compliance seen at a point higher by `distance` (m) on a rigid arm."""
+        """Compliance seen at a point higher by `distance` (m) on a rigid arm."""
         arm = _arm(distance)
         return SupportCompliance(arm @ self.matrix @ arm.T)
 

@@ -117,7 +117,7 @@ class SolidModes:
     method: str
 
     def stiffened(self, ends: Ends, count: int) -> tuple[Floats, Floats]:
-        """Return what an open circuit adds to Ω² of the lowest `count` bending modes, relative.
+        """What an open circuit adds to Ω² of the lowest `count` bending modes, relative.
 
         On the finer and on the coarser mesh, (count,) each.
         """
@@ -135,7 +135,7 @@ class TwoMeshModel(BimorphModel):
 
     @abstractmethod
     def make_pair(self) -> MeshPair:
-        """Return the meshes that the scene and its accuracy ask for."""
+        """Meshes that the scene and its accuracy ask for."""
 
     @property
     def mesh_pair(self) -> MeshPair:
@@ -143,16 +143,16 @@ class TwoMeshModel(BimorphModel):
         return self.run("mesh", self.make_pair)
 
     def meshes(self) -> tuple[Mesh | Bricks, Mesh | Bricks]:
-        """Return the finer and the coarser mesh."""
+        """Finer and the coarser mesh."""
         return self.mesh_pair.meshes
 
     def systems(self) -> tuple[SolidSystem, SolidSystem]:
-        """Return the lossless systems on the finer and the coarser mesh."""
+        """Lossless systems on the finer and the coarser mesh."""
         pair = self.mesh_pair
         return self.run("assembly", lambda: pair.systems)
 
     def static(self) -> Refined[Multiport]:
-        """Return the lossless D(0)."""
+        """Lossless D(0)."""
 
         def work() -> Refined[Multiport]:
             pair, (fine, *judges) = self.mesh_pair, self._at_rest()
@@ -165,7 +165,7 @@ class TwoMeshModel(BimorphModel):
         return self.run("static", work)
 
     def _at_rest(self) -> tuple[Multiport, ...]:
-        """Return the lossless D(0) on the finer mesh, and what judges it."""
+        """Lossless D(0) on the finer mesh, and what judges it."""
         from tactgen.fem.piezo.ports import static_multiport, static_multiports
 
         lacking, (fine, coarse) = self.mesh_pair.lacking, self.systems()
@@ -174,7 +174,7 @@ class TwoMeshModel(BimorphModel):
         return static_multiport(fine), static_multiport(coarse)
 
     def ports(self) -> Refined[Multiport]:
-        """Return D(Ω) with losses over the scene's frequencies."""
+        """D(Ω) with losses over the scene's frequencies."""
         return self.run("ports", self._reduced)
 
     def _reduced(self) -> Refined[Multiport]:
@@ -193,7 +193,7 @@ class TwoMeshModel(BimorphModel):
         return Refined(fine.multiport(frequencies), coarser, method, rounding)
 
     def _reduction(self, which: int) -> ReducedSolid:
-        """Return the solid on the finer (0) or the coarser mesh (1), reduced to its ports."""
+        """Solid on the finer (0) or the coarser mesh (1), reduced to its ports."""
         from tactgen.fem.piezo.reduction_files import reduced_solid
 
         return reduced_solid(
@@ -205,7 +205,7 @@ class TwoMeshModel(BimorphModel):
         )
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
-        """Return the lossless modes."""
+        """Lossless modes."""
         return self.run(
             "modes_open" if open_circuit else "modes_short",
             lambda: self._modes(open_circuit=open_circuit),
@@ -246,7 +246,7 @@ class TwoMeshModel(BimorphModel):
         return Refined(fine, coarser, modal.method, rounding)
 
     def _beside(self, fine: Modes, *, open_circuit: bool) -> tuple[tuple[Modes, float], ...]:
-        """Return what judges both circuits together, by their first bending modes.
+        """What judges both circuits together, by their first bending modes.
 
         What moves both alike, then what moves the open one beside the other.
         """
@@ -259,7 +259,7 @@ class TwoMeshModel(BimorphModel):
         )
 
     def _judged(self, *, open_circuit: bool) -> tuple[Modes, ...]:
-        """Return the modes on the finer mesh, and their partners of those that judge them."""
+        """Modes on the finer mesh, and their partners of those that judge them."""
         found, coarse = self._lowest(open_circuit=open_circuit)
         ends, judges = self.scene.ends, self._modal().fine.judges
         partners = [
@@ -273,11 +273,11 @@ class TwoMeshModel(BimorphModel):
         return fine, *(matched(fine, other) for other in others)
 
     def motions(self, *, open_circuit: bool) -> dict[Motion, int]:
-        """Return how many of the lowest modes of :meth:`modes` each class of motion has."""
+        """How many of the lowest modes of :meth:`modes` each class of motion has."""
         return dict(Counter(mode.motion for mode in self._lowest(open_circuit=open_circuit)[0]))
 
     def _modal(self) -> SolidModes:
-        """Return what modes on any support, load and circuit follow from."""
+        """What modes on any support, load and circuit follow from."""
 
         def work() -> SolidModes:
             pair, systems = self.mesh_pair, self.systems()
@@ -296,7 +296,7 @@ class TwoMeshModel(BimorphModel):
         return self.run("modal", work)
 
     def coarse_modes(self, system: SolidSystem) -> MeshModes:
-        """Return what modes on any support follow from, on a mesh that judges another."""
+        """What modes on any support follow from, on a mesh that judges another."""
         return coarse_modes(system, self.scene.modes)
 
     def _lowest(self, *, open_circuit: bool) -> tuple[list[BareMode], list[BareMode]]:
@@ -310,13 +310,13 @@ class TwoMeshModel(BimorphModel):
         )
 
     def _rounding(self, port: Multiport) -> float:
-        """Return what rounding of the stiffness matrix does to the tip's static compliance."""
+        """What rounding of the stiffness matrix does to the tip's static compliance."""
         compliance = np.linalg.inv(port.block("w_tip", "psi_tip").stiffness[0])[0, 0]
         return float(abs(compliance) * self.systems()[0].spurious_stiffness)
 
 
 def least_at_rest(fine: Multiport, coarse: Multiport) -> Floats:
-    """Return the relative difference (n,) that all at 0 Hz counts with at least.
+    """Relative difference (n,) that all at 0 Hz counts with at least.
 
     Parameters
     ----------
@@ -327,7 +327,7 @@ def least_at_rest(fine: Multiport, coarse: Multiport) -> Floats:
 
 
 def _sizes(port: Multiport) -> Floats:
-    """Return sizes (n, 4) of what is read at 0 Hz on a held base.
+    """Sizes (n, 4) of what is read at 0 Hz on a held base.
 
     The tip's compliance, its displacement per volt, the capacitance with the tip held and free.
     """

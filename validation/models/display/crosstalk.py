@@ -52,17 +52,17 @@ class MechanicalCrosstalk:
         return (display.rows - 1) // 2, (display.columns - 1) // 2
 
     def beside(self) -> Estimate:
-        """Return the motion of the next unit along x over the driven one's; nan without one."""
+        """Motion of the next unit along x over the driven one's; nan without one."""
         row, column = self.driven
         return self._of_unit(row, column + 1)
 
     def behind(self) -> Estimate:
-        """Return the motion of the next unit along y over the driven one's; nan without one."""
+        """Motion of the next unit along y over the driven one's; nan without one."""
         row, column = self.driven
         return self._of_unit(row + 1, column)
 
     def largest(self) -> Estimate:
-        """Return the largest motion of any other unit over the driven one's, (n,) real."""
+        """Largest motion of any other unit over the driven one's, (n,) real."""
         return self._judged(
             lambda ratios: np.abs(np.delete(ratios, self._at(*self.driven), axis=1)).max(
                 axis=1, initial=0.0
@@ -70,11 +70,11 @@ class MechanicalCrosstalk:
         )
 
     def by_board(self) -> Estimate:
-        """Return :meth:`largest` with no skin on the tips: what the board alone passes on."""
+        """:meth:`largest` with no skin on the tips: what the board alone passes on."""
         return replace(self, bare=True).largest()
 
     def ratios(self) -> Complex:
-        """Return the tips' motions (n, units) over the driven one's."""
+        """Tips' motions (n, units) over the driven one's."""
         return self._levels[0]
 
     def _of_unit(self, row: int, column: int) -> Estimate:
@@ -125,14 +125,14 @@ class MechanicalCrosstalk:
 
 
 def crosstalk(scene: Scene, ports: Refined[Multiport]) -> MechanicalCrosstalk:
-    """Return the display with one unit driven, solved on all of the ports' levels."""
+    """Display with one unit driven, solved on all of the ports' levels."""
     found = MechanicalCrosstalk(scene, ports)
     found.ratios()
     return found
 
 
 def display_ports(scene: Scene, bimorph: Multiport, *, bare: bool = False) -> Multiport:
-    """Return the whole display over each unit's tip and voltage, all units alike.
+    """Whole display over each unit's tip and voltage, all units alike.
 
     Skin lies on the tips where something loads them, unless they are to be `bare`.
     """

@@ -43,7 +43,7 @@ class NeighbourField:
     method: str
 
     def per_neighbour(self) -> Estimate:
-        """Return the force change of a unit per ampere in each of its nearest neighbours (N/A).
+        """Force change of a unit per ampere in each of its nearest neighbours (N/A).
 
         In pulls that go with the products of currents, F(±) = Q i² ± 4 · 2 Q' i², the change by one
         neighbour's current is 2 Q' i, an eighth of the difference over the current.  What farther
@@ -54,7 +54,7 @@ class NeighbourField:
 
 
 def by_network(scene: Scene) -> NeighbourField:
-    """Return the network's estimate."""
+    """Network's estimate."""
     from tactgen.tmm.display.array import network_forces
     from tactgen.tmm.reluctance.circuit import CELLS
 
@@ -79,7 +79,7 @@ def by_network(scene: Scene) -> NeighbourField:
 
 
 def by_field(scene: Scene) -> NeighbourField:
-    """Return what the fields of an endless array and of nine units say."""
+    """What the fields of an endless array and of nine units say."""
     from tactgen.fem.magnetics.array_3d import array_forces, nine_forces
 
     current = scene.display.coil_current
@@ -112,6 +112,6 @@ def by_field(scene: Scene) -> NeighbourField:
 def _of_nine(
     pair: tuple[float, float], unbalanced: tuple[float, float], share: int = 1
 ) -> Estimate:
-    """Return a pull by both potentials; of what is out of balance each of `share` units has one."""
+    """Pull by both potentials; of what is out of balance each of `share` units has one."""
     half = 0.5 * abs(pair[0] - pair[1])
     return Estimate(0.5 * sum(pair), max(half, 0.5 * abs(sum(unbalanced)) / share))

@@ -64,25 +64,25 @@ class Spread:
     method: str
 
     def as_drawn(self) -> Estimate:
-        """Return the frequencies of all units as drawn."""
+        """Frequencies of all units as drawn."""
         return self._listed(
             [f.value for f in self.frequencies], [f.error for f in self.frequencies]
         )
 
     def screws(self) -> Estimate:
-        """Return the turns of all screws."""
+        """Turns of all screws."""
         return self._listed(list(self.turns), [self.turns_bar] * len(self.turns))
 
     def apart(self) -> Estimate:
-        """Return how far the highest frequency is from the lowest, as drawn."""
+        """How far the highest frequency is from the lowest, as drawn."""
         return _range(self.frequencies)
 
     def left_apart(self) -> Estimate:
-        """Return the same after turning."""
+        """Same after turning."""
         return _range(self.tuned)
 
     def reach(self) -> Estimate:
-        """Return what a screw can do to the nominal unit's frequency, from end to end."""
+        """What a screw can do to the nominal unit's frequency, from end to end."""
         return Estimate(
             self.highest.value - self.lowest.value, self.highest.error + self.lowest.error
         )
@@ -97,12 +97,12 @@ def _range(found: tuple[Estimate, ...]) -> Estimate:
 
 
 def screw_travel(display: Display) -> float:
-    """Return how far a grub screw goes either way within the ground plate (m)."""
+    """How far a grub screw goes either way within the ground plate (m)."""
     return float(display.plate_thickness - display.screw_length)
 
 
 def first_frequency(modes: Refined[Modes]) -> Estimate:
-    """Return the first frequency of modes with the bar that they are judged by."""
+    """First frequency of modes with the bar that they are judged by."""
     value = float(modes.fine.frequencies[0])
     rounding = np.atleast_1d(np.asarray(modes.rounding))[0]
     bar = abs(value) * (1e-13 + float(rounding))
@@ -112,12 +112,9 @@ def first_frequency(modes: Refined[Modes]) -> Estimate:
 
 
 def spread(scene: Scene, of: FirstFrequency) -> Spread:
-    """Return what the scatter does to the units of a scene, and what the screws undo of it.
+    """What the scatter does to the units of a scene, and what the screws undo of it.
 
-    Raises
-    ------
-    InputError
-        If a screw would leave no preload at all.
+    Raises InputError if a screw would leave no preload at all.
     """
     device, display = scene.device, scene.display
     rate, step = device.spring.stiffness, display.screw_pitch
@@ -150,7 +147,7 @@ def spread(scene: Scene, of: FirstFrequency) -> Spread:
 
 
 def with_device(scene: Scene, device: Device) -> Scene:
-    """Return a scene with another device."""
+    """Scene with another device."""
     return scene.model_copy(update={name: getattr(device, name) for name in Device.model_fields})
 
 
@@ -166,7 +163,7 @@ def _limits(preload: float, travel: float) -> tuple[float, float]:
 def _tuned(
     scene: Scene, of: FirstFrequency, drawn: Estimate, target: float, travel: float
 ) -> tuple[float, Estimate]:
-    """Return the preload (N) that brings a unit to a frequency, or as near as its screw goes.
+    """Preload (N) that brings a unit to a frequency, or as near as its screw goes.
 
     With what it then vibrates at.  Secants of log f over log preload, which is nearly straight.
     """

@@ -105,7 +105,7 @@ class JudgedRod:
     ladders: tuple[Linearised, Linearised] | None = None
 
     def bar(self, of: Callable[[Linearised], Numbers | float]) -> Floats:
-        """Return the error bar of what `of` reads off the rod."""
+        """Error bar of what `of` reads off the rod."""
         value = np.asarray(of(self.fine))
         found = np.zeros(value.shape)
         for rod, counts in self.changed:
@@ -133,19 +133,19 @@ class HalvedMap:
         return self.whole.gap_limits
 
     def force(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return the pull of the half (N)."""
+        """Pull of the half (N)."""
         return self.half.force(current, gap)
 
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂F/∂g (N/m)."""
+        """∂F/∂g (N/m)."""
         return self._slope("force_gradient", current, gap)
 
     def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂λ/∂g (V s/m)."""
+        """∂λ/∂g (V s/m)."""
         return self._slope("motional_coefficient", current, gap)
 
     def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Return ∂λ/∂i (H)."""
+        """∂λ/∂i (H)."""
         return self._slope("incremental_inductance", current, gap)
 
     def _slope(self, name: str, current: Floats | float, gap: Floats | float) -> Floats:
@@ -160,28 +160,25 @@ class HalvedMap:
 
 
 def _around(points: Floats, at: Floats | float) -> Floats:
-    """Return places around one as far as the next samples are apart there, inside the range."""
+    """Places around one as far as the next samples are apart there, inside the range."""
     k = int(np.clip(np.searchsorted(points, float(at)), 1, points.size - 1))
     near = float(at) + (points[k] - points[k - 1]) * np.linspace(-1.0, 1.0, _PLACES)
     return np.asarray(np.clip(near, points[0], points[-1]))
 
 
 def machine_of(scene: Scene, pull: CoenergyMap) -> JudgedRod:
-    """Return the rod about the place where it rests in a scene, and by what it is judged.
+    """Rod about the place where it rests in a scene, and by what it is judged.
 
     The network is solved there; of another model of the pull there is the map.
 
-    Raises
-    ------
-    InputError
-        If it rests nowhere, or the spring tips its head.
+    Raises InputError if it rests nowhere, or the spring tips its head.
     """
     judged = judged_by_network if scene.map_model == _NETWORK else judged_by_map
     return judged(scene, pull)
 
 
 def judged_by_network(scene: Scene, pull: CoenergyMap) -> JudgedRod:
-    """Return the rod by the network itself, judged by ladders of half and a quarter of the cells.
+    """Rod by the network itself, judged by ladders of half and a quarter of the cells.
 
     The map only says near which place the rod rests; refusals as :func:`machine_of`.
     """
@@ -195,7 +192,7 @@ def judged_by_network(scene: Scene, pull: CoenergyMap) -> JudgedRod:
 
 
 def judged_by_map(scene: Scene, pull: CoenergyMap) -> JudgedRod:
-    """Return the rod by a map, judged by that of half the samples and by one that is larger.
+    """Rod by a map, judged by that of half the samples and by one that is larger.
 
     Larger by its stated errors: of the samples and of the fit; refusals as :func:`machine_of`.
     """
@@ -217,7 +214,7 @@ def judged_by_map(scene: Scene, pull: CoenergyMap) -> JudgedRod:
 
 
 def rod_of(scene: Scene, pull: CoenergyMap) -> Linearised:
-    """Return the rod of :func:`machine_of` alone, which costs a third; refusals as there."""
+    """Rod of :func:`machine_of` alone, which costs a third; refusals as there."""
     if scene.map_model == _NETWORK:
         exact = DirectPull(scene.device, CELLS_AT_REST, pull.gap_limits)
         return rod_by_network(scene, exact, _rest(scene, pull))
@@ -225,7 +222,7 @@ def rod_of(scene: Scene, pull: CoenergyMap) -> Linearised:
 
 
 def rod_by_network(scene: Scene, exact: DirectPull, near: RestingPlace) -> Linearised:
-    """Return the rod by the network itself, solved where it rests close to a place.
+    """Rod by the network itself, solved where it rests close to a place.
 
     If the network holds the rod nowhere close, as it may just before it pulls in, the place is
     looked for anew.
@@ -239,17 +236,14 @@ def rod_by_network(scene: Scene, exact: DirectPull, near: RestingPlace) -> Linea
 
 
 def of_rod(rod: JudgedRod, of: Callable[[Linearised], float]) -> Estimate:
-    """Return a number of the rod in small motions, with its bar."""
+    """Number of the rod in small motions, with its bar."""
     return Estimate(of(rod.fine), float(rod.bar(of)))
 
 
 def rod_about(scene: Scene, pull: MachinePull) -> Linearised:
-    """Return the rod about the place where it rests, by a map and with nothing to judge it by.
+    """Rod about the place where it rests, by a map and with nothing to judge it by.
 
-    Raises
-    ------
-    InputError
-        As :func:`machine_of`.
+    Raises InputError as :func:`machine_of`.
     """
     current = abs(scene.coil.current)
     return linearised(scene.device, scene.beam, _rest(scene, pull), current, pull)
@@ -261,7 +255,7 @@ def _rest(scene: Scene, pull: MachinePull) -> RestingPlace:
 
 
 def _sample_error(pull: CoenergyMap, current: float, gap: float) -> float:
-    """Return the largest relative error in force of the samples round a current (A) and gap (m)."""
+    """Largest relative error in force of the samples round a current (A) and gap (m)."""
     samples = pull.samples
     if samples.force_error is None:
         return 0.0
@@ -300,7 +294,7 @@ class SmallSignal:
         return f"of the bimorph's ports: {self.ports.method}; of the pull: {self.linear.method}"
 
     def by_voltage(self, motion: str) -> Estimate:
-        """Return a motion per volt at the bimorph; the coil's supply holds current or voltage."""
+        """Motion per volt at the bimorph; the coil's supply holds current or voltage."""
 
         def of(port: Multiport) -> Complex:
             driven = respond(port, {"voltage": 1.0, "current": 0.0})
@@ -313,13 +307,13 @@ class SmallSignal:
         return self._judged(of)
 
     def by_current(self, motion: str) -> Estimate:
-        """Return a motion per ampere in the coil, the bimorph short-circuited."""
+        """Motion per ampere in the coil, the bimorph short-circuited."""
         return self._judged(
             lambda port: respond(port, {"voltage": 0.0, "current": 1.0}).motion[motion]
         )
 
     def by_coil_voltage(self, motion: str) -> Estimate:
-        """Return a motion per volt at the coil, the bimorph short-circuited."""
+        """Motion per volt at the coil, the bimorph short-circuited."""
 
         def of(port: Multiport) -> Complex:
             alone = respond(port, {"voltage": 0.0, "current": 1.0})
@@ -328,7 +322,7 @@ class SmallSignal:
         return self._judged(of)
 
     def impedance(self) -> Estimate:
-        """Return the coil's voltage per current, the bimorph short-circuited."""
+        """Coil's voltage per current, the bimorph short-circuited."""
         return self._judged(self._impedance)
 
     def _impedance(self, port: Multiport) -> Complex:
@@ -336,7 +330,7 @@ class SmallSignal:
         return np.asarray(self.linear.fine.resistance + 2j * np.pi * port.frequencies * linkage)
 
     def _judged(self, of: Callable[[Multiport], Complex]) -> Estimate:
-        """Return what `of` reads off the machine, with the bars of bimorph's ports and map."""
+        """What `of` reads off the machine, with the bars of bimorph's ports and map."""
         value = of(self._whole(self.ports.fine))
         rounding = rounding_of_ports(self.ports, self._unreduced, ("voltage", "current"))
         bar: Floats = np.abs(value) * (rounding + self.ports.rounding)
@@ -360,7 +354,7 @@ class SmallSignal:
     def _whole(
         self, bimorph: Multiport, ends: Ends | None = None, rod: Linearised | None = None
     ) -> Multiport:
-        """Return the machine with the tip's load."""
+        """Machine with the tip's load."""
         port = machine(self._wired(bimorph), rod or self.linear.fine)
         return self._loaded(port, ends or self._ends)
 
@@ -380,7 +374,7 @@ class MeasuredPoles:
 
 
 def measured_poles(scene: Scene, linear: JudgedRod) -> MeasuredPoles:
-    """Return the poles with the scene's supply, each said to decay or to grow."""
+    """Poles with the scene's supply, each said to decay or to grow."""
 
     def of(rod: Linearised) -> Complex:
         return axial_poles(rod, voltage=scene.coil.supply == "voltage")

@@ -91,7 +91,7 @@ def run_scene(
     pull: CoenergyMap | None = None,
     announce: Callable[[str], None] = lambda _: None,
 ) -> Simulation:
-    """Return what a scene's generator does from rest on its upper stop.
+    """What a scene's generator does from rest on its upper stop.
 
     Parameters
     ----------
@@ -104,10 +104,7 @@ def run_scene(
     pull : CoenergyMap, optional
         Of the normal actuator; by default the reluctance network's.
 
-    Raises
-    ------
-    InputError
-        If the scene has no time simulation, or the run fails.
+    Raises InputError if the scene has no time simulation, or the run fails.
     """
     announce("machine")
     found = scene_machine(scene, coil=coil, volts=sources.bimorph.peak, pull=pull)
@@ -146,7 +143,7 @@ def scene_machine(
     volts: float,
     pull: CoenergyMap | None = None,
 ) -> Machine:
-    """Return the generator of a scene, `volts` being the size of what drives it."""
+    """Generator of a scene, `volts` being the size of what drives it."""
     load = chain_of(scene.ends.tip)
     if pull is None:
         from tactgen.tmm.reluctance.map_range import network_pull
@@ -157,7 +154,7 @@ def scene_machine(
 
 
 def scene_modes(scene: Scene) -> BimorphModes:
-    """Return the modes of a scene's bimorph above the rod's head, by beam elements."""
+    """Modes of a scene's bimorph above the rod's head, by beam elements."""
     found = scene_beam(scene)[1]
     share = 0.5 if scene.bimorph.wiring == "series" else 1.0
     tip = np.zeros(found.mass.shape[0])
@@ -174,7 +171,7 @@ def scene_modes(scene: Scene) -> BimorphModes:
 
 
 def scene_beam(scene: Scene) -> tuple[Device, BeamMatrices]:
-    """Return a scene's device with its row beginning at the rod's head, and that row's elements."""
+    """Scene's device with its row beginning at the rod's head, and that row's elements."""
     from tactgen.fem.beam import assemble, elements_for
 
     device = above_the_head(scene.device, scene.support)
@@ -183,7 +180,7 @@ def scene_beam(scene: Scene) -> tuple[Device, BeamMatrices]:
 
 
 def above_the_head(device: Device, support: Support) -> Device:
-    """Return the device whose row of pieces begins at the rod's head.
+    """Device whose row of pieces begins at the rod's head.
 
     In a slot only the free part of the tab bends; the bond below it is taken as rigid.
     """
@@ -222,7 +219,7 @@ class Phase:
 
 
 def phases(found: Simulation) -> tuple[Phase, ...]:
-    """Return the phases of a run in order."""
+    """Phases of a run in order."""
     run, tip = found.answer.run, found.answer.outputs["lateral_tip"]
     lift = found.answer.outputs["rod_lift"]
     state = np.where(lift < -found.stroke + _NEAR, -1, np.where(lift > -_NEAR, 1, 0))
@@ -253,7 +250,7 @@ def phases(found: Simulation) -> tuple[Phase, ...]:
 def common_oscillation(
     seen: Sequence[tuple[Simulation, Phase, float]], frequency: float
 ) -> complex:
-    """Return the complex amplitude (m) at a frequency (Hz) that phases of several runs share.
+    """Complex amplitude (m) at a frequency (Hz) that phases of several runs share.
 
     The tip moves as its real part times e^{j(2π f t + angle)}, and in each phase beside a straight
     line of that phase's own: where a blow has shifted the head, the finger lets the tip follow over

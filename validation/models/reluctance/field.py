@@ -62,7 +62,7 @@ class _FieldModel(MagneticModel):
         gaps: Floats,
         rows: Sequence[Sequence[FieldPoint]] | Sequence[Sequence[SolidPoint]],
     ) -> Samples:
-        """Return rows of points, one row for each gap, as samples of a map."""
+        """Rows of points, one row for each gap, as samples of a map."""
 
         def table(read: Callable[[FieldPoint | SolidPoint], float]) -> Floats:
             return np.array([[read(point) for point in row] for row in rows]).T
@@ -82,7 +82,7 @@ class _FieldModel(MagneticModel):
         return fit(replace(samples, device=self._described()))
 
     def _geometry(self) -> dict[str, Any]:
-        """Return what the field at a current and gap depends on beside these, for the store."""
+        """What the field at a current and gap depends on beside these, for the store."""
         own = MODELS[self.name].stages["map"]
         return values_read(self.scene, (key for key in own if key not in MAP_RANGE))
 
@@ -93,12 +93,12 @@ class AxisymmetricModel(_FieldModel):
     name = "axisymmetric"
 
     def point(self) -> MagneticPoint:
-        """Return the values at the scene's current and gap."""
+        """Values at the scene's current and gap."""
         scene = self.scene
         return self.run("point", lambda: self.at(scene.coil.current, scene.gap))
 
     def at(self, current: float, gap: float) -> MagneticPoint:
-        """Return the values at a current (A) and gap (m)."""
+        """Values at a current (A) and gap (m)."""
         return axisymmetric_point(self._solved(current, gap))
 
     def _solver(self) -> Solver:
@@ -114,7 +114,7 @@ class AxisymmetricModel(_FieldModel):
         return at
 
     def field(self) -> MagneticField:
-        """Return the field itself at the scene's current and gap."""
+        """Field itself at the scene's current and gap."""
         found = self._solved(self.scene.coil.current, self.scene.gap).solution
         assert found is not None
         return found
@@ -144,7 +144,7 @@ class AxisymmetricModel(_FieldModel):
         return self._fitted(kept(SAMPLES, self.samples_inputs(), code, work, announce=announce))
 
     def samples_inputs(self) -> tuple[object, ...]:
-        """Return what the samples of the map depend on, as they are kept by."""
+        """What the samples of the map depend on, as they are kept by."""
         from tactgen.tmm.reluctance.map_range import map_grid
 
         currents, gaps = map_grid(self.scene.device, shared=True)
@@ -166,12 +166,12 @@ class Magnetic3dModel(_FieldModel):
     )
 
     def point(self) -> MagneticPoint:
-        """Return the values at the scene's current and gap."""
+        """Values at the scene's current and gap."""
         scene = self.scene
         return self.run("point", lambda: self.at(scene.coil.current, scene.gap))
 
     def at(self, current: float, gap: float) -> MagneticPoint:
-        """Return the values at a current (A) and gap (m)."""
+        """Values at a current (A) and gap (m)."""
         return _judged(self._solved(current, gap), self._METHOD)
 
     def _solved(self, current: float, gap: float) -> SolidPoint:
@@ -194,7 +194,7 @@ class Magnetic3dModel(_FieldModel):
         return by_field(self.scene)
 
     def _map(self) -> CoenergyMap:
-        """Return the map, solved gap by gap: an interrupted one goes on where it was."""
+        """Map, solved gap by gap: an interrupted one goes on where it was."""
         from tactgen.fem.magnetics.actuator_3d import solve_row
         from tactgen.geometry.reluctance.sector_tets import Sector
         from tactgen.tmm.reluctance.map_range import map_grid
@@ -222,10 +222,7 @@ class Magnetic3dModel(_FieldModel):
 def check_solid_map(scene: Scene) -> None:
     """Refuse a map in 3D on a mesh of which each gap needs its own, at minutes apiece.
 
-    Raises
-    ------
-    InputError
-        With what to use instead.
+    Raises InputError with what to use instead.
     """
     if scene.mesh.kind == "tetwild":
         raise InputError(
@@ -235,12 +232,12 @@ def check_solid_map(scene: Scene) -> None:
 
 
 def axisymmetric_point(found: FieldPoint) -> MagneticPoint:
-    """Return what the field in the half section says as any model does."""
+    """What the field in the half section says as any model does."""
     return replace(_judged(found, _METHOD), force_by_stress=found.force_eggshell)
 
 
 def finenesses(refinements: tuple[tuple[float, float], ...], accuracy: float) -> tuple[float, ...]:
-    """Return the finenesses that may be wanted, coarsest first.
+    """Finenesses that may be wanted, coarsest first.
 
     The first is the one that was found to be enough at the paper's point.
     """
@@ -249,7 +246,7 @@ def finenesses(refinements: tuple[tuple[float, float], ...], accuracy: float) ->
 
 
 def nearness(device: Device, current: float, gap: float) -> Floats:
-    """Return the place (2,) of a current and gap: in how far it is near, fields differ little."""
+    """Place (2,) of a current and gap: in how far it is near, fields differ little."""
     return np.array([current / abs(device.coil.current or 1.0), math.log(gap / device.gap)])
 
 
@@ -274,7 +271,7 @@ def _fine_enough(
     accuracy: float,
     solve: Callable[[float], _Found],
 ) -> _Found:
-    """Return the point of the coarsest grid whose force bar is within the accuracy wanted.
+    """Point of the coarsest grid whose force bar is within the accuracy wanted.
 
     Where the first is not enough the next is tried, up to the finest.
     """

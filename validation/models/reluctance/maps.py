@@ -19,17 +19,14 @@ _MOST = 32
 
 
 def map_of(scene: Scene, stages: Stages | None = None) -> CoenergyMap:
-    """Return the map by the model that the scene asks for, the network by default.
+    """Map by the model that the scene asks for, the network by default.
 
     Parameters
     ----------
     stages : Stages, optional
         Of a plan in which the map is a stage: it runs there.
 
-    Raises
-    ------
-    InputError
-        If the model cannot make a map of the scene.
+    Raises InputError if the model cannot make a map of the scene.
     """
     name = scene.map_model
     if stages is None and name == NetworkModel.name:
@@ -47,7 +44,7 @@ def map_of(scene: Scene, stages: Stages | None = None) -> CoenergyMap:
 
 
 def is_at_hand(scene: Scene) -> bool:
-    """Return whether this process has the map of a scene already."""
+    """Whether this process has the map of a scene already."""
     return _key(scene) in _AT_HAND
 
 

@@ -42,7 +42,7 @@ def magnetic_warnings(
     quantities: Sequence[str],
     answer: Callable[[Need], Any],
 ) -> tuple[str, ...]:
-    """Return what a model's answers to these quantities leave to say."""
+    """What a model's answers to these quantities leave to say."""
     found: list[str] = []
     beyond = 0.0
     of_stroke = _read_off("magnetic_map", quantities)
@@ -93,7 +93,7 @@ class MagneticModel(Model):
     """One model of the scene's normal actuator."""
 
     def answer(self, need: Need) -> Any:
-        """Return what quantities with this need are read from."""
+        """What quantities with this need are read from."""
         if need == "rest":
             return self.rest()
         if need == "neighbours":
@@ -101,35 +101,35 @@ class MagneticModel(Model):
         return self.point() if need == "magnetic_point" else self.switching()
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
-        """Return which currents have no value, and whether the steel's curve was too short."""
+        """Which currents have no value, and whether the steel's curve was too short."""
         return magnetic_warnings(self.name, self.scene, quantities, self.answer)
 
     @abstractmethod
     def at(self, current: float, gap: float) -> MagneticPoint:
-        """Return the values at a current (A) and gap (m)."""
+        """Values at a current (A) and gap (m)."""
 
     def _solver(self) -> Solver:
-        """Return what solves currents and gaps one after another, as `at` does each alone."""
+        """What solves currents and gaps one after another, as `at` does each alone."""
         return self.at
 
     @abstractmethod
     def point(self) -> MagneticPoint:
-        """Return the values at the scene's current and gap."""
+        """Values at the scene's current and gap."""
 
     @abstractmethod
     def _map(self) -> CoenergyMap:
-        """Return the co-energy map, solved anew."""
+        """Co-energy map, solved anew."""
 
     def _neighbours(self) -> Any:
-        """Return the field between units of the display, where the model gives it."""
+        """Field between units of the display, where the model gives it."""
         raise NotImplementedError(f"{self.name} knows one actuator")
 
     def map(self) -> CoenergyMap:
-        """Return the co-energy map over the stroke."""
+        """Co-energy map over the stroke."""
         return self.run("map", self._map)
 
     def switching(self) -> SwitchingCurrents:
-        """Return the currents at which the rod moves."""
+        """Currents at which the rod moves."""
 
         def work() -> SwitchingCurrents:
             return switching_currents(self.scene.device, self.map(), self._solver())
@@ -137,7 +137,7 @@ class MagneticModel(Model):
         return self.run("switching", work)
 
     def rest(self) -> RestingState:
-        """Return where the rod rests at the scene's current."""
+        """Where the rod rests at the scene's current."""
         scene = self.scene
 
         def work() -> RestingState:
@@ -148,7 +148,7 @@ class MagneticModel(Model):
         return self.run("rest", work)
 
     def _described(self) -> str:
-        """Return the scene's name and what of it the samples depend on, in SI units."""
+        """Scene's name and what of it the samples depend on, in SI units."""
         wanted = MODELS[self.name].stages["point"]
         groups = self.scene.model_dump(include={path.split(".")[0] for path in wanted})
         read = [f"scene {self.scene.name}"]
@@ -175,12 +175,12 @@ class NetworkModel(MagneticModel):
         check_circuit(scene.device, np.array([scene.gap]))
 
     def point(self) -> MagneticPoint:
-        """Return the values at the scene's current and gap."""
+        """Values at the scene's current and gap."""
         scene = self.scene
         return self.run("point", lambda: self.at(scene.coil.current, scene.gap))
 
     def at(self, current: float, gap: float) -> MagneticPoint:
-        """Return the values at a current (A) and gap (m)."""
+        """Values at a current (A) and gap (m)."""
         from tactgen.tmm.reluctance.network import fine_and_coarse, iron_beyond_table
 
         device = self.scene.device
@@ -247,12 +247,9 @@ class RodLoop:
 
 
 def rod_loop(model: MagneticModel, currents: Floats | None = None) -> RodLoop:
-    """Return the loop of a model over currents (c,) in A, by default as far as what moves the rod.
+    """Loop of a model over currents (c,) in A, by default as far as what moves the rod.
 
-    Raises
-    ------
-    InputError
-        If the rod rests nowhere, or the model's map does not reach so high a current.
+    Raises InputError if the rod rests nowhere, or the model's map does not reach so high a current.
     """
     scene, pull = model.scene, model.map()
     pressed = scene.load.normal_force

@@ -88,7 +88,7 @@ def resting_state(
     history: History,
     pressed: float,
 ) -> RestingState:
-    """Return where the rod rests by a model's map and one point of it.
+    """Where the rod rests by a model's map and one point of it.
 
     Parameters
     ----------
@@ -99,10 +99,7 @@ def resting_state(
     pressed : float
         Force of a finger that presses the tip down (N).
 
-    Raises
-    ------
-    InputError
-        If it rests nowhere.
+    Raises InputError if it rests nowhere.
     """
     current = abs(device.coil.current)
     by_map = axial_forces(device, pull, pressed)
@@ -135,7 +132,7 @@ def resting_state(
 
 
 def _left_last(device: Device, pull: CoenergyMap, history: History, pressed: float) -> RestingPlace:
-    """Return where the rod may rest yet as far as the map's error goes, before it moves on."""
+    """Where the rod may rest yet as far as the map's error goes, before it moves on."""
     error = pull.interpolation_error.force
     times = 1.0 - error if history == "rising" else 1.0 + error
     forces = axial_forces(device, _Corrected(pull, times=times), pressed)
@@ -143,21 +140,21 @@ def _left_last(device: Device, pull: CoenergyMap, history: History, pressed: flo
 
 
 def _taken(forces: AxialForces, current: float, history: History, passed: float) -> RestingPlace:
-    """Return the first stable place that the rod has not passed, on its way with the current."""
+    """First stable place that the rod has not passed, on its way with the current."""
     stable = [place for place in resting_places(forces, current) if place.stable]
     way = stable if history == "rising" else stable[::-1]
     return next((p for p in way if _onwards(p.lift, history) <= passed), way[-1])
 
 
 def _onwards(lift: float, history: History) -> float:
-    """Return a lift (m) counted so that it falls on the rod's way: down while the current rises."""
+    """Lift (m) counted so that it falls on the rod's way: down while the current rises."""
     return lift if history == "rising" else -lift
 
 
 def position_bar(
     forces: AxialForces, pull: CoenergyMap, current: float, place: RestingPlace
 ) -> float:
-    """Return how far (m) the map's own error moves a resting place."""
+    """How far (m) the map's own error moves a resting place."""
     return pull.interpolation_error.force * abs(
         float(pull.force(current, forces.gap(place.lift))) / place.stiffness
     )

@@ -104,12 +104,9 @@ class SwitchingCurrents:
 
 
 def switching_currents(device: Device, pull: CoenergyMap, at: Solver) -> SwitchingCurrents:
-    """Return the switching currents of a model by its map and by points of it.
+    """Switching currents of a model by its map and by points of it.
 
-    Raises
-    ------
-    InputError
-        If the stops do not fit the gap or the map.
+    Raises InputError if the stops do not fit the gap or the map.
     """
     found = Balances(device, pull, at)
     return SwitchingCurrents(
@@ -163,7 +160,7 @@ class Balances:
         return self.extreme(self._by_map.drop_out_gap, self._by_map.drop_out)
 
     def at_gap(self, gap: float, start: float) -> Estimate:
-        """Return the balance at `gap` near the map's current `start` (A), inf for none."""
+        """Balance at `gap` near the map's current `start` (A), inf for none."""
         if not math.isfinite(start):
             return _NONE
         if gap not in self._found:
@@ -171,7 +168,7 @@ class Balances:
         return self._found[gap]
 
     def extreme(self, gap: float, start: float) -> Estimate:
-        """Return the balance where it is largest or smallest, which the map says is at `gap`.
+        """Balance where it is largest or smallest, which the map says is at `gap`.
 
         At a stop it is the balance there.  Between them it is the vertex of the parabola
         through three balances around, whose distance from the nearest is added to the bar.

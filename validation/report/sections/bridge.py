@@ -38,7 +38,7 @@ _TITLES = {key: title for key, title, _ in COLUMNS}
 
 
 def bridge_section(study: Study) -> Context:
-    """Return steps from beam to solid of the scene's material and, unless quick, another."""
+    """Steps from beam to solid of the scene's material and, unless quick, another."""
     steps = study.steps
     if not steps:
         return {"bridge": None}
@@ -63,7 +63,7 @@ def _one_material(name: str, steps: list[Step]) -> dict[str, Any]:
 
 
 def replaced_constants(scene: Scene) -> list[str]:
-    """Return the keys of the ceramic's constants that are not the library's."""
+    """Keys of the ceramic's constants that are not the library's."""
     library = Piezo(material=scene.piezo.material)
     changed = (
         n for n in type(library).model_fields if getattr(scene.piezo, n) != getattr(library, n)
@@ -72,7 +72,7 @@ def replaced_constants(scene: Scene) -> list[str]:
 
 
 def holding_section(study: Study) -> Context | None:
-    """Return steps from a clamp to the rod, and the support's stiffness."""
+    """Steps from a clamp to the rod, and the support's stiffness."""
     if study.quick or not study.asks_field or study.scene.piezo.d31 == 0.0:
         return None
     from tactgen.geometry.device.checks import check_fit, check_plain_layers
@@ -156,7 +156,7 @@ def _support(study: Study) -> dict[str, Any]:
 
 
 def material_section(study: Study) -> Context | None:
-    """Return what the assumed constants of the full tensor are worth."""
+    """What the assumed constants of the full tensor are worth."""
     if study.quick or not study.asks_field or study.scene.piezo.d31 == 0.0:
         return None
     from tactgen.validation.models.bimorph.material_effects import material_effects

@@ -14,7 +14,7 @@ APPENDIX = ("audit", "parameters", "plan")
 
 
 def sections(study: Study) -> tuple[Section, ...]:
-    """Return the sections of a study; what is not asked for is not even imported."""
+    """Sections of a study; what is not asked for is not even imported."""
     found = [Section("what", "What was studied", _what)]
     after: list[Section] = []
     lateral: tuple[Section, ...] = ()
@@ -51,7 +51,7 @@ _LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
 
 
 def _machine(lateral: tuple[Section, ...]) -> tuple[list[Section], tuple[Section, ...]]:
-    """Return the machine's story, and the sections about its bimorph that follow it."""
+    """Machine's story, and the sections about its bimorph that follow it."""
     from tactgen.validation.report.sections.large_motion import AMPLITUDE, TIME
     from tactgen.validation.report.sections.machine import MOTIONS, POSITIONS, SUPPORT
 

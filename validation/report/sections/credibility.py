@@ -27,7 +27,7 @@ class Count(NamedTuple):
 
 
 def credibility_section(study: Study) -> Context:
-    """Return the counts."""
+    """Counts."""
     return {
         "counts": [
             _code(study), _numerical_error(study), _same_theory(study), _other_theory(study),

@@ -56,7 +56,7 @@ class Row:
 
 
 def display_section(study: Study) -> Context:
-    """Return parts, clearances and leads, and what units do to each other and how they differ."""
+    """Parts, clearances and leads, and what units do to each other and how they differ."""
     from tactgen.validation.show.display import drawn_parts
     from tactgen.validation.show.pictures import assembly_picture
 
@@ -86,7 +86,7 @@ def display_section(study: Study) -> Context:
 
 
 def _numbers(asked: list[Quantity]) -> list[Row]:
-    """Return the scalars, one row each, of models that know a value."""
+    """Scalars, one row each, of models that know a value."""
     known = [q for q in asked if q.value.ndim == 0 and not np.isnan(q.value)]
     names = dict.fromkeys(q.name for q in known)
     return [
@@ -100,7 +100,7 @@ def _numbers(asked: list[Quantity]) -> list[Row]:
 
 
 def _units(asked: list[Quantity]) -> dict[str, Any] | None:
-    """Return the lists over the units by the last model that gave them, None without."""
+    """Lists over the units by the last model that gave them, None without."""
     listed = [q for q in asked if q.classes is not None]
     if not listed:
         return None

@@ -52,7 +52,7 @@ _POINTS = 800
 
 
 def drive_limits_section(study: Study) -> Context | None:
-    """Return the limits under the scene's load and with a free tip, None for layers not plain."""
+    """Limits under the scene's load and with a free tip, None for layers not plain."""
     scene = study.scene
     asked = np.asarray(scene.frequency, dtype=float)
     low = max(float(asked.min()), 1e-3 * float(asked.max()))

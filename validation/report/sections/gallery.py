@@ -27,14 +27,14 @@ _KIND = {
 
 
 def pictures(study: Study) -> list[dict[str, str]]:
-    """Return pictures of the CAD solids and, with a field model, of its mesh."""
+    """Pictures of the CAD solids and, with a field model, of its mesh."""
     found = bimorph(study) if study.lateral else []
     whole = study.lateral and study.scene.support.kind == "rod"
     return found if whole or not study.normal else [*found, _normal(study)]
 
 
 def bimorph(study: Study) -> list[dict[str, str]]:
-    """Return pictures of the bimorph; none of one that only the beam models know."""
+    """Pictures of the bimorph; none of one that only the beam models know."""
     if beyond_plain_layers(study.scene.bimorph):
         return []
     from tactgen.validation.models.bimorph.cad import cells_of
@@ -56,7 +56,7 @@ def bimorph(study: Study) -> list[dict[str, str]]:
 
 
 def beside(study: Study) -> dict[str, Any] | None:
-    """Return the tetrahedra of the CAD solids, where they stand beside bricks."""
+    """Tetrahedra of the CAD solids, where they stand beside bricks."""
     if "cad" not in study.scene.models or shown_model(study.scene) in (None, "cad"):
         return None
     study.announce("picture of the tetrahedra")
@@ -64,7 +64,7 @@ def beside(study: Study) -> dict[str, Any] | None:
 
 
 def tetrahedra(solution: Solution) -> dict[str, Any]:
-    """Return a picture of the tetrahedra that a solution has solved on."""
+    """Picture of the tetrahedra that a solution has solved on."""
     from tactgen.validation.models.bimorph.cad import cells_of
     from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 
@@ -75,7 +75,7 @@ def tetrahedra(solution: Solution) -> dict[str, Any]:
 
 
 def _normal(study: Study) -> dict[str, str]:
-    """Return a picture of rod, coil and sleeve."""
+    """Picture of rod, coil and sleeve."""
     from tactgen.validation.show.export import normal_actuator_solids
     from tactgen.validation.show.pictures import solids_picture
 
@@ -86,14 +86,14 @@ def _normal(study: Study) -> dict[str, str]:
 
 
 def _close_up(mesh: Mesh) -> str:
-    """Return a picture of a mesh at its held end."""
+    """Picture of a mesh at its held end."""
     from tactgen.validation.show.pictures import mesh_picture
 
     return inline(mesh_picture(mesh, close_up=True))
 
 
 def moving(study: Study) -> dict[str, Any]:
-    """Return stills of the first solid modes, and the viewer in which modes and fields move."""
+    """Stills of the first solid modes, and the viewer in which modes and fields move."""
     from tactgen.validation.catalogue.quantities import (
         OPEN_CIRCUIT_FREQUENCIES,
         SHORT_CIRCUIT_FREQUENCIES,
@@ -116,7 +116,7 @@ def moving(study: Study) -> dict[str, Any]:
 
 
 def _moving_models(study: Study) -> tuple[str, ...]:
-    """Return the models to look at: the solid that is shown, and transfer matrices beside it."""
+    """Models to look at: the solid that is shown, and transfer matrices beside it."""
     asked = tuple(study.solution.models_of("bimorph"))
     first = shown_model(study.scene) or asked[-1]
     return (first, "tmm") if "tmm" in asked and first != "tmm" else (first,)
@@ -137,7 +137,7 @@ def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[dict[s
 
 
 def _kind(solved: Mesh | Bricks, shown: Mesh) -> str:
-    """Return the cells of a mesh that is solved on, and shown by its cells, in words."""
+    """Cells of a mesh that is solved on, and shown by its cells, in words."""
     if not isinstance(solved, Bricks):
         return _KIND[shown.kind]
     x, y, z = solved.degree

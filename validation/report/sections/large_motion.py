@@ -153,7 +153,7 @@ class DeflectionRow:
 
 
 def _amplitude(study: Study) -> Context | None:
-    """Return backbones and deflections of both states; only words if quick."""
+    """Backbones and deflections of both states; only words if quick."""
     scene = study.scene
     if study.quick or len([f for f in scene.frequency if f > 0.0]) < 2:
         return {"states": ()} if study.quick else None
@@ -174,7 +174,7 @@ def _amplitude(study: Study) -> Context | None:
 
 
 def _linear(study: Study) -> tuple[Floats, dict[str, Floats]]:
-    """Return frequencies (n,) in Hz and the linear deflection (n,) in m of each state (tmm)."""
+    """Frequencies (n,) in Hz and the linear deflection (n,) in m of each state (tmm)."""
     scene = study.scene
     frequencies = np.array([f for f in scene.frequency if f > 0.0])
     found: dict[str, Floats] = {}
@@ -204,7 +204,7 @@ def _row(state: RockingState, linear: Floats, *, beside: bool) -> DeflectionRow:
 
 
 def run_in_time(study: Study) -> Simulation | str:
-    """Return the run of the paper's Fig 16, or why there is none."""
+    """Run of the paper's Fig 16, or why there is none."""
     from tactgen.validation.evidence.cases.motion import SOURCES
     from tactgen.validation.models.generator.transient import run_scene
 
@@ -223,7 +223,7 @@ def run_in_time(study: Study) -> Simulation | str:
 
 
 def _time(study: Study) -> Context:
-    """Return the run of the paper's Fig 16, as a film and as pictures for paper."""
+    """Run of the paper's Fig 16, as a film and as pictures for paper."""
     from tactgen.validation.evidence.cases.motion import SOURCES
     from tactgen.validation.models.generator.transient import phases
     from tactgen.validation.show.run_film import still_of_run
@@ -253,7 +253,7 @@ def _time(study: Study) -> Context:
 
 
 def _steady(scene: Scene) -> dict[str, float]:
-    """Return the tip's steady amplitude (m) in small motions on either stop; {} if it has none."""
+    """Tip's steady amplitude (m) in small motions on either stop; {} if it has none."""
     from tactgen.validation.evidence.cases.motion import DRIVE, SQUARE, small_tip
 
     try:

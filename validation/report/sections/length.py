@@ -128,7 +128,7 @@ def _minimum(axis: Any, study: LengthMap) -> None:
 
 
 def drawn(figure: Any) -> str:
-    """Return a figure with grids and plain numbers as SVG."""
+    """Figure with grids and plain numbers as SVG."""
     for axis in figure.axes:
         axis.grid(visible=True, which="both", alpha=0.25)
         plain_numbers(axis.xaxis, axis.yaxis)
@@ -148,7 +148,7 @@ _SOUGHT: dict[AimKind, str] = {
 def section(
     scene: Scene, origins: dict[str, str], announce: Callable[[str], None]
 ) -> dict[str, Any] | None:
-    """Return what the report shows; None for an actuator that does not move.
+    """What the report shows; None for an actuator that does not move.
 
     The paper's actuator is asked the paper's question: under the finger, at 50 V, 20 to 40 mm.
     Any other is asked as its scene drives and loads it, about lengths around its own.
@@ -190,7 +190,7 @@ def _found(scene: Scene, origins: dict[str, str]) -> dict[str, Any]:
 
 
 def _papers_question(scene: Scene) -> tuple[Scene, list[Aim]]:
-    """Return the scene as the paper drives and loads it, and the aims worth comparing."""
+    """Scene as the paper drives and loads it, and the aims worth comparing."""
     asked = scene.model_copy(
         update={
             "load": scene.load.model_copy(update={"kind": "finger"}),
@@ -205,7 +205,7 @@ def _papers_question(scene: Scene) -> tuple[Scene, list[Aim]]:
 
 
 def _own_question(scene: Scene) -> tuple[Scene, list[Aim]]:
-    """Return the scene as it is, and aims about lengths around its own."""
+    """Scene as it is, and aims about lengths around its own."""
     bimorph = scene.bimorph
     bare = 1.5 * (bimorph.bare_below + bimorph.bare_above)
     shortest = max(_AROUND[0] * bimorph.length, bimorph.thickness, bare)
@@ -215,13 +215,13 @@ def _own_question(scene: Scene) -> tuple[Scene, list[Aim]]:
 
 
 def _band(scene: Scene) -> tuple[tuple[float, float], ThresholdCurve]:
-    """Return the frequencies (Hz) over which the tip shall be felt, and from where on it is."""
+    """Frequencies (Hz) over which the tip shall be felt, and from where on it is."""
     threshold = threshold_of(scene.threshold)
     return stated_band(threshold), threshold
 
 
 def _cases(scene: Scene, aims: Sequence[Aim]) -> list[tuple[str, str, Design]]:
-    """Return the aims in both wirings: title, what is sought, result."""
+    """Aims in both wirings: title, what is sought, result."""
     found = []
     for wiring in ("parallel", "series"):
         bimorph = scene.bimorph.model_copy(update={"wiring": wiring})
@@ -231,7 +231,7 @@ def _cases(scene: Scene, aims: Sequence[Aim]) -> list[tuple[str, str, Design]]:
 
 
 def _at_band_end(scene: Scene) -> dict[str, Any]:
-    """Return how ill-conditioned the deflection is at the band's end, for the scene's length."""
+    """How ill-conditioned the deflection is at the band's end, for the scene's length."""
     at = _band(scene)[0][1]
     slopes = logarithmic_sensitivities(
         actuator(scene), TIP_DISPLACEMENT.port_readout, None, np.array([at])

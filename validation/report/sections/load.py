@@ -74,7 +74,7 @@ _POINTS, _ROWS = 300, 7
 
 
 def load_section(study: Study) -> Context | None:
-    """Return the load over frequency, and what it takes; None for a free tip."""
+    """Load over frequency, and what it takes; None for a free tip."""
     scene = study.scene
     tip = scene.ends.tip
     if scene.load.kind == "none":
@@ -118,7 +118,7 @@ def _rows(
 
 
 def _measured(tip: object) -> Context | None:
-    """Return what is fitted to a table: the paper's form, and springs, dampers and masses."""
+    """What is fitted to a table: the paper's form, and springs, dampers and masses."""
     if not isinstance(tip, MeasuredLaw):
         return None
     form = finger_form(tip.table)
@@ -137,7 +137,7 @@ def _measured(tip: object) -> Context | None:
 
 
 def _passive(kind: str) -> float | None:
-    """Return how far the paper's finger is from any passive load (root mean square)."""
+    """How far the paper's finger is from any passive load (root mean square)."""
     if kind != "finger":
         return None
     at = np.geomspace(*FINGER_RANGE, _POINTS)

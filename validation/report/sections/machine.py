@@ -70,7 +70,7 @@ def position_plot(loops: Sequence[RodLoop], current: float) -> str:
 
 
 def _in_pieces(currents: Floats, way: Sequence[RestingPlace]) -> tuple[Floats, Floats]:
-    """Return currents and lifts (µm), with a gap where the rod goes from stop to stop."""
+    """Currents and lifts (µm), with a gap where the rod goes from stop to stop."""
     lifts = np.array([1e6 * place.lift for place in way])
     kinds = [place.kind for place in way]
     ends = {"upper stop", "lower stop"}
@@ -168,7 +168,7 @@ class MapRow:
 
 
 def _positions(study: Study) -> Context | None:
-    """Return where the rod rests over the current; None where nothing magnetic is asked for."""
+    """Where the rod rests over the current; None where nothing magnetic is asked for."""
     scene = study.scene
     loops = _loops(study)
     if not loops:
@@ -187,7 +187,7 @@ def _positions(study: Study) -> Context | None:
 
 
 def _support(study: Study) -> Context:
-    """Return the support that the contact is, in several states, and what it bears."""
+    """Support that the contact is, in several states, and what it bears."""
     scene = study.scene
     return {
         "rows": [_row(scene, state, made) for state, made in _states(scene, _is_magnetic(study))],
@@ -200,7 +200,7 @@ def _support(study: Study) -> Context:
 
 
 def _motions(study: Study) -> Context | None:
-    """Return rod and coil in small motions: at the scene's current, or held if it has none."""
+    """Rod and coil in small motions: at the scene's current, or held if it has none."""
     if not _is_magnetic(study):
         return None
 
@@ -224,13 +224,13 @@ def _motions(study: Study) -> Context | None:
 
 
 def _maps_asked(scene: Scene) -> list[str]:
-    """Return the models of the normal actuator asked for, if there are some to compare."""
+    """Models of the normal actuator asked for, if there are some to compare."""
     asked = [name for name in ranked(scene.models) if MODELS[name].actuator == "reluctance"]
     return asked if len(asked) > 1 else []
 
 
 def _on_map(scene: Scene, model: str) -> MapRow:
-    """Return the rod in small motions by one model's map, the supply holding the current."""
+    """Rod in small motions by one model's map, the supply holding the current."""
     made = scene.asking((model,))
     rod = machine_of(made, made.pull)
     poles = measured_poles(_with(made, supply="current"), rod).listed
@@ -264,7 +264,7 @@ def _loops(study: Study) -> Sequence[RodLoop]:
 
 
 def _states(scene: Scene, magnetic: bool) -> list[tuple[str, Scene]]:
-    """Return the scene in the states whose supports are compared."""
+    """Scene in the states whose supports are compared."""
     found = []
     for share in _PRELOADS:
         preload = share * scene.spring.preload
@@ -301,7 +301,7 @@ def _row(scene: Scene, state: str, made: Scene) -> SupportRow:
 
 
 def _base_moment(scene: Scene) -> Context:
-    """Return the largest moment (N m) that the linear support bears under the drive, and where."""
+    """Largest moment (N m) that the linear support bears under the drive, and where."""
     assert scene.rest is not None
     place, springs = scene.rest
     frequencies = np.asarray(scene.frequency, dtype=float)

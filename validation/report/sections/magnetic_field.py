@@ -82,7 +82,7 @@ def _shade(axis: Any, solution: MagneticField) -> Any:
 
 
 def _patches(lines: Floats, across: int) -> Floats:
-    """Return edges around `across` Gauss points between every two lines."""
+    """Edges around `across` Gauss points between every two lines."""
     points = np.polynomial.legendre.leggauss(across)[0]
     edges = np.concatenate([[-1.0], 0.5 * (points[1:] + points[:-1])])
     inner = [0.5 * (a + b) + 0.5 * (b - a) * edges for a, b in pairwise(lines)]
@@ -169,7 +169,7 @@ def _names(axis: Any, device: Device, gap: float) -> None:
 
 
 def _apart(levels: Floats, least: float) -> Floats:
-    """Return falling levels at least `least` apart, as near to the wanted ones as from the top."""
+    """Falling levels at least `least` apart, as near to the wanted ones as from the top."""
     found = np.array(levels)
     for k in range(1, found.size):
         found[k] = min(found[k], found[k - 1] - least)

@@ -32,7 +32,7 @@ _PICTURE: dict[str, Any] = {"order": 2, "refinement": 3.0}
 
 
 def _models(actuator: NormalActuator) -> Context:
-    """Return the models side by side and the bridge between them."""
+    """Models side by side and the bridge between them."""
     from tactgen.validation.models.difference import remaining
     from tactgen.validation.report.sections.bimorph_figures import breakdown_plot
 
@@ -58,7 +58,7 @@ def _models(actuator: NormalActuator) -> Context:
 
 
 def _deviations(actuator: NormalActuator) -> Context | None:
-    """Return the network's force against the field's over the map, if both have one."""
+    """Network's force against the field's over the map, if both have one."""
     names = (NetworkModel.name, AxisymmetricModel.name)
     if not set(names) <= set(actuator.maps):
         return None
@@ -69,7 +69,7 @@ def _deviations(actuator: NormalActuator) -> Context | None:
 
 
 def _field(actuator: NormalActuator) -> Context | None:
-    """Return pictures of the field at both stops, if it was asked for."""
+    """Pictures of the field at both stops, if it was asked for."""
     if actuator.field_model is None:
         return None
     from tactgen.fem.magnetics.axisymmetric import solve_point
@@ -93,7 +93,7 @@ def _field(actuator: NormalActuator) -> Context | None:
 
 
 def _viewer(actuator: NormalActuator) -> str:
-    """Return the field at the scene's current and gap, revolved, in a frame of its own."""
+    """Field at the scene's current and gap, revolved, in a frame of its own."""
     from tactgen.validation.show.fields.magnetic import gather_magnetic
     from tactgen.validation.show.page import fragment
     from tactgen.validation.show.viewer import payload
@@ -105,7 +105,7 @@ def _viewer(actuator: NormalActuator) -> str:
 
 
 def _shaft_density(point: FieldPoint, radius: float) -> float:
-    """Return the largest mean flux density in the shaft (T): flux 2π r A_φ over its section."""
+    """Largest mean flux density in the shaft (T): flux 2π r A_φ over its section."""
     assert point.solution is not None
     grid = point.solution.discretisation.grid
     at = int(np.argmin(np.abs(grid.r - radius)))
@@ -126,7 +126,7 @@ class ElectricalRow:
 
 
 def _characteristics(actuator: NormalActuator) -> Context:
-    """Return families, switching, finger force and the coil's electrical and thermal values."""
+    """Families, switching, finger force and the coil's electrical and thermal values."""
     from tactgen.validation.report.sections.reluctance_figures import (
         Families,
         flux_families,
@@ -167,7 +167,7 @@ def _characteristics(actuator: NormalActuator) -> Context:
 
 
 def _finger(actuator: NormalActuator) -> list[dict[str, Any]]:
-    """Return spring, pull and what is left for the finger at both stops."""
+    """Spring, pull and what is left for the finger at both stops."""
     device, pull = actuator.device, actuator.pull
     rows = []
     for stop, gap in (("upper stop", device.gap), ("lower stop", device.spring.stop_gap)):
@@ -205,7 +205,7 @@ def _electrical_rows(actuator: NormalActuator, found: SwitchingCurrents) -> list
 
 
 def _beside_the_paper(actuator: NormalActuator) -> Context | None:
-    """Return the model's answers to what the paper states, None outside the map."""
+    """Model's answers to what the paper states, None outside the map."""
     device, pull = actuator.device, actuator.pull
     low, high = pull.gap_limits
     if not low <= stated.GAP <= high or pull.current_limit < stated.PULL_IN:
@@ -234,12 +234,12 @@ def _beside_the_paper(actuator: NormalActuator) -> Context | None:
 
 
 def _unstable(places: Sequence[Equilibrium]) -> float | None:
-    """Return the smallest gap (m) from which the spring takes over, None if there is none."""
+    """Smallest gap (m) from which the spring takes over, None if there is none."""
     return min((p.gap for p in places if p.kind == "unstable"), default=None)
 
 
 def _of(show: Callable[[NormalActuator], Context | None]) -> Callable[[Study], Context | None]:
-    """Return the contents of a section by what it shows of the normal actuator, at its current."""
+    """Contents of a section by what it shows of the normal actuator, at its current."""
 
     def context(study: Study) -> Context | None:
         actuator = study.normal

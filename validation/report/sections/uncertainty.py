@@ -61,7 +61,7 @@ def contributors_plot(rows: Sequence[Uncertainty]) -> str:
 def detailed_numbers(
     scene: Scene, solution: Solution, model: str, targets: Sequence[Target]
 ) -> dict[str, tuple[float, float]]:
-    """Return magnitude and numerical error bar by label; targets without a number are left out.
+    """Magnitude and numerical error bar by label; targets without a number are left out.
 
     Peaks are not searched for, and a model that takes long is not run again.
     """
@@ -89,7 +89,7 @@ def detailed_numbers(
 def _responses(
     scene: Scene, solution: Solution, model: str, targets: Sequence[Target]
 ) -> dict[str, dict[float, tuple[float, float]]]:
-    """Return each response's magnitude and error bar by frequency (Hz)."""
+    """Each response's magnitude and error bar by frequency (Hz)."""
     wanted = tuple(sorted({t.frequency for t in targets if t.frequency is not None}))
     names = dict.fromkeys(t.name for t in targets if t.frequency is not None)
     given = [name for name in names if gives(model, name)]
@@ -105,7 +105,7 @@ def _responses(
 
 
 def section(scene: Scene, solution: Solution, rows: Sequence[Uncertainty]) -> dict[str, Any]:
-    """Return what the report shows of the headline numbers and their uncertainty."""
+    """What the report shows of the headline numbers and their uncertainty."""
     parameters = uncertain_parameters(scene)
     detailed = ranked(solution.models_of("bimorph"))[-1]
     omitted = left_out(scene)

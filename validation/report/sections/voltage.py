@@ -38,7 +38,7 @@ VOLTAGE_STYLE: dict[Case, dict[str, Any]] = {
 
 
 def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any] | None:
-    """Return what the report shows of it; None for an actuator that does not move."""
+    """What the report shows of it; None for an actuator that does not move."""
     if scene.piezo.d31 == 0.0:
         return None
     announce("excitation voltage")
@@ -59,7 +59,7 @@ def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any] | N
 
 
 def findings(study: VoltageStudy) -> tuple[str, ...]:
-    """Return what the comparison says, in sentences made from its numbers."""
+    """What the comparison says, in sentences made from its numbers."""
     found = []
     wide = study.stated[-1]
     lowest, most = wide.paper.voltages
@@ -89,7 +89,7 @@ def findings(study: VoltageStudy) -> tuple[str, ...]:
 
 
 def _of_load(moved: PerVolt) -> str:
-    """Return what load would reconcile model and paper at one frequency."""
+    """What load would reconcile model and paper at one frequency."""
     at = f"At {moved.frequency:g} Hz"
     parts = [
         f"{_as_large(factor)} ({wiring})"

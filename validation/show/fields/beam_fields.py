@@ -31,7 +31,7 @@ class RowFields:
         return self._shape.mesh
 
     def modes(self, count: int, *, open_circuit: bool) -> list[tuple[str, Found]]:
-        """Return class and fields of the lowest `count` modes, ascending."""
+        """Class and fields of the lowest `count` modes, ascending."""
         lines = self._model.mode_lines(open_circuit=True) if open_circuit else self._short
         out = []
         for line in lines[:count]:
@@ -41,13 +41,13 @@ class RowFields:
         return out
 
     def static(self, voltage: float) -> Found:
-        """Return the lossless fields at rest under a voltage (V) across each layer."""
+        """Lossless fields at rest under a voltage (V) across each layer."""
         fields, tip, charge = self._found(self._model.driven_line(0.0, voltage, lossy=False))
         real = {name: np.real(values) for name, values in fields.items()}
         return real, tip.real, charge.real
 
     def harmonic(self, frequency: float, voltage: float) -> Found:
-        """Return the fields with losses at a frequency (Hz) and voltage (V) across each layer."""
+        """Fields with losses at a frequency (Hz) and voltage (V) across each layer."""
         return self._found(self._model.driven_line(frequency, voltage, lossy=True))
 
     def _found(self, line: CentreLine, factor: float = 1.0) -> Found:

@@ -61,23 +61,23 @@ class Fields(Protocol):
         """The points and cells."""
 
     def modes(self, count: int, *, open_circuit: bool) -> list[tuple[str, Found]]:
-        """Return class and fields of the lowest `count` modes, ascending."""
+        """Class and fields of the lowest `count` modes, ascending."""
 
     def static(self, voltage: float) -> Found:
-        """Return the lossless fields at rest under a voltage (V) across each layer."""
+        """Lossless fields at rest under a voltage (V) across each layer."""
 
     def harmonic(self, frequency: float, voltage: float) -> Found:
-        """Return the fields with losses at a frequency (Hz) and voltage (V) across each layer."""
+        """Fields with losses at a frequency (Hz) and voltage (V) across each layer."""
 
 
 def with_fields(scene: Scene) -> tuple[str, ...]:
-    """Return the scene's models of the lateral actuator: all of them have fields."""
+    """Scene's models of the lateral actuator: all of them have fields."""
     lateral = models_of("bimorph")
     return tuple(name for name in scene.models if name in lateral)
 
 
 def default_models(scene: Scene) -> tuple[str, ...]:
-    """Return the model to look at: the fastest solid that the scene asks for, else a row."""
+    """Model to look at: the fastest solid that the scene asks for, else a row."""
     known = with_fields(scene)
     for name in ("solid", "cad", "tmm", "beam", "lumped"):
         if name in known:
@@ -96,12 +96,9 @@ def gather(
     request: Request,
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[FieldResult]:
-    """Return the fields of a scene by each of the models, in their order.
+    """Fields of a scene by each of the models, in their order.
 
-    Raises
-    ------
-    InputError
-        If a model has no field in space, or both actuators are asked for at once.
+    Raises InputError if a model has no field in space, or both actuators are asked for at once.
     """
     able = (*models_of("bimorph"), MAGNETIC)
     for name in models:
@@ -129,7 +126,7 @@ def gather_from(
     request: Request,
     announce: Callable[[str], None] = lambda _: None,
 ) -> FieldResult:
-    """Return the fields of one model of a solution that has its natural frequencies.
+    """Fields of one model of a solution that has its natural frequencies.
 
     The models of the solution are asked, so that nothing is solved twice.
     """
@@ -187,7 +184,7 @@ def _modes(solution: Solution, name: str, fields: Fields) -> list[State]:
 
 
 def _coupling(by_circuit: dict[Circuit, Quantity], circuit: Circuit, number: int) -> float:
-    """Return √(1 − (f_short / f_open)²) of a bending mode in x and its partner; nan of others."""
+    """√(1 − (f_short / f_open)²) of a bending mode in x and its partner; nan of others."""
     this, other = by_circuit[circuit], by_circuit["open" if circuit == "short" else "short"]
     assert this.classes is not None
     assert other.classes is not None
@@ -202,7 +199,7 @@ def _coupling(by_circuit: dict[Circuit, Quantity], circuit: Circuit, number: int
 
 
 def _state(name: str, kind: str, frequency: float, found: Found, layer: float) -> State:
-    """Return a driven state; in series the terminals see half the charge of both layers."""
+    """Driven state; in series the terminals see half the charge of both layers."""
     values, tip, charge = found
     return State(
         name=name,
@@ -226,6 +223,6 @@ def _frequencies(scene: Scene, states: Sequence[State], request: Request) -> tup
 
 
 def body_of(found: Simulation) -> MovingBody:
-    """Return what moves in a run."""
+    """What moves in a run."""
     device, beam = scene_beam(found.scene)
     return moving_body(device, beam, found.machine.modes)

@@ -51,14 +51,11 @@ def length_range(
     announce: Callable[[str], None] = lambda _: None,
     known: int = KNOWN,
 ) -> LengthRange | None:
-    """Return modes over a range of lengths (m); None of a model that has no fast way to them.
+    """Modes over a range of lengths (m); None of a model that has no fast way to them.
 
     `known` is the number of lengths at which frequencies are worked out.
 
-    Raises
-    ------
-    InputError
-        If the range is empty or reversed, or the model cannot take a length in it.
+    Raises InputError if the range is empty or reversed, or the model cannot take a length in it.
     """
     low, high = ends
     if not low < high:
@@ -115,7 +112,7 @@ def _fields(scene: Scene, model: str, length: float) -> FieldResult:
 def _tables(
     scene: Scene, model: str, lengths: Floats, announce: Callable[[str], None]
 ) -> dict[ModeKey, tuple[Floats, Floats]] | None:
-    """Return frequency and bar (n,) of each mode over the lengths."""
+    """Frequency and bar (n,) of each mode over the lengths."""
     scenes = [_at(scene, float(length)) for length in lengths]
     names = tuple(_NAMES.values())
     answers: Sequence[Sequence[Quantity]]
@@ -141,7 +138,7 @@ def _tables(
 
 
 def _keys(circuit: Circuit, classes: Sequence[str]) -> list[tuple[ModeKey, int]]:
-    """Return the modes of a list of classes, each with its place in the list."""
+    """Modes of a list of classes, each with its place in the list."""
     return [
         ((circuit, motion, classes[:place].count(motion)), place)
         for place, motion in enumerate(classes)
@@ -158,7 +155,7 @@ def _shapes(result: FieldResult, lattice: _Lattice) -> dict[ModeKey, Floats]:
 
 
 def _turned_like(first: Floats, shape: Floats) -> Floats:
-    """Return a shape with the sign that makes it most like another."""
+    """Shape with the sign that makes it most like another."""
     return shape if float(np.vdot(first, shape)) >= 0.0 else -shape
 
 
@@ -185,7 +182,7 @@ class _Lattice:
         self.points = self.of(mesh.points)
 
     def of(self, values: Floats) -> Floats:
-        """Return values (n, 3) of the mesh at the base's points (m, 3)."""
+        """Values (n, 3) of the mesh at the base's points (m, 3)."""
         if self._same:
             return np.asarray(values)
         from scipy.interpolate import make_interp_spline
@@ -198,7 +195,7 @@ class _Lattice:
 
 
 def _columns(mesh: Mesh) -> dict[int, tuple[Ints, Floats]]:
-    """Return by region its points as columns (c, nz), ascending, and their heights (nz,)."""
+    """By region its points as columns (c, nz), ascending, and their heights (nz,)."""
     region = np.zeros(len(mesh.points), dtype=np.int64)
     region[mesh.cells] = mesh.region_of_cell[:, None]
     found: dict[int, tuple[Ints, Floats]] = {}

@@ -70,7 +70,7 @@ def gather_magnetic(
     opened: bool = True,
     reuse: Solution | None = None,
 ) -> FieldResult:
-    """Return the field at the scene's current and gap, by the axisymmetric model.
+    """Field at the scene's current and gap, by the axisymmetric model.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def gather_magnetic(
 
 
 def section_of(field: MagneticField) -> Section:
-    """Return the parts of a converged field with B and H at the corners of pieces of its cells."""
+    """Parts of a converged field with B and H at the corners of pieces of its cells."""
     d = field.discretisation
     grid = d.grid
     across = round(np.sqrt(d.radii.shape[1]))
@@ -157,7 +157,7 @@ def section_of(field: MagneticField) -> Section:
 
 
 def _from_gauss_points(across: int) -> Floats:
-    """Return the matrix (pieces + 1, across) from Gauss points to even points of a cell."""
+    """Matrix (pieces + 1, across) from Gauss points to even points of a cell."""
     points = np.polynomial.legendre.leggauss(across)[0]
     wanted = np.linspace(-1.0, 1.0, _PIECES + 1)
     return np.asarray(
@@ -172,7 +172,7 @@ def _divided(lines: Floats) -> Floats:
 
 
 def revolved(section: Section, angles: Floats) -> tuple[Mesh, Callable[[Floats], Floats]]:
-    """Return the section swept through angles (rad), and what turns vectors (n, 2) with it.
+    """Section swept through angles (rad), and what turns vectors (n, 2) with it.
 
     At the axis bricks are wedges with an edge of no length; a whole turn is closed.
     """
@@ -206,7 +206,7 @@ def revolved(section: Section, angles: Floats) -> tuple[Mesh, Callable[[Floats],
 
 
 def flux_lines(field: MagneticField, section: Section) -> Floats:
-    """Return segments (m, 2, 3) of lines between which the same flux runs, on both faces."""
+    """Segments (m, 2, 3) of lines between which the same flux runs, on both faces."""
     from contourpy import contour_generator
 
     grid, psi = field.discretisation.grid, field.flux_function

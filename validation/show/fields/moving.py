@@ -37,14 +37,14 @@ class MovingBody:
     axial: Floats
 
     def displacement(self, position: Floats) -> Floats:
-        """Return (n_points, 3) in m at coordinates (n,)."""
+        """(n_points, 3) in m at coordinates (n,)."""
         own = position[: self.lateral.shape[1]]
         along = self.lateral @ own
         return np.stack([along, np.zeros_like(along), self.axial @ own], axis=1)
 
 
 def moving_body(device: Device, beam: BeamMatrices, modes: BimorphModes) -> MovingBody:
-    """Return what moves of a generator: coordinates lift, w and ψ of the head, the modes.
+    """What moves of a generator: coordinates lift, w and ψ of the head, the modes.
 
     Parameters
     ----------
@@ -72,12 +72,12 @@ def moving_body(device: Device, beam: BeamMatrices, modes: BimorphModes) -> Movi
 
 
 def _lifted(rows: Floats, lift: float) -> Floats:
-    """Return rows with a first column for the lift."""
+    """Rows with a first column for the lift."""
     return np.hstack([np.full((len(rows), 1), lift), rows])
 
 
 def ring_mesh(name: str, ring: Ring) -> Mesh:
-    """Return a turned ring (m) as hexahedra of one region."""
+    """Turned ring (m) as hexahedra of one region."""
     angle = np.linspace(0.0, 2.0 * np.pi, _AROUND)
     height, radius, angle = np.meshgrid(
         np.array([ring.low, ring.high]) / MM, np.array([ring.inner, ring.outer]) / MM, angle,
@@ -96,7 +96,7 @@ def ring_mesh(name: str, ring: Ring) -> Mesh:
 
 
 def joined(meshes: list[Mesh]) -> Mesh:
-    """Return meshes of hexahedra side by side in one, without their named faces."""
+    """Meshes of hexahedra side by side in one, without their named faces."""
     names = tuple(dict.fromkeys(name for mesh in meshes for name in mesh.regions))
     starts = np.cumsum([0, *(len(mesh.points) for mesh in meshes)])
     numbers = [np.array([names.index(name) for name in mesh.regions]) for mesh in meshes]
@@ -117,7 +117,7 @@ _NEAR = 1e-9
 
 
 def standing(scene: Scene, result: FieldResult) -> FieldResult:
-    """Return a result with the rod and its coil below the bimorph, if it stands on their contact.
+    """Result with the rod and its coil below the bimorph, if it stands on their contact.
 
     What tetrahedra show stays alone.
 
@@ -139,7 +139,7 @@ def standing(scene: Scene, result: FieldResult) -> FieldResult:
 
 
 def _with_rod(state: State, mesh: Mesh, points: Floats) -> State:
-    """Return a state with its fields at the rod's points too, where all but the motion are 0."""
+    """State with its fields at the rod's points too, where all but the motion are 0."""
     fields = {
         name: np.concatenate([values, np.zeros((len(points), *values.shape[1:]), values.dtype)])
         for name, values in ((name, np.asarray(of)) for name, of in state.fields.items())
@@ -154,7 +154,7 @@ def _with_rod(state: State, mesh: Mesh, points: Floats) -> State:
 
 
 def _carried(at: Floats, displacement: Array, points: Floats) -> Array:
-    """Return how points (n, 3) move that are rigidly joined to the base: u_x = w − z ψ, u_z = x ψ.
+    """How points (n, 3) move that are rigidly joined to the base: u_x = w − z ψ, u_z = x ψ.
 
     Motions that the contact does not let through have none at the base.
     """

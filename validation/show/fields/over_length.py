@@ -75,7 +75,7 @@ class LengthRange:
 
 
 def lagrange_weights(nodes: Floats, at: float) -> Floats:
-    """Return what values at nodes (k,) count with in their polynomial at a place, (k,)."""
+    """What values at nodes (k,) count with in their polynomial at a place, (k,)."""
     apart = nodes[:, None] - nodes[None, :] + np.eye(nodes.size)
     ratios = (at - nodes[None, :]) / apart
     np.fill_diagonal(ratios, 1.0)

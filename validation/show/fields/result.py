@@ -135,12 +135,9 @@ class FieldResult:
         return tuple(name for name in FIELDS if all(name in state.fields for state in self.states))
 
     def state(self, name: str) -> State:
-        """Return a state by name.
+        """State by name.
 
-        Raises
-        ------
-        InputError
-            With the names that there are.
+        Raises InputError with the names that there are.
         """
         for state in self.states:
             if state.name == name:
@@ -150,12 +147,12 @@ class FieldResult:
 
 
 def von_mises(stress: Array) -> Floats:
-    """Return the von Mises stress (n,) of real stresses (n, 6) in Voigt's order, same unit."""
+    """Von Mises stress (n,) of real stresses (n, 6) in Voigt's order, same unit."""
     xx, yy, zz, yz, xz, xy = np.asarray(stress).T
     normal = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2)
     return np.asarray(np.sqrt(normal + 3.0 * (yz**2 + xz**2 + xy**2)))
 
 
 def at_phase(amplitude: Array, phase: float) -> Floats:
-    """Return the real part of amplitudes times e^{j phase}, phase in radians."""
+    """Real part of amplitudes times e^{j phase}, phase in radians."""
     return np.asarray(np.real(amplitude * np.exp(1j * phase)), dtype=float)

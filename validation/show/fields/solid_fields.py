@@ -75,7 +75,7 @@ class BrickSampler:
         return np.flatnonzero(used), (nx, ny, nz)
 
     def _kept(self, block: Block) -> tuple[Ints, Ints, Ints]:
-        """Return which nodes of a block are shown along each axis."""
+        """Which nodes of a block are shown along each axis."""
         counts = (block.x.stop - block.x.start, self._grid[1][1], block.z.stop - block.z.start)
         steps = (
             (1, 1, 1) if self.detail == "nodes" else (self.axes[0].degree, self.axes[1].degree, 1)
@@ -134,7 +134,7 @@ class BrickSampler:
         return found
 
     def sample(self, values: Numbers) -> tuple[Numbers, Numbers]:
-        """Return values (n, k) and gradients (n, k, 3) at the points from those at all nodes.
+        """Values (n, k) and gradients (n, k, 3) at the points from those at all nodes.
 
         Parameters
         ----------
@@ -163,7 +163,7 @@ class BrickSampler:
 
 
 def _differentiation(axis: Axis, part: slice) -> Floats:
-    """Return the matrix (n, n) that differentiates piecewise polynomials at a part's nodes."""
+    """Matrix (n, n) that differentiates piecewise polynomials at a part's nodes."""
     degree = axis.degree
     reference = _reference_slopes(degree)
     first = part.start // degree
@@ -178,7 +178,7 @@ def _differentiation(axis: Axis, part: slice) -> Floats:
 
 
 def _reference_slopes(degree: int) -> Floats:
-    """Return derivatives (n, n) of the polynomials through Gauss–Lobatto points at these points."""
+    """Derivatives (n, n) of the polynomials through Gauss–Lobatto points at these points."""
     points = lobatto_points(degree)
     powers = np.vander(points, increasing=True)
     slopes = np.zeros_like(powers)
@@ -187,7 +187,7 @@ def _reference_slopes(degree: int) -> Floats:
 
 
 def _cells(shape: tuple[int, ...]) -> tuple[Ints, tuple[Ints, Ints]]:
-    """Return hexahedra of a block of points, z fastest, and quads at its ends along x."""
+    """Hexahedra of a block of points, z fastest, and quads at its ends along x."""
     number = np.arange(int(np.prod(shape))).reshape(shape)
     around = ((0, 0), (1, 0), (1, 1), (0, 1))
     nx, ny, nz = shape
@@ -247,7 +247,7 @@ class TetSampler:
         return Mesh(points, cells, "tetra10", whole.region_of_cell, whole.regions, {})
 
     def sample(self, values: Numbers) -> tuple[Numbers, Numbers]:
-        """Return values (n, k) and gradients (n, k, 3) at the points; see BrickSampler.sample."""
+        """Values (n, k) and gradients (n, k, 3) at the points; see BrickSampler.sample."""
         points, cells, of_node = self._quadratic
         shown = values[of_node]
         gradients = np.zeros((len(points), values.shape[1], 3), dtype=values.dtype)
@@ -262,7 +262,7 @@ class TetSampler:
 
 
 def _shape_slopes() -> Floats:
-    """Return (10, 10, 3): at each node, the slopes of the ten functions by ξ, η, ζ."""
+    """(10, 10, 3): at each node, the slopes of the ten functions by ξ, η, ζ."""
     by = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     corners = (4.0 * _NODES - 1.0)[:, :, None] * by
     i, j = TET_EDGES.T
@@ -282,7 +282,7 @@ class Sampler(Protocol):
         """The points and cells."""
 
     def sample(self, values: Numbers) -> tuple[Numbers, Numbers]:
-        """Return values (n, k) and gradients (n, k, 3) at the points."""
+        """Values (n, k) and gradients (n, k, 3) at the points."""
 
 
 class SolidFields:
@@ -307,7 +307,7 @@ class SolidFields:
         return self._sampler.mesh
 
     def modes(self, count: int, *, open_circuit: bool) -> list[tuple[str, Found]]:
-        """Return class and fields of the lowest `count` modes, ascending."""
+        """Class and fields of the lowest `count` modes, ascending."""
         model, system = self._model, self._system
         found: list[SolidState] = []
         for motion, number in model.motions(open_circuit=open_circuit).items():
@@ -326,7 +326,7 @@ class SolidFields:
         return out
 
     def _related(self, motion: Motion) -> SolidSystem:
-        """Return the system of a class of motion, the same for every circuit."""
+        """System of a class of motion, the same for every circuit."""
         assert self._system.related is not None
         if motion not in self._of_motion:
             own = motion == self._system.motion
@@ -334,21 +334,21 @@ class SolidFields:
         return self._of_motion[motion]
 
     def _apart(self, system: SolidSystem, number: int) -> list[SolidState]:
-        """Return modes that no circuit changes, of a class in which the ports take no part."""
+        """Modes that no circuit changes, of a class in which the ports take no part."""
         if len(self._without_ports.get(system.motion, ())) < number:
             ends = self._model.scene.ends
             self._without_ports[system.motion] = mode_states(system, ends, number)
         return self._without_ports[system.motion][:number]
 
     def static(self, voltage: float) -> Found:
-        """Return the lossless fields at rest under a voltage (V) across each layer."""
+        """Lossless fields at rest under a voltage (V) across each layer."""
         ends = self._model.scene.ends.lossless
         state = driven_state(self._system, ends, 0.0, voltage)
         real = SolidState(0.0, state.values.real, state.tip.real, state.charge.real)
         return self._fields(real, lossy=False)
 
     def harmonic(self, frequency: float, voltage: float) -> Found:
-        """Return the fields with losses at a frequency (Hz) and voltage (V) across each layer."""
+        """Fields with losses at a frequency (Hz) and voltage (V) across each layer."""
         scene = self._model.scene
         if self._lossy is None:
             self._lossy = assemble(scene.device, self._model.meshes()[0], lossy=True)
@@ -383,7 +383,7 @@ class SolidFields:
 
 
 def _constitutive(material: Material, strain: Numbers, field: Numbers) -> tuple[Numbers, Numbers]:
-    """Return T = c S − eᵀ E and D = e S + ε E of one material, (n, 6) and (n, 3)."""
+    """T = c S − eᵀ E and D = e S + ε E of one material, (n, 6) and (n, 3)."""
     stress = strain @ material.c.T
     if material.piezo is None:
         return stress, np.zeros_like(field)
@@ -392,7 +392,7 @@ def _constitutive(material: Material, strain: Numbers, field: Numbers) -> tuple[
 
 
 def points_of_regions(mesh: Mesh) -> dict[str, Ints]:
-    """Return the points of every region."""
+    """Points of every region."""
     return {
         region: np.unique(mesh.cells[mesh.region_of_cell == number])
         for number, region in enumerate(mesh.regions)

@@ -50,7 +50,7 @@ def _first(value: Any) -> Any:
 
 
 def _over(reduce: Callable[[Any], Any], value: Any) -> Any:
-    """Return one number of an array, of its values that are known; nan if none is."""
+    """One number of an array, of its values that are known; nan if none is."""
     numbers = np.ravel(value.magnitude)
     known = numbers[np.isfinite(numbers)]
     return (reduce(known) if known.size else np.nan) * value.units
@@ -94,12 +94,9 @@ class Aim:
 
     @_UNSPOKEN
     def margin(self, known: dict[str, Quantity]) -> float:
-        """Return how much better than asked a point is, in SI units; of a goal how good.
+        """How much better than asked a point is, in SI units; of a goal how good.
 
-        Raises
-        ------
-        InputError
-            If units do not fit, or an array is left where one number is wanted.
+        Raises InputError if units do not fit, or an array is left where one number is wanted.
         """
         import pint
 
@@ -144,7 +141,7 @@ class Aim:
         return next((unit for unit in units if found.check(unit_registry()(unit))), base)
 
     def margin_with_bar(self, known: dict[str, Quantity]) -> tuple[float, float]:
-        """Return the margin and its numerical error bar: each quantity moved by its own, added."""
+        """Margin and its numerical error bar: each quantity moved by its own, added."""
         margin, bar = self.margin(known), 0.0
         for name in self.quantities:
             q = known[name]
@@ -159,12 +156,9 @@ def _moved(q: Quantity, sign: float) -> Quantity:
 
 
 def parse_aim(text: str) -> Aim:
-    """Return the aim that a text states.
+    """Aim that a text states.
 
-    Raises
-    ------
-    InputError
-        If it is not of the grammar.
+    Raises InputError if it is not of the grammar.
     """
     return _Parser(text).aim()
 
@@ -244,7 +238,7 @@ class _Parser:
         return found
 
     def _divisor(self) -> Node:
-        """Return what a division divides by, unless it is 0 at every point."""
+        """What a division divides by, unless it is 0 at every point."""
         import pint
 
         self.place += 1
@@ -285,7 +279,7 @@ class _Parser:
             raise self._refused("has a parenthesis that is not closed")
 
     def _number(self, value: float) -> Node:
-        """Return a number, with the unit that follows it if one does, such as 2 um or 5 %."""
+        """Number, with the unit that follows it if one does, such as 2 um or 5 %."""
         unit = 1.0 * unit_registry().dimensionless
         if self._take("%"):
             unit = 0.01 * unit
@@ -328,14 +322,14 @@ def _applied(function: Callable[[Any], Any], inner: Node) -> Node:
 
 
 def _value(q: Quantity) -> Any:
-    """Return a quantity with its unit; of complex ones the magnitude."""
+    """Quantity with its unit; of complex ones the magnitude."""
     size = np.abs(q.value) if np.iscomplexobj(q.value) else q.value
     unit = unit_registry().parse_units("" if q.unit == "1" else q.unit)
     return np.asarray(size, dtype=float) * unit
 
 
 def at_threshold(known: dict[str, Quantity], curve: ThresholdCurve) -> dict[str, Quantity]:
-    """Return the quantities with the detection threshold at their frequencies among them."""
+    """Quantities with the detection threshold at their frequencies among them."""
     frequencies: tuple[float, ...] = next(
         (q.frequency for q in known.values() if q.frequency is not None), ()
     )
@@ -354,7 +348,7 @@ def at_threshold(known: dict[str, Quantity], curve: ThresholdCurve) -> dict[str,
 
 
 def _threshold(known: dict[str, Quantity]) -> Any:
-    """Return the detection threshold, the paper's unless another is known; nan where unknown."""
+    """Detection threshold, the paper's unless another is known; nan where unknown."""
     if THRESHOLD not in known:
         known = at_threshold(known, DISPLAY_THRESHOLD)
     return _value(known[THRESHOLD])

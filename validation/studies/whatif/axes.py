@@ -38,7 +38,7 @@ class Distribution:
     second: float
 
     def draw(self, count: int, seed: int, key: str) -> Floats:
-        """Return `count` independent values.
+        """`count` independent values.
 
         The first of more draws are those of fewer, and another axis changes nothing, so a study
         can grow.
@@ -100,17 +100,14 @@ class Axis:
 
 
 def parse_axes(texts: Sequence[str], *, sampled: bool) -> tuple[Axis, ...]:
-    """Return the axes that ``--vary`` states, in order.
+    """Axes that ``--vary`` states, in order.
 
     Parameters
     ----------
     sampled : bool
         Whether a number of samples is stated, so that ranges without a count mean something.
 
-    Raises
-    ------
-    InputError
-        In one sentence, for anything that cannot be an axis.
+    Raises InputError in one sentence, for anything that cannot be an axis.
     """
     if not texts:
         raise InputError(f"nothing is varied; write for example {_EXAMPLE}")
@@ -214,7 +211,7 @@ def _distributed(field: SceneField, text: str, name: str, arguments: str, *, sam
 
 
 def _deviation(field: SceneField, text: str, mean: float, *, relative: bool) -> float:
-    """Return a standard deviation: in the key's unit, or as a share such as ``5 %``."""
+    """Standard deviation: in the key's unit, or as a share such as ``5 %``."""
     where = f"--vary {field.key}: the standard deviation {quoted(text)}"
     share = re.fullmatch(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e-?[0-9]+)?)\s*(%?)", text)
     try:

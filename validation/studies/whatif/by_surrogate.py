@@ -87,18 +87,15 @@ class Part:
         )
 
     def scene(self, nearby: ScenesNearby, point: Point) -> Scene:
-        """Return the scene at a point; InputError if there is none."""
+        """Scene at a point; InputError if there is none."""
         found = nearby.scene({key: as_stated(key, value) for key, value in point.items()})
         check_scene(found, (self.model,), self.quantities)
         return found
 
     def design(self, nearby: ScenesNearby) -> list[dict[str, Any]]:
-        """Return the points that the surrogate is made from, with the modes that it needs.
+        """Points that the surrogate is made from, with the modes that it needs.
 
-        Raises
-        ------
-        InputError
-            If the first point makes no scene.
+        Raises InputError if the first point makes no scene.
         """
         base = self.scene(nearby, self.first)
         modes = design_scene(base, self.quantities).modes
@@ -106,12 +103,9 @@ class Part:
         return [{**self.first, **point, **more} for point in design_points(self.ranges)]
 
     def surrogate(self, nearby: ScenesNearby, given: Sequence[Answer]) -> Surrogate:
-        """Return the surrogate through the answers at :meth:`design`.
+        """Surrogate through the answers at :meth:`design`.
 
-        Raises
-        ------
-        InputError
-            If it cannot be made, or is off by more than the accuracy that is wanted.
+        Raises InputError if it cannot be made, or is off by more than the accuracy that is wanted.
         """
         scene = self.scene(nearby, self.first)
         answers = [one.quantities if one.status == "ok" else None for one in given]
@@ -131,7 +125,7 @@ class Part:
         points: Sequence[Point],
         announce: Callable[[str], None],
     ) -> dict[int, Answer]:
-        """Return the answers by place; points where what is asked is refused are left out."""
+        """Answers by place; points where what is asked is refused are left out."""
         found: dict[int, Answer] = {}
         for start in range(0, len(self.numbers), _BLOCK):
             announce(f"{self.model}: {start} of {len(self.numbers)} points interpolated")
@@ -162,7 +156,7 @@ def find_parts(
     nearby: ScenesNearby,
     ranges: Ranges | None = None,
 ) -> list[Part]:
-    """Return the parts of a study that a model's surrogate is to answer, maybe none.
+    """Parts of a study that a model's surrogate is to answer, maybe none.
 
     With `ranges`, of which many more points will be asked, it pays for few.
     """
@@ -214,7 +208,7 @@ def _ranges(points: Sequence[Point], numbers: Sequence[int], own: set[str]) -> R
 
 
 def _is_smooth(model: str, key: str, points: Sequence[Point]) -> bool:
-    """Return whether a key is a number over which a model's answers may be interpolated."""
+    """Whether a key is a number over which a model's answers may be interpolated."""
     field, value = scene_field(key), points[0][key]
     if not field.numeric or field.whole or not isinstance(value, float):
         return False
@@ -226,7 +220,7 @@ def _is_smooth(model: str, key: str, points: Sequence[Point]) -> bool:
 
 
 def _with_warnings(scene: Scene, model: str, given: tuple[Quantity, ...]) -> Answer | None:
-    """Return an answer with its warnings; None where what is asked is refused there."""
+    """Answer with its warnings; None where what is asked is refused there."""
     names = [quantity.name for quantity in given]
     try:
         warnings = request_warnings(scene, (model,), names)

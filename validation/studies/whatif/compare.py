@@ -79,12 +79,10 @@ def read_sides(
     quantities: Sequence[str] | None,
     announce: Callable[[str], None],
 ) -> tuple[Side, ...]:
-    """Return both sides; scenes are solved, studies are read as they were written.
+    """Both sides; scenes are solved, studies are read as they were written.
 
-    Raises
-    ------
-    InputError
-        If one cannot be read, a scene is held against a study, or models are named for studies.
+    Raises InputError if one cannot be read, a scene is held against a study, or models are named
+    for studies.
     """
     studies = [Path(name, FILE).exists() for name in names]
     if len(set(studies)) > 1:
@@ -168,7 +166,7 @@ def _inputs(scene: Scene, origins: dict[str, str]) -> dict[str, str]:
 def _numbered(
     rows: Iterable[Sequence[object]],
 ) -> tuple[dict[Key, Number], dict[Key, str]]:
-    """Return numbers and what is missing from rows of the tidy table; the point may lead them."""
+    """Numbers and what is missing from rows of the tidy table; the point may lead them."""
     numbers: dict[Key, Number] = {}
     missing: dict[Key, str] = {}
     for row in rows:
@@ -238,14 +236,14 @@ class AnswerDifference:
 
 
 def input_differences(first: Side, second: Side) -> list[InputDifference]:
-    """Return the keys whose values differ, in the order of the scene."""
+    """Keys whose values differ, in the order of the scene."""
     keys = dict.fromkeys((*first.inputs, *second.inputs))
     found = [InputDifference(k, first.inputs.get(k, ""), second.inputs.get(k, "")) for k in keys]
     return [each for each in found if each.first != each.second]
 
 
 def answer_differences(first: Side, second: Side) -> list[AnswerDifference]:
-    """Return every quantity and model that both have, with what differs most."""
+    """Every quantity and model that both have, with what differs most."""
     return list(_differences(first, second))
 
 
@@ -271,7 +269,7 @@ def _differences(first: Side, second: Side) -> Iterator[AnswerDifference]:
 
 
 def _beyond(first: Number, second: Number) -> bool:
-    """Return whether two numbers differ by more than both bars together."""
+    """Whether two numbers differ by more than both bars together."""
     if _unknown(first) or _unknown(second):
         return _unknown(first) != _unknown(second)
     rounding = _ROUNDING * max(abs(first.value), abs(second.value))
@@ -304,7 +302,7 @@ NOTHING_SHARED = (
 def lines(
     sides: tuple[Side, ...], inputs: list[InputDifference], answers: list[AnswerDifference]
 ) -> list[str]:
-    """Return what differs, input first."""
+    """What differs, input first."""
     first, second = sides
     found = [f"A: {first.name}", f"B: {second.name}", ""]
     found.append("input that differs:" if inputs else "the input is the same")
@@ -325,7 +323,7 @@ def lines(
 
 
 def place(key: Key) -> str:
-    """Return where a number is: the point, frequency, index."""
+    """Where a number is: the point, frequency, index."""
     parts = [_coordinate(heading.partition(" (")[0], value) for heading, value in key.point]
     parts += [f"{_short(key.frequency)} Hz"] if key.frequency else []
     parts += [f"no. {key.number}"] if key.number else []
@@ -333,7 +331,7 @@ def place(key: Key) -> str:
 
 
 def shown(number: Number) -> str:
-    """Return a number with its bar; of complex ones the magnitude."""
+    """Number with its bar; of complex ones the magnitude."""
     value = number.value.real if number.value.imag == 0.0 else abs(number.value)
     return with_bar(value, number.error, number.unit)
 
@@ -341,7 +339,7 @@ def shown(number: Number) -> str:
 def as_values(
     sides: tuple[Side, ...], inputs: list[InputDifference], answers: list[AnswerDifference]
 ) -> dict[str, Any]:
-    """Return the comparison as plain JSON values, SI units."""
+    """Comparison as plain JSON values, SI units."""
     return {
         "a": sides[0].name, "b": sides[1].name,
         "inputs": [{"key": i.key, "a": i.first, "b": i.second} for i in inputs],
@@ -363,7 +361,7 @@ def _only(d: AnswerDifference) -> str:
 
 
 def _coordinate(key: str, value: str) -> str:
-    """Return an axis' key with its value as people write it."""
+    """Axis' key with its value as people write it."""
     field = scene_field(key)
     return f"{key} {field.show(float(value)) if field.numeric else value}"
 

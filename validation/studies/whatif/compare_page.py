@@ -67,7 +67,7 @@ def write_page(
 
 
 def _curves(sides: tuple[Side, ...]) -> str:
-    """Return curves over frequency, or over the first numeric axis; nothing if there are none."""
+    """Curves over frequency, or over the first numeric axis; nothing if there are none."""
     found: dict[str, dict[tuple[str, ...], list[list[tuple[float, float]]]]] = {}
     units: dict[str, str] = {}
     for number, side in enumerate(sides):
@@ -103,7 +103,7 @@ def _curves(sides: tuple[Side, ...]) -> str:
 
 
 def _along(sides: tuple[Side, ...], quantity: str) -> str:
-    """Return what a quantity's curves run along: frequency, or the studies' first numeric axis."""
+    """What a quantity's curves run along: frequency, or the studies' first numeric axis."""
     for key in (key for side in sides for key in side.numbers if key.quantity == quantity):
         if key.frequency:
             return "frequency (Hz)"
@@ -121,7 +121,7 @@ def _abscissa(key: Key) -> float | None:
 
 
 def _curve(key: Key) -> tuple[str, ...]:
-    """Return what is the same along a curve: model, index, and all axes but the abscissa."""
+    """What is the same along a curve: model, index, and all axes but the abscissa."""
     rest = list(key.point)
     numeric = None if key.frequency else _numeric(key)
     if numeric is not None:
@@ -131,7 +131,7 @@ def _curve(key: Key) -> tuple[str, ...]:
 
 
 def _numeric(key: Key) -> int | None:
-    """Return which axis of a point is the first whose value is a number."""
+    """Which axis of a point is the first whose value is a number."""
     for axis, (_, value) in enumerate(key.point):
         try:
             float(value)
@@ -146,7 +146,7 @@ def _devices(
     inputs: list[InputDifference],
     solids: Callable[[Scene], dict[str, Any]],
 ) -> list[str]:
-    """Return pictures of both devices, if a dimension of them differs and they can be drawn.
+    """Pictures of both devices, if a dimension of them differs and they can be drawn.
 
     They have one scale: what is longer looks longer.
     """
@@ -170,5 +170,5 @@ def _devices(
 
 
 def _pixels_high(png: bytes) -> int:
-    """Return a picture's height, which a PNG states in bytes 20 to 23."""
+    """Picture's height, which a PNG states in bytes 20 to 23."""
     return int.from_bytes(png[20:24], "big")

@@ -70,7 +70,7 @@ class Batch:
 
 
 def schedule(jobs: Iterable[Job]) -> list[Batch]:
-    """Return batches, each with those that it waits for.
+    """Batches, each with those that it waits for.
 
     Questions with the same kept stages, such as one geometry under several loads, go to one
     worker, since all but the first cost little; of a stage that several batches share the first
@@ -276,12 +276,12 @@ class Build:
 
 
 def build(models: Sequence[str]) -> Build:
-    """Return what this process computes the answers of models by."""
+    """What this process computes the answers of models by."""
     return Build(version("tactgen"), tuple(map(code_of, models)), library_versions())
 
 
 def check_address(address: str) -> str:
-    """Return the address of a scheduler; InputError if it is none."""
+    """Address of a scheduler; InputError if it is none."""
     if not _ADDRESS.fullmatch(address):
         raise InputError(
             f"--scheduler {quoted(address)} is not the address of a Dask scheduler; write for "
@@ -293,10 +293,7 @@ def check_address(address: str) -> str:
 def check_workers(own: Build, workers: Mapping[str, Build | Exception]) -> None:
     """Refuse workers that would give other answers than this process.
 
-    Raises
-    ------
-    InputError
-        With the first of them and what to do.
+    Raises InputError with the first of them and what to do.
     """
     for name, theirs in workers.items():
         if theirs == own:
@@ -370,7 +367,7 @@ class _Cluster:
         return self._client.submit(_in_cluster, jobs, self._models, pure=False)
 
     def ended(self, running: Iterable[Any]) -> list[Any]:
-        """Return what ended; InputError if the cluster is lost."""
+        """What ended; InputError if the cluster is lost."""
         deserted = time.monotonic() + _DESERTED
         while True:
             ended = [future for future in running if future.done()]

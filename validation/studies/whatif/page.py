@@ -64,7 +64,7 @@ def write_page(
 
 
 def _aims(study: Study, found: Verdict) -> list[str]:
-    """Return what the aims say in words, and where they are met as a picture."""
+    """What the aims say in words, and where they are met as a picture."""
     said = html.escape("\n".join(sentences(study, found)))
     parts = [f'<h2>Aims</h2><div class="wide"><pre>{said}</pre></div>']
     if found.judged:
@@ -79,7 +79,7 @@ def _asked(stated: Statement) -> str:
 
 
 def _has_sliders(stated: Statement) -> bool:
-    """Return whether the points are a grid over axes of which one at least is a number."""
+    """Whether the points are a grid over axes of which one at least is a number."""
     plain = not stated.zipped and not stated.samples
     return plain and stated.size <= _MOST and any(axis.numeric for axis in stated.axes)
 
@@ -126,7 +126,7 @@ def _sliders(study: Study, announce: Callable[[str], None]) -> list[str]:
 
 
 def _finer(stated: Statement, model: str) -> Statement | None:
-    """Return the statement of a finer grid, if a surrogate may answer it and there is room."""
+    """Statement of a finer grid, if a surrogate may answer it and there is room."""
     numeric = [axis for axis in stated.axes if axis.numeric]
     if MODELS[model].quick or len(numeric) not in _FINE:
         return None
@@ -144,7 +144,7 @@ def _stated_finer(axis: Axis, count: int) -> str:
 
 
 def _grid(stated: Statement, model: str, answers: list[Answer]) -> dict[str, Any]:
-    """Return a model's numbers over the grid, null where there are none."""
+    """Model's numbers over the grid, null where there are none."""
     numbers: dict[str, Any] = {}
     for name in stated.quantities:
         if not gives(model, name):

@@ -47,17 +47,14 @@ _FEW = 4
 
 
 def study_picture(study: Study) -> str:
-    """Return the picture as an SVG element.
+    """Picture as an SVG element.
 
     One numeric axis: lines with bars.  Two: contours.  More: a tornado, each axis from its first
     to its last value with the others in their middle.  Samples: scatter over what was drawn, or
     parallel coordinates if that is much.  Choices such as ``load.kind`` are a line, or for
     contours and tornado a panel, each.
 
-    Raises
-    ------
-    InputError
-        If nothing was answered, or no axis is a number.
+    Raises InputError if nothing was answered, or no axis is a number.
     """
     if all(answer.status != "ok" for _, _, answer in study.rows):
         raise InputError("no point has an answer, so there is nothing to draw")
@@ -81,7 +78,7 @@ def study_picture(study: Study) -> str:
 
 
 def _rows_of(study: Study, others: Sequence[Axis]) -> dict[tuple[str, ...], list[int]]:
-    """Return the points by what they have in common: the values of these axes."""
+    """Points by what they have in common: the values of these axes."""
     groups: dict[tuple[str, ...], list[int]] = {}
     for number, point in enumerate(study.points):
         at = tuple(scene_field(axis.key).show(point[axis.key]) for axis in others)
@@ -90,7 +87,7 @@ def _rows_of(study: Study, others: Sequence[Axis]) -> dict[tuple[str, ...], list
 
 
 def _values(study: Study, name: str, model: str, numbers: Sequence[int]) -> tuple[Floats, Floats]:
-    """Return a quantity and its bar at some points, in the unit of its label; nan for none."""
+    """Quantity and its bar at some points, in the unit of its label; nan for none."""
     found = np.full((2, len(numbers)), np.nan)
     for column, number in enumerate(numbers):
         for q in study.answers[number][model].quantities:
@@ -102,7 +99,7 @@ def _values(study: Study, name: str, model: str, numbers: Sequence[int]) -> tupl
 
 
 def along(axis: Axis, values: Sequence[Any]) -> tuple[Floats, str]:
-    """Return an axis' values in the unit that people write them in, and its label."""
+    """Axis' values in the unit that people write them in, and its label."""
     scale = scene_field(axis.key).scale
     factor = scale.per_si if scale else 1.0
     unit = (scale.shown or scale.si) if scale else ""
@@ -111,7 +108,7 @@ def along(axis: Axis, values: Sequence[Any]) -> tuple[Floats, str]:
 
 
 def _scale(study: Study, name: str) -> tuple[float, str]:
-    """Return the unit that a quantity is drawn in, and how many of it make one SI unit."""
+    """Unit that a quantity is drawn in, and how many of it make one SI unit."""
     sizes, unit = [0.0], ""
     for _, _, answer in study.rows:
         for q in answer.quantities:
@@ -126,7 +123,7 @@ def _label(study: Study, name: str) -> str:
 
 
 def _answered(study: Study) -> list[tuple[str, str]]:
-    """Return quantities with the models that answered somewhere."""
+    """Quantities with the models that answered somewhere."""
     found = {(q.name, model): None for _, model, a in study.rows for q in a.quantities}
     order = study.statement.quantities
     return sorted(found, key=lambda pair: order.index(pair[0]))
@@ -235,7 +232,7 @@ def _middle(values: Sequence[Any]) -> Any:
 def swings(
     values: Sequence[Sequence[Any]], by_place: dict[tuple[Any, ...], float]
 ) -> list[tuple[float, float]]:
-    """Return what a quantity is at the ends of each axis, the others in their middle.
+    """What a quantity is at the ends of each axis, the others in their middle.
 
     Parameters
     ----------
@@ -309,7 +306,7 @@ _HISTOGRAM = 25
 
 
 def aim_picture(study: Study, found: Verdict) -> str:
-    """Return the picture as an SVG element.
+    """Picture as an SVG element.
 
     Two goals: one over the other, the points that no other betters in both joined.  Else over the
     axes that are numbers: one, the aims over it; two, the plane of both with what is met where;
@@ -329,7 +326,7 @@ def aim_picture(study: Study, found: Verdict) -> str:
 
 
 def _numbers(found: Verdict, which: Sequence[Judged], n: int) -> tuple[Floats, Floats, str]:
-    """Return values of a goal or margins of a condition, their bars, and what they are called."""
+    """Values of a goal or margins of a condition, their bars, and what they are called."""
     aim = found.aims[n]
     sign = aim.sign if aim.kind == "goal" else 1.0
     values = np.array([sign * one.margins[n][0] for one in which])
@@ -342,7 +339,7 @@ def _numbers(found: Verdict, which: Sequence[Judged], n: int) -> tuple[Floats, F
 
 
 def _sorted(found: Verdict) -> list[tuple[str, str, list[Judged]]]:
-    """Return the points as met, not met, and too near to the edge to say, with a colour each."""
+    """Points as met, not met, and too near to the edge to say, with a colour each."""
     near = [one for one in found.judged if one in found.undecided]
     met = [one for one in found.met if one not in near]
     rest = [one for one in found.judged if one not in near and one not in met]

@@ -48,12 +48,9 @@ class Question:
 
 
 def question(scene: Scene, model: str, quantities: tuple[str, ...]) -> Question:
-    """Return what a model is asked at a scene.
+    """What a model is asked at a scene.
 
-    Raises
-    ------
-    InputError
-        If the model cannot take the scene.
+    Raises InputError if the model cannot take the scene.
     """
     wanted = tuple(name for name in quantities if gives(model, name))
     keys = make_plan(scene, (model,), wanted).keys
@@ -64,7 +61,7 @@ def question(scene: Scene, model: str, quantities: tuple[str, ...]) -> Question:
 
 
 def recall(asked: Question, *, retry: bool = False) -> Answer | None:
-    """Return the answer that is kept, if any; with `retry` only one that did not fail."""
+    """Answer that is kept, if any; with `retry` only one that did not fail."""
     return recalled(_kind(asked), asked.inputs, _made_of(asked.model), _serving(retry))
 
 
@@ -76,7 +73,7 @@ def answer(
     *,
     retry: bool = False,
 ) -> Answer:
-    """Return the answer, from the store if it is there; failures are answers, too.
+    """Answer, from the store if it is there; failures are answers, too.
 
     Parameters
     ----------
@@ -101,7 +98,7 @@ def solved(
     announce: Callable[[str], None],
     earlier: dict[str, Solution],
 ) -> Answer:
-    """Return the answer, computed now and not kept; see :func:`answer`."""
+    """Answer, computed now and not kept; see :func:`answer`."""
     start = time.perf_counter()
     try:
         found = solve(
@@ -125,10 +122,7 @@ def keep(asked: Question, found: Answer, *, retry: bool = False) -> Answer:
 def refuse_if_no_scene(points: int, found: Collection[Answer]) -> None:
     """Refuse a study, with the first reason, if all that its points have found is refusals.
 
-    Raises
-    ------
-    InputError
-        If no point makes a scene.
+    Raises InputError if no point makes a scene.
     """
     if all(each.status == "refused" for each in found):
         said = "the only point makes no scene"
@@ -138,7 +132,7 @@ def refuse_if_no_scene(points: int, found: Collection[Answer]) -> None:
 
 
 def reason(error: Exception) -> str:
-    """Return why something failed, in one sentence."""
+    """Why something failed, in one sentence."""
     if isinstance(error, InputError):
         return one_line(str(error))
     name = type(error).__name__
@@ -146,7 +140,7 @@ def reason(error: Exception) -> str:
 
 
 def code_of(model: str) -> str:
-    """Return the hash of the code that a model's answers are made by."""
+    """Hash of the code that a model's answers are made by."""
     return source_digest(_made_of(model))
 
 
@@ -185,7 +179,7 @@ class Questions:
     _numbers: dict[str, int] = field(default_factory=dict)
 
     def add(self, point: Mapping[str, Any], model: str) -> int | Answer:
-        """Return the number of what a point asks a model, or the refusal."""
+        """Number of what a point asks a model, or the refusal."""
         stated = {key: as_stated(key, value) for key, value in point.items()}
         try:
             scene = self.nearby[model].scene(stated)
@@ -211,7 +205,7 @@ class Questions:
 
 
 def scenes_nearby(statement: Statement) -> dict[str, ScenesNearby]:
-    """Return by model the scenes that its points are asked at.
+    """By model the scenes that its points are asked at.
 
     Beside a model of the bimorph stand those of the normal actuator that the scene names: they
     say whose map pulls at the rod.

@@ -28,7 +28,7 @@ _USUAL = ("tmm", "network")
 
 
 def names_models(values: dict[str, Any], models: Sequence[str] | None, before: Statement) -> bool:
-    """Return whether options, the study that is gone on with, or the scene name a model."""
+    """Whether options, the study that is gone on with, or the scene name a model."""
     return bool(models or values.get("models") or (before.models and not before.by_accuracy))
 
 
@@ -38,16 +38,13 @@ def chosen(
     quantities: Sequence[str] | None,
     before: Statement,
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return models and quantities by name.
+    """Models and quantities by name.
 
     As the options say; else as the study says that is gone on with, or the scene; else the
     headline quantities of the lateral actuator, by the quick model that is exact within its
     theory.
 
-    Raises
-    ------
-    InputError
-        For an unknown name, or models that give none of the quantities.
+    Raises InputError for an unknown name, or models that give none of the quantities.
     """
     earlier = () if before.by_accuracy else before.models
     stated_models = models or earlier or values.get("models")
@@ -83,7 +80,7 @@ def _names(stated: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[st
 def with_tolerances(
     values: dict[str, Any], vary: Sequence[str], *, sampled: bool
 ) -> tuple[tuple[str, ...], list[str]]:
-    """Return the axes with ranges written out where a key stands alone, and what was drawn from.
+    """Axes with ranges written out where a key stands alone, and what was drawn from.
 
     Parameters
     ----------
@@ -94,10 +91,7 @@ def with_tolerances(
     sampled : bool
         Whether values are drawn.
 
-    Raises
-    ------
-    InputError
-        If nothing is known of a key's range, or nothing is drawn.
+    Raises InputError if nothing is known of a key's range, or nothing is drawn.
     """
     alone = [text for text in vary if "=" not in text and text.strip()]
     if (vary and not alone) or not (vary or sampled):
@@ -126,7 +120,7 @@ def with_tolerances(
 
 
 def _refusal(values: dict[str, Any], key: str, spread: Spread) -> str:
-    """Return why no scene has a key at an end of its range, such as a length with a profile."""
+    """Why no scene has a key at an end of its range, such as a length with a profile."""
     for end in (spread.low, spread.high):
         moved = copy.deepcopy(values)
         assign(moved, key, as_stated(key, end))
@@ -164,21 +158,19 @@ def _line(key: str, spread: Spread) -> str:
 
 
 def asks_accuracy(statement: Statement) -> bool:
-    """Return whether an accuracy is stated, in the scene or as an axis."""
+    """Whether an accuracy is stated, in the scene or as an axis."""
     return "accuracy" in statement.values or any(a.key == "accuracy" for a in statement.axes)
 
 
 def under_contract(
     statement: Statement, announce: Callable[[str], None] = lambda _: None
 ) -> tuple[Statement, Choice]:
-    """Return the statement with the models that the accuracy asks for, and why these.
+    """Statement with the models that the accuracy asks for, and why these.
 
     The models are judged at :func:`judged_points`, once for the whole study.
 
-    Raises
-    ------
-    InputError
-        If no model is known to meet the accuracy there, or none of these points makes a scene.
+    Raises InputError if no model is known to meet the accuracy there, or none of these points makes
+    a scene.
     """
     scenes: list[Scene] = []
     refused = ""
@@ -194,7 +186,7 @@ def under_contract(
 
 
 def judged_points(statement: Statement) -> list[dict[str, Any]]:
-    """Return the points at which models are judged: the middle, and from it the end of each axis.
+    """Points at which models are judged: the middle, and from it the end of each axis.
 
     Of an axis of choices every one, of what is drawn the least and the largest of the samples.
     What a model leaves out grows or falls along an axis, so that it is largest at an end.

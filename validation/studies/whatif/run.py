@@ -97,7 +97,7 @@ def run_study(
     retry: bool = False,
     scheduler: str = "",
 ) -> Study:
-    """Return the study with every answer, failures among them.
+    """Study with every answer, failures among them.
 
     Parameters
     ----------
@@ -106,10 +106,8 @@ def run_study(
     retry : bool
         Whether questions that failed earlier are asked again.
 
-    Raises
-    ------
-    InputError
-        If the axes cannot be used, no point of them makes a scene, or the cluster is of no use.
+    Raises InputError if the axes cannot be used, no point of them makes a scene, or the cluster is
+    of no use.
     """
     points = tuple(statement.points())
     solver = StudySolver(statement, processes, scheduler, announce, retry=retry)
@@ -147,7 +145,7 @@ class StudySolver:
         self.recalled = self.computed = self.interpolated = 0
 
     def counts(self, answers: Sequence[dict[str, Answer]]) -> Counts:
-        """Return where answers came from."""
+        """Where answers came from."""
         every = [found.status for each in answers for found in each.values()]
         return Counts(
             self.recalled, self.computed, every.count("failed"), every.count("refused"),
@@ -155,7 +153,7 @@ class StudySolver:
         )  # fmt: skip
 
     def answers(self, points: Sequence[dict[str, Any]]) -> tuple[dict[str, Answer], ...]:
-        """Return the answers by model at points (values by key), refusals among them."""
+        """Answers by model at points (values by key), refusals among them."""
         models, quantities = self._statement.models, self._statement.quantities
         parts = [
             p
@@ -182,7 +180,7 @@ class StudySolver:
         return tuple({m: found[number, m] for m in models} for number in range(len(points)))
 
     def _design(self, part: Part) -> list[int | Answer]:
-        """Return the questions, or refusals, of the points that a surrogate is made from."""
+        """Questions, or refusals, of the points that a surrogate is made from."""
         if part.key in self._surrogates:
             return []
         self._announce(part.reason)
@@ -195,7 +193,7 @@ class StudySolver:
     def _interpolated(
         self, part: Part, design: Sequence[int | Answer], points: Sequence[dict[str, Any]]
     ) -> dict[tuple[int, str], Answer]:
-        """Return the answers of a part by point and model; none where no surrogate can be made."""
+        """Answers of a part by point and model; none where no surrogate can be made."""
         nearby = self._nearby[part.model]
         if part.key not in self._surrogates:
             given = [self._solved[one] if isinstance(one, int) else one for one in design]

@@ -61,12 +61,9 @@ class SceneField:
         return self.key.endswith("_profile")
 
     def read(self, text: str) -> Any:
-        """Return a value as SI number, whole number or choice.
+        """Value as SI number, whole number or choice.
 
-        Raises
-        ------
-        ValueError
-            With what is wrong, to follow the value in a sentence.
+        Raises ValueError with what is wrong, to follow the value in a sentence.
         """
         if self.key == "frequency":
             return parse_frequencies([text])[0]
@@ -81,23 +78,17 @@ class SceneField:
         return found if self.numeric else text
 
     def parse(self, text: str) -> float:
-        """Return a number in SI units that need not be a possible value: a deviation.
+        """Number in SI units that need not be a possible value: a deviation.
 
-        Raises
-        ------
-        ValueError
-            As :meth:`read`.
+        Raises ValueError as :meth:`read`.
         """
         assert self.scale is not None
         return self.scale.parse(text)
 
     def checked(self, value: float, where: str) -> float | int:
-        """Return a value between two that were read; of whole numbers it must be one.
+        """Value between two that were read; of whole numbers it must be one.
 
-        Raises
-        ------
-        InputError
-            If it is not.
+        Raises InputError if it is not.
         """
         if not self.whole:
             return value
@@ -109,7 +100,7 @@ class SceneField:
         return round(value)
 
     def show(self, value: Any) -> str:
-        """Return a value as people write it."""
+        """Value as people write it."""
         return self.scale.show(value) if self.scale and value is not None else str(value)
 
     @property
@@ -119,7 +110,7 @@ class SceneField:
 
 @cache
 def scene_field(key: str) -> SceneField:
-    """Return the field of a scene key that exists."""
+    """Field of a scene key that exists."""
     info = _info(key)
     if key == "frequency":
         return SceneField(key, info, u.FREQUENCY)
@@ -145,7 +136,7 @@ def _info(key: str) -> FieldInfo:
 
 
 def as_stated(key: str, value: Any) -> Any:
-    """Return a value of an axis as a scene takes it: numbers as SI, whatever asks for units."""
+    """Value of an axis as a scene takes it: numbers as SI, whatever asks for units."""
     if key == "frequency":
         return [value]
     return u.SI(value) if isinstance(value, float) else value

@@ -54,7 +54,7 @@ class Range:
     logarithmic: bool = False
 
     def at(self, share: float) -> float:
-        """Return the value at a share from 0 to 1 of the range."""
+        """Value at a share from 0 to 1 of the range."""
         share = min(max(share, 0.0), 1.0)
         if share in (0.0, 1.0):  # to the last bit
             return self.high if share else self.low
@@ -63,7 +63,7 @@ class Range:
         return float(self.low + share * (self.high - self.low))
 
     def share(self, value: float) -> float:
-        """Return the share of the range at which a value lies, or its nearer end."""
+        """Share of the range at which a value lies, or its nearer end."""
         if self.logarithmic:
             found = math.log(max(value, self.low) / self.low) / math.log(self.high / self.low)
         else:
@@ -72,12 +72,9 @@ class Range:
 
 
 def ranges_of(statement: Statement) -> tuple[Range, ...]:
-    """Return the ranges that a statement's axes state.
+    """Ranges that a statement's axes state.
 
-    Raises
-    ------
-    InputError
-        For an axis that is no range of a number.
+    Raises InputError for an axis that is no range of a number.
     """
 
     def no_range(text: str) -> InputError:
@@ -149,7 +146,7 @@ class Found:
 
 
 def as_values(found: Found) -> dict[str, Any]:
-    """Return the result as plain JSON values, SI units."""
+    """Result as plain JSON values, SI units."""
 
     def point(one: Tried) -> dict[str, Any]:
         margins = one.judged.margins if one.judged else ()
@@ -169,7 +166,7 @@ def as_values(found: Found) -> dict[str, Any]:
 
 
 def sentences(found: Found) -> list[str]:
-    """Return the result in sentences."""
+    """Result in sentences."""
     models = ", ".join(found.statement.models)
     if not found.met:
         head = f"No point of the ranges meets all aims by {models}; this one comes nearest:"
@@ -212,7 +209,7 @@ class Points:
         self.solver = StudySolver(self.statement, announce=self._announced, ranges=box)
 
     def ask(self, shares: Floats) -> list[Tried]:
-        """Return points (n, ranges), asking for what is new."""
+        """Points (n, ranges), asking for what is new."""
         places = [tuple(float(v) for v in row) for row in np.clip(shares, 0.0, 1.0)]
         new = [place for place in dict.fromkeys(places) if place not in self.tried]
         if new:
@@ -229,7 +226,7 @@ class Points:
         return [self.tried[place] for place in places]
 
     def scales(self) -> Floats:
-        """Return by how much each aim's margin differs over the points, 1 if it does not."""
+        """By how much each aim's margin differs over the points, 1 if it does not."""
         margins = np.array(
             [[m for m, _ in one.judged.margins] for one in self.tried.values() if one.judged]
         )
@@ -237,11 +234,11 @@ class Points:
         return np.where(over > 0.0, over, 1.0)
 
     def shortfall(self, found: Judged, scales: Floats) -> float:
-        """Return by how much the conditions are missed, in scales, 0 if all are met."""
+        """By how much the conditions are missed, in scales, 0 if all are met."""
         return sum(max(-margin, 0.0) for margin in self._conditions(found, scales))
 
     def best(self, scales: Floats) -> list[tuple[float, ...]]:
-        """Return the places of all points that have answers, the best first."""
+        """Places of all points that have answers, the best first."""
 
         def order(place: tuple[float, ...]) -> tuple[float, float]:
             found = self.tried[place].judged
@@ -283,12 +280,12 @@ class Points:
         )
 
     def _conditions(self, found: Judged, scales: Floats) -> list[float]:
-        """Return the margins of the conditions in scales."""
+        """Margins of the conditions in scales."""
         each = zip(self.aims, found.margins, scales, strict=True)
         return [m / float(scale) for aim, (m, _), scale in each if aim.kind == "condition"]
 
     def _worth(self, place: tuple[float, ...], found: Judged, scales: Floats) -> float:
-        """Return how good a point is: by the goal, or by its nearness to the scene's own."""
+        """How good a point is: by the goal, or by its nearness to the scene's own."""
         each = zip(self.aims, found.margins, scales, strict=True)
         goals = [m / float(scale) for aim, (m, _), scale in each if aim.kind == "goal"]
         if goals:
@@ -305,7 +302,7 @@ def search(
     present: dict[str, float],
     announce: Callable[[str], None] = lambda _: None,
 ) -> Found:
-    """Return the values that meet the aims best.
+    """Values that meet the aims best.
 
     Without a goal those are wanted that differ least, in shares of the ranges, from the
     scene's own.
@@ -315,10 +312,8 @@ def search(
     present : dict of str to float
         The scene's own values of the keys (SI).
 
-    Raises
-    ------
-    InputError
-        If the ranges cannot be searched, two goals are stated, or no point has an answer.
+    Raises InputError if the ranges cannot be searched, two goals are stated, or no point has an
+    answer.
     """
     if sum(aim.kind == "goal" for aim in aims) > 1:
         raise InputError(
@@ -350,7 +345,7 @@ def search(
 
 
 def _apart(places: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
-    """Return the first places, the best, that are no neighbours."""
+    """First places, the best, that are no neighbours."""
     found = [places[0]]
     for place in places:
         near = min(np.abs(np.subtract(place, other)).max() for other in found)
@@ -360,7 +355,7 @@ def _apart(places: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
 
 
 def _spread(here: Floats) -> Floats:
-    """Return where a search looks first (n, ranges): the scene itself, then all over."""
+    """Where a search looks first (n, ranges): the scene itself, then all over."""
     count = here.size
     if count == 1:
         return np.vstack([here, np.linspace(0.0, 1.0, _ALONE)[:, None]])
@@ -372,6 +367,6 @@ def _spread(here: Floats) -> Floats:
 
 
 def with_aims(statement: Statement, aims: Sequence[Aim]) -> Statement:
-    """Return the statement that asks what the aims name and nothing else."""
+    """Statement that asks what the aims name and nothing else."""
     wanted = dict.fromkeys(name for aim in aims for name in aim.quantities)
     return replace(statement, quantities=tuple(wanted))

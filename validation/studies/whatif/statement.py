@@ -68,10 +68,8 @@ class Statement:
     def columns(self) -> dict[str, tuple[str, tuple[Any, ...]]]:
         """Of each axis by key: the dimension that it lies along, and its values.
 
-        Raises
-        ------
-        InputError
-            If axes that go hand in hand differ in length, or there are too many points.
+        Raises InputError if axes that go hand in hand differ in length, or there are too many
+        points.
         """
         stepped = [axis for axis in self.axes if axis.drawn is None]
         if self.zipped:
@@ -95,10 +93,7 @@ class Statement:
     def shape(self) -> dict[str, int]:
         """Dimensions in order, each with its size.
 
-        Raises
-        ------
-        InputError
-            If they make too many points.
+        Raises InputError if they make too many points.
         """
         found = {dimension: len(values) for dimension, values in self.columns.values()}
         count = 1
@@ -124,7 +119,7 @@ class Statement:
             yield {key: values[at[dimension]] for key, (dimension, values) in self.columns.items()}
 
     def scene_at(self, point: dict[str, Any]) -> dict[str, Any]:
-        """Return the values of the scene at a point, as they would be written."""
+        """Values of the scene at a point, as they would be written."""
         values = copy.deepcopy(self.values)
         for key, value in point.items():
             assign(values, key, as_stated(key, value))
@@ -139,12 +134,9 @@ def write_statement(folder: Path, statement: Statement) -> Path:
 
 
 def read_statement(folder: Path) -> Statement:
-    """Return the statement that a study's folder holds.
+    """Statement that a study's folder holds.
 
-    Raises
-    ------
-    InputError
-        If there is none, or not one of this version.
+    Raises InputError if there is none, or not one of this version.
     """
     path = folder / FILE
     try:

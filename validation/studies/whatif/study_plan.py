@@ -64,12 +64,10 @@ class PlannedModel:
 def plan_study(
     statement: Statement, announce: Callable[[str], None] = lambda _: None
 ) -> tuple[PlannedModel, ...]:
-    """Return what each model of a study would do, without computing anything.
+    """What each model of a study would do, without computing anything.
 
-    Raises
-    ------
-    InputError
-        If the axes cannot be used, no point of them makes a scene, or a quantity has no model.
+    Raises InputError if the axes cannot be used, no point of them makes a scene, or a quantity has
+    no model.
     """
     check_models(statement.models, statement.quantities)
     points = tuple(statement.points())

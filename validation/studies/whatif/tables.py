@@ -42,7 +42,7 @@ def write_tidy(folder: Path, study: Study) -> Path:
 
 
 def dataset(study: Study) -> Dataset:
-    """Return the study's arrays."""
+    """Study's arrays."""
     stated = study.statement
     axes = {
         axis.key: Variable(
@@ -59,16 +59,13 @@ def dataset(study: Study) -> Dataset:
 def write_netcdf(folder: Path, study: Study) -> Path:
     """Write the study's arrays with units, errors and provenance, whole or not at all.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+    Raises InputError if the file cannot be written.
     """
     return answers.write_netcdf(folder / ARRAYS, dataset(study), _provenance(study))
 
 
 def _provenance(study: Study) -> dict[str, str]:
-    """Return what the numbers were made from and by."""
+    """What the numbers were made from and by."""
     stated = study.statement
     scene = json.dumps(stated.values, sort_keys=True, default=str)
     return {
@@ -92,7 +89,7 @@ _SHOWN = 60
 
 
 def table_lines(study: Study) -> list[str]:
-    """Return the table's lines; of modes the first, of a response its largest magnitude."""
+    """Table's lines; of modes the first, of a response its largest magnitude."""
     quantities = study.statement.quantities
     axes = study.statement.axes
     rows = list(study.rows)
@@ -113,7 +110,7 @@ def table_lines(study: Study) -> list[str]:
 
 
 def heading(study: Study, name: str) -> str:
-    """Return a quantity's name with what is shown of it."""
+    """Quantity's name with what is shown of it."""
     for _, _, answer in study.rows:
         for q in answer.quantities:
             if q.name == name:

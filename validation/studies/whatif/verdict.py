@@ -62,7 +62,7 @@ class Verdict:
 
 
 def parse_aims(texts: Sequence[str]) -> tuple[Aim, ...]:
-    """Return the aims; InputError for one that cannot be read, and for more than two goals."""
+    """Aims; InputError for one that cannot be read, and for more than two goals."""
     aims = tuple(parse_aim(text) for text in texts)
     if sum(aim.kind == "goal" for aim in aims) > 2:
         raise InputError("more than two goals are stated; keep two, and make conditions of others")
@@ -72,7 +72,7 @@ def parse_aims(texts: Sequence[str]) -> tuple[Aim, ...]:
 def judged(
     number: int, answers: Mapping[str, Answer], aims: tuple[Aim, ...], felt: ThresholdCurve
 ) -> list[Judged]:
-    """Return what the aims say of one point, by every model that gives what they name.
+    """What the aims say of one point, by every model that gives what they name.
 
     If no single model does, the most detailed of each actuator together.
     """
@@ -94,7 +94,7 @@ def judged(
 
 
 def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
-    """Return what the aims say of every point, as :func:`judged`."""
+    """What the aims say of every point, as :func:`judged`."""
     every = [
         one for number, answers in enumerate(study.answers)
         for one in judged(
@@ -111,7 +111,7 @@ def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
 
 
 def felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
-    """Return the detection threshold of a point's scene."""
+    """Detection threshold of a point's scene."""
     group = f"{THRESHOLD}."
     stated = dict(statement.values.get(THRESHOLD, {}))
     for key, value in point.items():
@@ -133,7 +133,7 @@ def _best(
 def pareto(
     first: Sequence[tuple[float, float]], second: Sequence[tuple[float, float]]
 ) -> list[int]:
-    """Return the places of points that no other betters in both, more being better.
+    """Places of points that no other betters in both, more being better.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def pareto(
 
 
 def yield_interval(met: int, of: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share that was counted (Wilson 1927)."""
+    """95 % interval of a share that was counted (Wilson 1927)."""
     z2 = _NORMAL**2
     share = met / of
     centre = (share + z2 / (2 * of)) / (1.0 + z2 / of)
@@ -168,7 +168,7 @@ _LISTED = 5
 
 
 def sentences(study: Study, found: Verdict) -> list[str]:
-    """Return how many points meet the aims, and the best of them."""
+    """How many points meet the aims, and the best of them."""
     total = len(found.judged)
     if not total:
         return ["no point can be judged: at each, what the aims name is missing or not finite"]
@@ -208,7 +208,7 @@ def _line(study: Study, found: Verdict, one: Judged) -> str:
 
 
 def shown(aim: Aim, margin: float, bar: float) -> str:
-    """Return a goal's value, or a condition's margin, with its bar and unit."""
+    """Goal's value, or a condition's margin, with its bar and unit."""
     value = aim.sign * margin if aim.kind == "goal" else margin
     unit = aim.unit
     if unit in {row.unit for row in QUANTITIES.values()}:
@@ -219,7 +219,7 @@ def shown(aim: Aim, margin: float, bar: float) -> str:
 
 
 def as_values(study: Study, found: Verdict) -> dict[str, Any]:
-    """Return the verdict as plain JSON values, SI units."""
+    """Verdict as plain JSON values, SI units."""
 
     def listed(which: tuple[Judged, ...]) -> list[dict[str, Any]]:
         return [

@@ -26,7 +26,7 @@ def add_part_command(
     known: Callable[[], Collection[str]],
     run: Callable[[argparse.Namespace], int],
 ) -> Any:
-    """Return the parser of a command that runs parts.
+    """Parser of a command that runs parts.
 
     `words` and `quick` are its help, with what is known.
     """
@@ -76,12 +76,9 @@ def seed_option(parser: argparse.ArgumentParser, same: str) -> None:
 
 
 def seed_of(options: argparse.Namespace) -> int:
-    """Return the seed of a run.
+    """Seed of a run.
 
-    Raises
-    ------
-    InputError
-        If what is given is no seed.
+    Raises InputError if what is given is no seed.
     """
     if options.seed is None:
         return secrets.randbelow(MOST_SEED + 1)

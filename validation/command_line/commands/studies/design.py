@@ -250,7 +250,7 @@ def _print(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> No
 
 
 def _as_json(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> dict[str, Any]:
-    """Return the design as plain values, SI units."""
+    """Design as plain values, SI units."""
     from tactgen.validation.studies.design import length_rows
     from tactgen.validation.studies.design_statements import sentences
 

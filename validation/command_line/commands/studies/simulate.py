@@ -122,7 +122,7 @@ def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[st
 
 
 def as_json(result: Simulation) -> dict[str, Any]:
-    """Return the run's summary: ends and extremes of what moved, phases, balance, errors."""
+    """Run's summary: ends and extremes of what moved, phases, balance, errors."""
     from tactgen.validation.models.generator.transient import phases
     from tactgen.validation.studies.simulate import series
 

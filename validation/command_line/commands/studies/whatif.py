@@ -139,7 +139,7 @@ def _scheduler(options: argparse.Namespace) -> str:
 
 
 def _with_quantities(statement: Statement, aims: Sequence[Aim]) -> Statement:
-    """Return the statement with what the aims name added to its quantities."""
+    """Statement with what the aims name added to its quantities."""
     from tactgen.validation.catalogue.models import gives
 
     wanted = dict.fromkeys(name for aim in aims for name in aim.quantities)
@@ -161,7 +161,7 @@ def _draw(file: Path, study: Study) -> None:
 
 
 def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
-    """Return what the options ask; where they are silent, what the study asked before."""
+    """What the options ask; where they are silent, what the study asked before."""
     from tactgen.validation.studies.whatif.statement import FILE, read_statement
 
     if options.resume and folder is None:
@@ -222,7 +222,7 @@ def _ladders(choice: Choice | None) -> dict[str, Any]:
 
 
 def _as_json(study: Study) -> dict[str, Any]:
-    """Return the study as plain JSON values, SI units."""
+    """Study as plain JSON values, SI units."""
     from tactgen.validation.engine.answers import answer_json
 
     stated = study.statement
