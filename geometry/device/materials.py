@@ -166,7 +166,7 @@ class Piezoceramic:
         quality_factor: float,
         loss_tangent: float,
     ) -> Piezoceramic:
-        """This ceramic with the reduced constants replaced exactly.
+        """The ceramic with the reduced constants replaced exactly.
 
         The constants that a reduced set does not contain follow from this ceramic's by
         ratio: compliances with s11, eps11 with eps33, d33 and d15 so that the coupling

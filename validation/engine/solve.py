@@ -48,7 +48,7 @@ class Solution:
         return self.by_model(name)[model]
 
     def beside(self, quantities: tuple[Quantity, ...], stages: Stages) -> Solution:
-        """This with what another process found of the same scene, to be reused."""
+        """The with what another process found of the same scene, to be reused."""
         both = replace(self.stages, keys=self.stages.keys | stages.keys)
         both.adopt(stages)
         return replace(self, quantities=self.quantities + quantities, stages=both)

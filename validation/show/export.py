@@ -58,7 +58,8 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
 
     Parameters
     ----------
-    targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space", "fields", "animated_glb", "fmu", "machine"} to Path
+    targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space", "fields",
+    "animated_glb", "fmu", "machine"} to Path
         What to write where.
 
     Raises InputError if a place cannot be written, has the wrong ending or is named twice, or a map
