@@ -98,11 +98,7 @@ def thinnest(piece: Piece, bimorph: Bimorph) -> float:
 
 
 def row_mesh(
-    pieces: Sequence[Piece],
-    bimorph: Bimorph,
-    elements: int,
-    halvings: int = 0,
-    shift: float = 0.0,
+    pieces: Sequence[Piece], bimorph: Bimorph, elements: int, halvings: int = 0, shift: float = 0.0
 ) -> tuple[Any, Ints, list[tuple[int, float]]]:
     """Line mesh from base to tip, the beam of each element, and the joints.
 

@@ -30,25 +30,14 @@ _RANGE = re.compile(
 
 @dataclass(frozen=True)
 class Toleranced:
-    """A number with the range in which it may lie.
+    """A number with the range in which it may lie."""
 
-    Attributes
-    ----------
-    value : str
-        The number without its tolerance, as it would be written.
-    low, high : float
-        Ends of the range, SI units.
-    words : str
-        The tolerance as people write it after the value.
-    relative : bool
-        Whether it is a share of the value.
-    """
-
-    value: str
+    value: str  #: The number without its tolerance, as it would be written
+    #: Ends of the range, SI units
     low: float
     high: float
-    words: str
-    relative: bool = False
+    words: str  #: The tolerance as people write it after the value
+    relative: bool = False  #: Whether it is a share of the value
 
 
 def has_tolerance(text: str) -> bool:

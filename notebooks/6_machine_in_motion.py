@@ -142,11 +142,7 @@ assert len(curve.folds) >= 2
 
 # %%
 run = run_scene(
-    scene,
-    Sources(Sine(10.0, 200.0), Square(0.15, 100.0)),
-    8e-3,
-    coil="current",
-    accuracy=0.05,
+    scene, Sources(Sine(10.0, 200.0), Square(0.15, 100.0)), 8e-3, coil="current", accuracy=0.05
 )
 lift, tip = (run.answer.outputs[name] for name in ("rod_lift", "lateral_tip"))
 time = 1e3 * run.answer.run.time

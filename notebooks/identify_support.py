@@ -31,10 +31,7 @@ measured = MeasuredCurve(
 # %%
 start, origins = load_scene(
     "prototype",
-    [
-        "support.rotational_stiffness=0.48 N*m/rad",
-        "support.rotational_damping=1.5e-6 N*m*s/rad",
-    ],
+    ["support.rotational_stiffness=0.48 N*m/rad", "support.rotational_damping=1.5e-6 N*m*s/rad"],
 )
 found = identify(start, measured, ("c_s", "d_s"), origins=origins)
 for name in ("c_s", "d_s"):

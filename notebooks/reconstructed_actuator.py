@@ -14,12 +14,7 @@ from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.tmm.reluctance.network import thermal_statement
 from tactgen.validation.studies import reconstruction as stated
-from tactgen.validation.studies.reconstruction import (
-    actuator,
-    coolest,
-    field_pull,
-    weighed,
-)
+from tactgen.validation.studies.reconstruction import actuator, coolest, field_pull, weighed
 
 # %% [markdown]
 # The valley floor by the network: for each length of the coil the coolest shaft and bore. A long

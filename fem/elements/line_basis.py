@@ -18,19 +18,12 @@ from tactgen.geometry.bimorph.bricks import Axis, lobatto_points
 
 @dataclass(frozen=True)
 class LineMatrices:
-    """Sparse matrices of one axis on one common pattern, entries in rows of ascending columns.
+    """Sparse matrices of one axis on one common pattern, entries in rows of ascending columns."""
 
-    Attributes
-    ----------
-    rows, columns : (nnz,) int array
-        The pattern of all intervals together.
-    integrals : (2, 2, nnz) array
-        Entry [a, b]: ∫ ∂^a N_i ∂^b N_j over the chosen intervals.
-    """
-
+    #: (nnz,) The pattern of all intervals together
     rows: Ints
     columns: Ints
-    integrals: Floats
+    integrals: Floats  #: (2, 2, nnz) Entry [a, b]: ∫ ∂^a N_i ∂^b N_j over the chosen intervals
 
 
 @cache

@@ -41,14 +41,9 @@ _UP = np.array([0.0, 0.0, 1.0])
 @storable
 @dataclass(frozen=True)
 class ArrayForces:
-    """Pulls (N) of one actuator in the array, each by the vector and the scalar potential.
+    """Pulls (N) of one actuator in the array, each by the vector and the scalar potential."""
 
-    Attributes
-    ----------
-    same, alternating : (float, float)
-        All polarities equal, or neighbours opposite.
-    """
-
+    #: (float, float) All polarities equal, or neighbours opposite
     same: tuple[float, float]
     alternating: tuple[float, float]
 
@@ -96,18 +91,15 @@ class NineForces:
 
     A pull is what drives the rod with its winding towards its sleeve.  The sleeve feels another
     one, since neighbours pull on either.
-
-    Attributes
-    ----------
-    middle, beside, diagonal : (float, float)
-        Of the middle unit, of each of the four beside it, of each of the four on the diagonals.
-    unbalanced : (float, float)
-        Sum of the forces on all parts of the nine (N), which by Newton's third law is none.
     """
 
+    #: (float, float) Of the middle unit, of each of the four beside it, of each of the four on the
+    #: diagonals
     middle: tuple[float, float]
     beside: tuple[float, float]
     diagonal: tuple[float, float]
+    #: (float, float) Sum of the forces on all parts of the nine (N), which by Newton's third law is
+    #: none
     unbalanced: tuple[float, float]
 
 

@@ -14,13 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric import ORDER, FieldPoint, field_point
-from tactgen.fem.magnetics.two_orders import (
-    Start,
-    TwoOrders,
-    fitted,
-    solve_pair,
-    two_orders,
-)
+from tactgen.fem.magnetics.two_orders import Start, TwoOrders, fitted, solve_pair, two_orders
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError

@@ -44,21 +44,11 @@ _PARALLEL = 1e-9
 
 @dataclass(frozen=True)
 class MotionWeight:
-    """How far each point goes along when the body moves by 1.
+    """How far each point goes along when the body moves by 1."""
 
-    Attributes
-    ----------
-    nodal : (n_points,) float
-        At the points of the mesh.
-    gradient : (n_cells, n_points, 3) float
-        Gradient (1/m) at the quadrature points.
-    touched : (n_faces, 3) float
-        Unit normals of the outer faces on which the weight is not zero.
-    """
-
-    nodal: Floats
-    gradient: Floats
-    touched: Floats
+    nodal: Floats  #: (n_points,) At the points of the mesh
+    gradient: Floats  #: (n_cells, n_points, 3) Gradient (1/m) at the quadrature points
+    touched: Floats  #: (n_faces, 3) Unit normals of the outer faces on which the weight is not zero
 
 
 def harmonic_weight(

@@ -40,25 +40,17 @@ class MagneticSolid:
 
     Attributes
     ----------
-    mesh : Mesh
-        Tetrahedra, straight or curved.
-    materials : mapping of str to MagnetisationCurve
-        Curve of each iron region; regions not named have the permeability of vacuum.
-    source : SourceField
-        T0 for one ampere-turn.
-    flux_normal : tuple of str
-        Named faces of the mesh where (H − T0)×n = 0; B·n = 0 on the rest of the boundary.
-    copies : int
-        How many times the mesh fits into the device; energies, flux and forces are those
-        of the whole device.
-
     Raises InputError if the mesh is not made of tetrahedra or lacks a region or face that is named.
     """
 
-    mesh: Mesh
+    mesh: Mesh  #: Tetrahedra, straight or curved
+    #: Curve of each iron region; regions not named have the permeability of vacuum
     materials: Mapping[str, MagnetisationCurve]
-    source: SourceField
+    source: SourceField  #: T0 for one ampere-turn
+    #: Named faces of the mesh where (H − T0)×n = 0; B·n = 0 on the rest of the boundary
     flux_normal: tuple[str, ...] = ()
+    #: How many times the mesh fits into the device; energies, flux and forces are those of the
+    #: whole device
     copies: int = 1
 
     def __post_init__(self) -> None:
@@ -78,33 +70,15 @@ class MagneticSolid:
 
 @dataclass(frozen=True)
 class SampledSolid:
-    """The problem at its quadrature points.
+    """The problem at its quadrature points."""
 
-    Attributes
-    ----------
-    problem : MagneticSolid
-        What is sampled.
-    domain : skfem mesh
-        Corners of its cells are in increasing order.
-    mapping : skfem mapping
-        From the reference cell.
-    reference_points : (3, n_points) float
-        Quadrature points on the reference cell.
-    points : (n_cells, n_points, 3) float
-        The same in the device (m).
-    weights : (n_cells, n_points) float
-        Their volumes (m³).
-    source : (n_cells, n_points, 3) float
-        T0 for one ampere-turn (A/m).
-    """
-
-    problem: MagneticSolid
-    domain: Any
-    mapping: Any
-    reference_points: Floats
-    points: Floats
-    weights: Floats
-    source: Floats
+    problem: MagneticSolid  #: What is sampled
+    domain: Any  #: Corners of its cells are in increasing order
+    mapping: Any  #: From the reference cell
+    reference_points: Floats  #: (3, n_points) Quadrature points on the reference cell
+    points: Floats  #: (n_cells, n_points, 3) The same in the device (m)
+    weights: Floats  #: (n_cells, n_points) Their volumes (m³)
+    source: Floats  #: (n_cells, n_points, 3) T0 for one ampere-turn (A/m)
 
     @cached_property
     def jacobians(self) -> Floats:
@@ -165,28 +139,15 @@ def with_sorted_corners(mesh: Mesh) -> Mesh:
 
 @dataclass(frozen=True)
 class MagneticField:
-    """A solution at the quadrature points.
+    """A solution at the quadrature points."""
 
-    Attributes
-    ----------
-    solid : SampledSolid
-        Where it lives.
-    current : float
-        Ampere-turns.
-    potential : (n_unknowns,) float
-        Free unknowns, from which the next current may start.
-    flux_density, field_strength : (n_cells, n_points, 3) float
-        B (T) and H (A/m).
-    iterations : int
-        Newton steps taken.
-    """
-
-    solid: SampledSolid
-    current: float
-    potential: Floats
+    solid: SampledSolid  #: Where it lives
+    current: float  #: Ampere-turns
+    potential: Floats  #: (n_unknowns,) Free unknowns, from which the next current may start
+    #: (n_cells, n_points, 3) B (T) and H (A/m)
     flux_density: Floats
     field_strength: Floats
-    iterations: int
+    iterations: int  #: Newton steps taken
 
     @property
     def energy(self) -> float:

@@ -46,10 +46,7 @@ class VectorPotential:
         jacobians = solid.jacobians
         determinants = np.linalg.det(jacobians)[..., None, None]
         self._curl = FieldKernel(
-            np.array([curl for _, curl in local]),
-            jacobians / determinants,
-            solid.weights,
-            pattern,
+            np.array([curl for _, curl in local]), jacobians / determinants, solid.weights, pattern
         )
         values = FieldKernel(
             np.array([value for value, _ in local]),

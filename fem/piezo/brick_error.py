@@ -26,28 +26,16 @@ from tactgen.geometry.device.parameters import Device
 
 @dataclass(frozen=True)
 class MotionSurplus:
-    """The functions that one class of motion lacks, w of them, against the (4 n) it has.
+    """The functions that one class of motion lacks, w of them, against the (4 n) it has."""
 
-    Attributes
-    ----------
-    unknowns : Unknowns
-        What the bricks' own unknowns y (m + 3) are among the values on them.
-    place : (4 n,) int array
-        Where these values are among those of one degree more.
-    stiffness, mass : (w, 4 n⁺) sparse
-        Lacking functions against all of one degree more; the stiffness complex where it has losses.
-    lacking : (w,) int array
-        Which of these they are.
-    tip : (w, 2) array
-        What they add to the tip's displacement and rotation.
-    """
-
-    unknowns: Unknowns
-    place: Ints
+    unknowns: Unknowns  #: What the bricks' own unknowns y (m + 3) are among the values on them
+    place: Ints  #: (4 n,) Where these values are among those of one degree more
+    #: (w, 4 n⁺) Lacking functions against all of one degree more; the stiffness complex where it
+    #: has losses
     stiffness: Sparse
     mass: Sparse
-    lacking: Ints
-    tip: Floats
+    lacking: Ints  #: (w,) Which of these they are
+    tip: Floats  #: (w, 2) What they add to the tip's displacement and rotation
 
     def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
         """K x and M x (w, k) of states (m + 3, k); the residual is f − K x + Ω² M x.

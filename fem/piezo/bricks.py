@@ -137,11 +137,7 @@ class _Quarter:
 
 
 def quarter_unknowns(
-    bricks: Bricks,
-    motion: Motion,
-    unit: float,
-    *,
-    uniform_field: bool = False,
+    bricks: Bricks, motion: Motion, unit: float, *, uniform_field: bool = False
 ) -> Unknowns:
     """What is free in one class of motion, and what base and electrodes prescribe.
 

@@ -82,31 +82,18 @@ _FIRST_AT, _LOWEST_FIRST, _LOWEST = 0.7, 500.0, 20.0
 @storable
 @dataclass(frozen=True)
 class ReducedSolid:
-    """A solid projected on a Krylov basis, ports kept: a few dozen unknowns.
+    """A solid projected on a Krylov basis, ports kept: a few dozen unknowns."""
 
-    Attributes
-    ----------
-    fine : PortModel
-        The reduced model.
-    coarse : PortModel
-        The same without the last block of every shift, to judge it by: the estimate is
-        the distance between the two, in effect the error of the poorer one.
-    range : tuple of float
-        Lowest and highest frequency (Hz) it was made for.
-    error : float
-        Largest estimate over the frequencies it was checked at, peaks and dips included.
-    unknowns : int
-        Number of unknowns of the solid.
-    missing : (2, 2 k + 8, 2 k + 8) array, optional
-        What functions that the solid lacks have in products, if these were given
-        (:func:`fem.piezo.krylov.missing_products`).
-    """
-
-    fine: PortModel
+    fine: PortModel  #: The reduced model
+    #: The same without the last block of every shift, to judge it by: the estimate is the distance
+    #: between the two, in effect the error of the poorer one
     coarse: PortModel
-    range: tuple[float, float]
+    range: tuple[float, float]  #: Lowest and highest frequency (Hz) it was made for
+    #: Largest estimate over the frequencies it was checked at, peaks and dips included
     error: float
-    unknowns: int
+    unknowns: int  #: Number of unknowns of the solid
+    #: (2, 2 k + 8, 2 k + 8) What functions that the solid lacks have in products, if these were
+    #: given (:func:`fem.piezo.krylov.missing_products`)
     missing: Numbers | None = None
 
     def multiport(self, frequencies: Floats) -> Multiport:

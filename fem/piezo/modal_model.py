@@ -40,40 +40,24 @@ class BareMode:
 @storable
 @dataclass(frozen=True)
 class ModalModel:
-    """Symmetric matrices over [q, w_base, ψ_base] at U = 0, nothing attached.
+    """Symmetric matrices over [q, w_base, ψ_base] at U = 0, nothing attached."""
 
-    Attributes
-    ----------
-    stiffness, mass : (k + 2, k + 2) array
-        K, where base motion needs no force, and M.
-    tip, charge : (k + 2,) array
-        Mean tip displacement (m) and charge (C) from the unknowns.
-    capacitance : float
-        Charge per voltage where nothing moves (F).
-    motions : (6, slices, k + 2) array
-        Motions of sections, see :func:`fem.piezo.symmetry.section_motions`.
-    energy : (k + 2, k + 2) array
-        Nodal mass, for the share of a class in the energy.
-    motion : str
-        The motions that the solid can make.
-    surplus : (2, 2 k + 6, 2 k + 6) array, optional
-        Products r_iᵀ K⁻¹ r_j of the residuals that functions the mesh lacks
-        (:class:`fem.piezo.system.Surplus`) have with K x and with M x of the unknowns, with
-        the charge and with the tip: of displacements, and of potentials.
-    missing : (2 k + 6, 2 k + 6) array, optional
-        Those of them that the modes are moved by.
-    """
-
+    #: (k + 2, k + 2) K, where base motion needs no force, and M
     stiffness: Floats
     mass: Floats
+    #: (k + 2,) Mean tip displacement (m) and charge (C) from the unknowns
     tip: Floats
     charge: Floats
-    capacitance: float
+    capacitance: float  #: Charge per voltage where nothing moves (F)
+    #: (6, slices, k + 2) Motions of sections, see :func:`fem.piezo.symmetry.section_motions`
     motions: Floats
-    energy: Floats
-    motion: Motion
+    energy: Floats  #: (k + 2, k + 2) Nodal mass, for the share of a class in the energy
+    motion: Motion  #: The motions that the solid can make
+    #: (2, 2 k + 6, 2 k + 6) Products r_iᵀ K⁻¹ r_j of the residuals that functions the mesh lacks
+    #: (:class:`fem.piezo.system.Surplus`) have with K x and with M x of the unknowns, with the
+    #: charge and with the tip: of displacements, and of potentials
     surplus: Floats | None = None
-    missing: Floats | None = None
+    missing: Floats | None = None  #: (2 k + 6, 2 k + 6) Those of them that the modes are moved by
 
     def modes(self, ends: Ends, count: int, *, open_circuit: bool = False) -> list[BareMode]:
         """Lowest `count` modes, ascending, without damping and rigid motions."""

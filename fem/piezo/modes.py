@@ -20,24 +20,12 @@ _RESIDUAL = 1e-9
 
 @dataclass(frozen=True)
 class SolidMode:
-    """A natural mode.
+    """A natural mode."""
 
-    Attributes
-    ----------
-    frequency : float
-        Natural frequency (Hz).
-    kind : str
-        Class, by the motion that holds most of the kinetic energy.
-    share : float
-        Share of the class in the kinetic energy.
-    displacement : (n_nodes, 3) array
-        Nodal displacements, largest component 1.
-    """
-
-    frequency: float
-    kind: ModeClass
-    share: float
-    displacement: Floats
+    frequency: float  #: Natural frequency (Hz)
+    kind: ModeClass  #: Class, by the motion that holds most of the kinetic energy
+    share: float  #: Share of the class in the kinetic energy
+    displacement: Floats  #: (n_nodes, 3) Nodal displacements, largest component 1
 
 
 def natural_modes(
@@ -166,26 +154,13 @@ def solid_mode(system: SolidSystem, value: float, vector: Floats) -> SolidMode:
 
 @dataclass(frozen=True)
 class SolidState:
-    """One state of motion of the solid, lossless modes real and driven states complex.
+    """One state of motion of the solid, lossless modes real and driven states complex."""
 
-    Attributes
-    ----------
-    frequency : float
-        Hz; 0 of a static state.
-    values : (n_nodes, 4) array
-        (u_x, u_y, u_z) in m and φ in V at the system's nodes.
-    tip : complex
-        Mean of u_x over the tip face (m).
-    charge : complex
-        On the outer electrodes (C), layers in parallel.
-    kind : str
-        Class of a mode; "bending_x" of driven states, the only motion that the ports drive.
-    """
-
-    frequency: float
-    values: Numbers
-    tip: complex
-    charge: complex
+    frequency: float  #: Hz; 0 of a static state
+    values: Numbers  #: (n_nodes, 4) (u_x, u_y, u_z) in m and φ in V at the system's nodes
+    tip: complex  #: Mean of u_x over the tip face (m)
+    charge: complex  #: On the outer electrodes (C), layers in parallel
+    #: Class of a mode; "bending_x" of driven states, the only motion that the ports drive
     kind: ModeClass = "bending_x"
 
     def scaled(self, factor: float) -> SolidState:

@@ -29,21 +29,12 @@ from tactgen.tmm.ports.multiport import BIMORPH, Multiport, respond
 @storable
 @dataclass(frozen=True)
 class PortModel:
-    """Matrices over [q, w_base, ψ_base, U], symmetric; the last row is minus the charge.
+    """Matrices over [q, w_base, ψ_base, U], symmetric; the last row is minus the charge."""
 
-    Attributes
-    ----------
-    stiffness : (k + 3, k + 3) complex array
-        Its real part is positive definite over q.
-    mass : (k + 3, k + 3) array
-        Positive definite but for the row and column of U, which are zero.
-    tip : (k + 3, 2) array
-        Tip displacement and rotation from the unknowns.
-    """
-
-    stiffness: Complex
+    stiffness: Complex  #: (k + 3, k + 3) complex Its real part is positive definite over q
+    #: (k + 3, k + 3) Positive definite but for the row and column of U, which are zero
     mass: Floats
-    tip: Floats
+    tip: Floats  #: (k + 3, 2) Tip displacement and rotation from the unknowns
 
     def multiport(self, frequencies: Floats) -> Multiport:
         """D(Ω) (n, 5, 5), a few microseconds each."""

@@ -28,18 +28,13 @@ _SOFT = 1e-3
 
 @dataclass(frozen=True)
 class Projection:
-    """A solid on a basis of responses.
+    """A solid on a basis of responses."""
 
-    Attributes
-    ----------
-    fine, coarse : PortModel
-        On the whole basis; without the last block of every chain.
-    states : (n, k + 3) array
-        What the solid's unknowns y are, per unknown of `fine`; complex if the solid has losses.
-    """
-
+    #: On the whole basis; without the last block of every chain
     fine: PortModel
     coarse: PortModel
+    #: (n, k + 3) What the solid's unknowns y are, per unknown of `fine`; complex if the solid has
+    #: losses
     states: Numbers
 
 

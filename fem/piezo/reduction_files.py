@@ -107,10 +107,7 @@ def _unreadable(path: Path, reason: str) -> InputError:
 
 
 #: What makes a reduction.
-_MADE_OF = (
-    "tactgen.fem.piezo.reduction_files",
-    "tactgen.fem.piezo.brick_error",
-)
+_MADE_OF = ("tactgen.fem.piezo.reduction_files", "tactgen.fem.piezo.brick_error")
 
 
 def reduced_solid(

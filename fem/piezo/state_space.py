@@ -46,20 +46,14 @@ _SERIES = 1e-3
 
 @dataclass(frozen=True)
 class StateSpace:
-    """Matrices of x' = A x + B u, y = C x + D u, energy ½ xᵀx.
+    """Matrices of x' = A x + B u, y = C x + D u, energy ½ xᵀx."""
 
-    Attributes
-    ----------
-    a, b, c, d : arrays
-        (m, m), (m, p), (p, m), (p, p).
-    inputs, outputs : tuple of str
-        Conjugate pairs, each with its unit; their products are powers (W).
-    """
-
+    #: (m, m), (m, p), (p, m), (p, p)
     a: Floats
     b: Floats
     c: Floats
     d: Floats
+    #: Conjugate pairs, each with its unit; their products are powers (W)
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
 
@@ -190,10 +184,7 @@ def write_state_space(
 
 
 def differences(
-    model: PortModel,
-    base: Springs | None,
-    found: StateSpace,
-    frequencies: tuple[float, float],
+    model: PortModel, base: Springs | None, found: StateSpace, frequencies: tuple[float, float]
 ) -> tuple[Floats, Complex, Floats]:
     """Compare with the solid at every peak and dip of its response to 1 V, the tip free.
 

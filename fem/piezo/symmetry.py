@@ -22,21 +22,11 @@ PORTS = 3
 
 @dataclass(frozen=True)
 class Bordered:
-    """A symmetric matrix over y = [inner unknowns, w_base, ψ_base, U].
+    """A symmetric matrix over y = [inner unknowns, w_base, ψ_base, U]."""
 
-    Attributes
-    ----------
-    inner : (n, n) sparse
-        In compressed rows.
-    border : (n, 3) array
-        Inner unknowns against ports.
-    corner : (3, 3) array
-        The ports among themselves.
-    """
-
-    inner: Sparse
-    border: Numbers
-    corner: Numbers
+    inner: Sparse  #: (n, n) In compressed rows
+    border: Numbers  #: (n, 3) Inner unknowns against ports
+    corner: Numbers  #: (3, 3) The ports among themselves
 
     @classmethod
     def cut(cls, matrix: Sparse) -> Bordered:

@@ -62,49 +62,28 @@ class Surplus(Protocol):
 
 @dataclass(frozen=True)
 class SolidSystem:
-    """Assembled solid over y = [free displacements and potentials, w_base, ψ_base, U].
+    """Assembled solid over y = [free displacements and potentials, w_base, ψ_base, U]."""
 
-    Attributes
-    ----------
-    stiffness : Bordered
-        Symmetric indefinite; complex when lossy.  Its last row is minus the charge.
-    mass : Bordered
-        Zero in the rows of potentials.
-    tip : (n, 2) array
-        Columns give tip displacement and tip rotation from y, and port forces to y.
-    expand : Expanding
-        ``expand @ y`` are (u_x, u_y, u_z, φ) at the nodes (4 * n_nodes, …), component by
-        component, in metres and volts.
-    nodes : (n_nodes, 3) array
-        Where the nodes are (m).
-    node_mass : (n_nodes,) array
-        Lumped mass (kg), for weighing modes.
-    potentials : int
-        Number of free potential unknowns.
-    volts_per_unit : float
-        Size of the potential's unit (V); U is in volts all the same.
-    motion : str
-        The motions that it can make.  Those that the ports take no part in leave the last
-        three rows empty.
-    related : callable, optional
-        Gives the same body in another class of motion; None for a body taken whole.
-    elimination : (n - 3,) int array, optional
-        A good order in which to eliminate all but the last three unknowns.
-    translation : (n,) array, optional
-        The body moved along x by 1, as far as its motions let it.
-    """
-
+    #: Symmetric indefinite; complex when lossy.  Its last row is minus the charge
     stiffness: Bordered
-    mass: Bordered
+    mass: Bordered  #: Zero in the rows of potentials
+    #: (n, 2) Columns give tip displacement and tip rotation from y, and port forces to y
     tip: Floats
+    #: ``expand @ y`` are (u_x, u_y, u_z, φ) at the nodes (4 * n_nodes, …), component by component,
+    #: in metres and volts
     expand: Expanding
-    nodes: Floats
-    node_mass: Floats
-    potentials: int
-    volts_per_unit: float
+    nodes: Floats  #: (n_nodes, 3) Where the nodes are (m)
+    node_mass: Floats  #: (n_nodes,) Lumped mass (kg), for weighing modes
+    potentials: int  #: Number of free potential unknowns
+    volts_per_unit: float  #: Size of the potential's unit (V); U is in volts all the same
+    #: The motions that it can make.  Those that the ports take no part in leave the last three rows
+    #: empty
     motion: Motion = "all"
+    #: Gives the same body in another class of motion; None for a body taken whole
     related: Callable[[Motion], SolidSystem] | None = None
+    #: (n - 3,) A good order in which to eliminate all but the last three unknowns
     elimination: Ints | None = None
+    #: (n,) The body moved along x by 1, as far as its motions let it
     translation: Floats | None = None
 
     @property

@@ -32,20 +32,13 @@ _SLOPES = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 
 
 @dataclass(frozen=True)
 class CubicSurplus:
-    """Residuals against the missing cubics, and the parts of the solutions found from them.
+    """Residuals against the missing cubics, and the parts of the solutions found from them."""
 
-    Attributes
-    ----------
-    residual, missing : (n_functions, 4, n_fields) array
-        r(v) and e, the potential in the system's own unit.  e holds zero where the solution
-        is prescribed.
-    functions_of_cell : (10, n_cells) int array
-        The functions that live on each cell of the mesh.
-    """
-
+    #: (n_functions, 4, n_fields) r(v) and e, the potential in the system's own unit.  e holds zero
+    #: where the solution is prescribed
     residual: Floats
     missing: Floats
-    functions_of_cell: Ints
+    functions_of_cell: Ints  #: (10, n_cells) The functions that live on each cell of the mesh
 
     def shares(self, i: int, j: int) -> Floats:
         """Contributions (n_cells,) to r_i(e_j), each function's spread evenly."""
@@ -195,21 +188,12 @@ _BLOCKS = 6
 
 @dataclass(frozen=True)
 class GoalError:
-    """A goal on a mesh.
+    """A goal on a mesh."""
 
-    Attributes
-    ----------
-    value : float
-        The goal's value, SI.
-    error : float
-        Estimated relative error, signed: value x (1 + error) is nearer to the truth.
-    shares : (n_cells,) array
-        Relative contributions of the elements, not negative; they add up to the size of
-        `error` or, where signs differ, to more.
-    """
-
-    value: float
-    error: float
+    value: float  #: The goal's value, SI
+    error: float  #: Estimated relative error, signed: value x (1 + error) is nearer to the truth
+    #: (n_cells,) Relative contributions of the elements, not negative; they add up to the size of
+    #: `error` or, where signs differ, to more
     shares: Floats
 
 

@@ -116,18 +116,10 @@ class Factors:
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where Newton's method ended.
+    """Where Newton's method ended."""
 
-    Attributes
-    ----------
-    x : (n,) float
-        Unknowns.
-    steps : int
-        Newton steps taken, each with a Hessian of its own; others use its factors again.
-    """
-
-    x: Floats
-    steps: int
+    x: Floats  #: (n,) Unknowns
+    steps: int  #: Newton steps taken, each with a Hessian of its own; others use its factors again
 
 
 def minimise(

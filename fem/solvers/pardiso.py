@@ -121,12 +121,11 @@ class Pardiso:
 
     Attributes
     ----------
-    negative_pivots : int or None
-        Number of negative pivots; None for complex matrices, where there is no sign.
     perturbed_pivots : int
         Pivots that were too small and were replaced.
     """
 
+    #: Number of negative pivots; None for complex matrices, where there is no sign
     negative_pivots: int | None = None
     perturbed_pivots = 0
 

@@ -36,45 +36,27 @@ _LEAST_GRAIN = 0.1
 
 @dataclass(frozen=True)
 class BrickMeshing:
-    """How finely the bimorph is divided.
+    """How finely the bimorph is divided."""
 
-    Attributes
-    ----------
-    degree : (int, int, int)
-        Degree of the polynomials along x, y and z.
-    layer : tuple of float
-        Intervals of a piezo layer from its inner to its outer face, as shares of it.
-    core : int
-        Intervals of half the shim where that is no thin part of the whole; otherwise it is one.
-    side : float
-        Interval at the side edge, as a share of the thinnest layer, or of a quarter of the
-        width if that is less (0: no grading).
-    smallest : float
-        Length of the bricks at the held end and at the ceramic's lower end, as a share of the
-        thinnest layer.
-    tip : float
-        The same at the upper end, where the singularity is weak.
-    longest : float
-        Longest brick along z, in thicknesses of the bimorph.
-    pieces : (float, float)
-        Fewest and most pieces of the length that the longest brick may be all the same: modes
-        of a stout bimorph, and what is far from the ends of a slender one, vary with it.
-    growth : float
-        Ratio of neighbouring lengths along z.
-    richness : float, optional
-        Polynomials in a hierarchy, of which these products are there
-        (:class:`geometry.bimorph.bricks.Bricks`); without it those of nodes, all products.
-    """
-
-    degree: tuple[int, int, int]
+    degree: tuple[int, int, int]  #: (int, int, int) Degree of the polynomials along x, y and z
+    #: Intervals of a piezo layer from its inner to its outer face, as shares of it
     layer: tuple[float, ...] = (1.0,)
+    #: Intervals of half the shim where that is no thin part of the whole; otherwise it is one
     core: int = 1
+    #: Interval at the side edge, as a share of the thinnest layer, or of a quarter of the width if
+    #: that is less (0: no grading)
     side: float = 0.0
+    #: Length of the bricks at the held end and at the ceramic's lower end, as a share of the
+    #: thinnest layer
     smallest: float = 0.2
-    tip: float = 0.2
-    longest: float = 6.0
+    tip: float = 0.2  #: The same at the upper end, where the singularity is weak
+    longest: float = 6.0  #: Longest brick along z, in thicknesses of the bimorph
+    #: (float, float) Fewest and most pieces of the length that the longest brick may be all the
+    #: same: modes of a stout bimorph, and what is far from the ends of a slender one, vary with it
     pieces: tuple[float, float] = (6.0, 10.0)
-    growth: float = 6.0
+    growth: float = 6.0  #: Ratio of neighbouring lengths along z
+    #: Polynomials in a hierarchy, of which these products are there
+    #: (:class:`geometry.bimorph.bricks.Bricks`); without it those of nodes, all products
     richness: float | None = None
 
 

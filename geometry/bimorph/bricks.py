@@ -98,31 +98,20 @@ class Slab:
 
 @dataclass(frozen=True)
 class Bricks:
-    """A quarter of a layered bimorph on a tensor grid.
+    """A quarter of a layered bimorph on a tensor grid."""
 
-    Attributes
-    ----------
-    x, y, z : Axis
-        From the planes of symmetry (x, y) and from the held end (z).
-    slabs : tuple of Slab
-        What is where; the rest of the grid is empty.  Regions are ``piezo``, ``shim`` and
-        ``glue``.
-    electrode : (int, int)
-        Break points along z between which the outer face carries its electrode.  The inner
-        face is metallised all over.
-    held : {"layers", "shim"}
-        Part of the lowest section that is the base.
-    richness : float
-        Of hierarchic axes: products of functions are there whose degrees, each as a share of its
-        axis' degree, add up to no more.  1 is the trunk space, 3 has all products.
-    """
-
+    #: From the planes of symmetry (x, y) and from the held end (z)
     x: Axis
     y: Axis
     z: Axis
+    #: What is where; the rest of the grid is empty.  Regions are ``piezo``, ``shim`` and ``glue``
     slabs: tuple[Slab, ...]
+    #: (int, int) Break points along z between which the outer face carries its electrode.  The
+    #: inner face is metallised all over
     electrode: tuple[int, int]
-    held: Held = "layers"
+    held: Held = "layers"  #: Part of the lowest section that is the base
+    #: Of hierarchic axes: products of functions are there whose degrees, each as a share of its
+    #: axis' degree, add up to no more.  1 is the trunk space, 3 has all products
     richness: float = 3.0
 
     @property

@@ -14,24 +14,12 @@ Law: TypeAlias = Callable[[Floats], Complex]
 
 @dataclass(frozen=True)
 class Springs:
-    """What holds a base that is not clamped, as a stiffness c + jΩ d − Ω² θ.
+    """What holds a base that is not clamped, as a stiffness c + jΩ d − Ω² θ."""
 
-    Attributes
-    ----------
-    lateral_stiffness : float
-        N/m.
-    rotational_stiffness : float
-        N m/rad.
-    rotational_damping : float
-        N m s/rad.
-    rotational_inertia : float
-        kg m².
-    """
-
-    lateral_stiffness: float
-    rotational_stiffness: float
-    rotational_damping: float = 0.0
-    rotational_inertia: float = 0.0
+    lateral_stiffness: float  #: N/m
+    rotational_stiffness: float  #: N m/rad
+    rotational_damping: float = 0.0  #: N m s/rad
+    rotational_inertia: float = 0.0  #: kg m²
 
 
 @dataclass(frozen=True)
@@ -48,16 +36,10 @@ class Ends:
     """Support and load of the lateral actuator; by default clamped and free.
 
     Where many parameter sets are worked on at once, each number is an array over them.
-
-    Attributes
-    ----------
-    base : Springs or None
-        None holds the base rigidly.
-    tip : TipLoad or Law
-        Lateral load: constants, or a dynamic stiffness over frequency.
     """
 
-    base: Springs | None = None
+    base: Springs | None = None  #: None holds the base rigidly
+    #: Lateral load: constants, or a dynamic stiffness over frequency
     tip: TipLoad | Law = TipLoad()
 
     @property

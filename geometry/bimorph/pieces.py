@@ -32,29 +32,17 @@ class Layers:
 
 @dataclass(frozen=True)
 class Piece:
-    """A stretch of the generator.
+    """A stretch of the generator."""
 
-    Attributes
-    ----------
-    section : {"bimorph", "shim", "cylinder", "bond"}
-        Cross-section: the three layers, the bare shim, solid rod steel, or the tab glued
-        into the rod's slot (it lies beside the head and adds nothing to the row's height).
-    length : float
-        Axial length (m).
-    radius : float
-        Radius of a cylinder (m), 0 otherwise.
-    ends : (Layers, Layers) or None
-        Layers at the lower and the upper end, varying linearly between them; None where they
-        are the device's own.
-    electrode : bool
-        Whether the ceramic's outer faces carry electrodes.
-    """
-
+    #: Cross-section: the three layers, the bare shim, solid rod steel, or the tab glued into the
+    #: rod's slot (it lies beside the head and adds nothing to the row's height)
     section: Literal["bimorph", "shim", "cylinder", "bond"]
-    length: float
-    radius: float = 0.0
+    length: float  #: Axial length (m)
+    radius: float = 0.0  #: Radius of a cylinder (m), 0 otherwise
+    #: Layers at the lower and the upper end, varying linearly between them; None
+    #: where they are the device's own
     ends: tuple[Layers, Layers] | None = None
-    electrode: bool = True
+    electrode: bool = True  #: Whether the ceramic's outer faces carry electrodes
 
     @property
     def tapered(self) -> bool:
@@ -145,28 +133,16 @@ _ROUND = 9
 
 @dataclass(frozen=True)
 class CentreLine:
-    """Motion of a row's centre line at stations from its held end to its tip.
+    """Motion of a row's centre line at stations from its held end to its tip."""
 
-    Attributes
-    ----------
-    z : (n,) array
-        Height above the row's held end (m), ascending; a joint is two stations at one height.
-    w, psi : (n,) array
-        Displacement along x (m) and rotation of the section (rad), u_z = x ψ.
-    charge : complex
-        On the outer electrodes (C), layers in parallel.
-    voltage : complex
-        Across each layer (V).
-    frequency : float
-        Hz.
-    """
-
+    #: (n,) Height above the row's held end (m), ascending; a joint is two stations at one height
     z: Floats
+    #: (n,) Displacement along x (m) and rotation of the section (rad), u_z = x ψ
     w: Numbers
     psi: Numbers
-    charge: complex
-    voltage: complex
-    frequency: float
+    charge: complex  #: On the outer electrodes (C), layers in parallel
+    voltage: complex  #: Across each layer (V)
+    frequency: float  #: Hz
 
     @property
     def tip(self) -> complex:
@@ -176,20 +152,12 @@ class CentreLine:
 
 @dataclass(frozen=True)
 class RowShape:
-    """A row of pieces as eight-cornered cells, each piece and layer with points of its own.
+    """A row of pieces as eight-cornered cells, each piece and layer with points of its own."""
 
-    Attributes
-    ----------
-    mesh : Mesh
-        Points in m, z = 0 at the top face of the rod or at the tab's lower end.
-    station : (n_points,) int array
-        The station of the centre line that each point moves with.
-    potential_share : (n_points,) array
-        Potential over the voltage across a layer: 1 on the outer electrodes, 0 in the shim.
-    """
-
-    mesh: Mesh
-    station: Ints
+    mesh: Mesh  #: Points in m, z = 0 at the top face of the rod or at the tab's lower end
+    station: Ints  #: (n_points,) The station of the centre line that each point moves with
+    #: (n_points,) Potential over the voltage across a layer: 1 on the outer electrodes, 0 in the
+    #: shim
     potential_share: Floats
 
     def values(self, line: CentreLine) -> Numbers:

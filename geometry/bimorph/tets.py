@@ -88,31 +88,21 @@ class TetMeshing:
 
     Attributes
     ----------
-    edge_length : float
-        Target edge length (m).
-    root_edge_length : float, optional
-        Target edge length from the tab's lower end to the ceramic's lower edge (m); the same
-        everywhere by default.
-    grading : float
-        Growth of the edge length per distance from there (m/m).
-    curved : bool
-        Give curved boundaries curved elements (ten nodes).  If False, elements are
-        straight and the regions lose what lies between chord and arc.
-    quarter : bool
-        Mesh what lies at x ≥ 0 and y ≥ 0 only; its cuts are named as
-        :data:`geometry.meshing.structured_tets.MIRRORS`.
-    time_limit : float
-        Processor time for the mesher, all attempts together (s).
-
     Raises InputError if a value is out of range.
     """
 
-    edge_length: float = 0.3e-3
+    edge_length: float = 0.3e-3  #: Target edge length (m)
+    #: Target edge length from the tab's lower end to the ceramic's lower edge (m); the same
+    #: everywhere by default
     root_edge_length: float | None = None
-    grading: float = 0.1
+    grading: float = 0.1  #: Growth of the edge length per distance from there (m/m)
+    #: Give curved boundaries curved elements (ten nodes).  If False, elements are straight and the
+    #: regions lose what lies between chord and arc
     curved: bool = True
+    #: Mesh what lies at x ≥ 0 and y ≥ 0 only; its cuts are named as
+    #: :data:`geometry.meshing.structured_tets.MIRRORS`
     quarter: bool = False
-    time_limit: float = 300.0
+    time_limit: float = 300.0  #: Processor time for the mesher, all attempts together (s)
 
     def __post_init__(self) -> None:
         """Refuse values out of range."""

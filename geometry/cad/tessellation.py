@@ -96,21 +96,11 @@ class Face:
 
 @dataclass(frozen=True)
 class Tessellation:
-    """A triangulated surface without doubled points, and the faces it came from.
+    """A triangulated surface without doubled points, and the faces it came from."""
 
-    Attributes
-    ----------
-    points : (n_points, 3) array
-        Coordinates (mm).
-    triangles : (n_triangles, 3) int array
-        Corners; a face between two solids is there once.
-    faces : tuple of Face
-        The CAD faces.
-    """
-
-    points: Floats
-    triangles: Ints
-    faces: tuple[Face, ...]
+    points: Floats  #: (n_points, 3) Coordinates (mm)
+    triangles: Ints  #: (n_triangles, 3) Corners; a face between two solids is there once
+    faces: tuple[Face, ...]  #: The CAD faces
 
 
 def tessellate(solids: dict[str, cq.Solid], deflection: float, angle: float = 0.5) -> Tessellation:
@@ -139,9 +129,7 @@ def tessellate(solids: dict[str, cq.Solid], deflection: float, angle: float = 0.
         start += len(p)
     merged, index = merge_points(np.concatenate(points), _SAME_POINT)
     return Tessellation(
-        points=merged,
-        triangles=index[np.concatenate(triangles)],
-        faces=_collect(sides),
+        points=merged, triangles=index[np.concatenate(triangles)], faces=_collect(sides)
     )
 
 

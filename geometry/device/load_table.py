@@ -34,20 +34,11 @@ _PRINTED = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class LoadTable:
-    """What was measured; a table read once is one value, equal to itself alone.
+    """What was measured; a table read once is one value, equal to itself alone."""
 
-    Attributes
-    ----------
-    source : str
-        What messages call it.
-    frequencies : (n,) array
-        Hz, ascending.
-    impedance : (n,) complex array
-        Force per velocity (N s/m), time factor e^{+jΩt}; a spring's is −jk/Ω.
-    """
-
-    source: str
-    frequencies: Floats
+    source: str  #: What messages call it
+    frequencies: Floats  #: (n,) Hz, ascending
+    #: (n,) complex Force per velocity (N s/m), time factor e^{+jΩt}; a spring's is −jk/Ω
     impedance: Complex
 
     @property

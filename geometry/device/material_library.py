@@ -223,23 +223,18 @@ class ShimMaterial:
     ----------
     youngs_modulus, density : float
         Along the shim (Pa), and mass density (kg/m³).
-    shear_modulus : float or None
-        Of a composite (Pa); a metal's follows from the other two.
-    transverse_modulus : float or None
-        Of a composite, across the fibres (Pa).
-    modulus_range, density_range : (float, float)
-        What the source, or several of one material, allow.
     """
 
     name: str
     youngs_modulus: float
     poisson_ratio: float
     density: float
+    #: (float, float) What the source, or several of one material, allow
     modulus_range: tuple[float, float]
     density_range: tuple[float, float]
     origin: str
-    shear_modulus: float | None = None
-    transverse_modulus: float | None = None
+    shear_modulus: float | None = None  #: Of a composite (Pa); a metal's follows from the other two
+    transverse_modulus: float | None = None  #: Of a composite, across the fibres (Pa)
 
     def values(self) -> dict[str, float]:
         """Constants by their key in a scene, the shear modulus only of a composite."""

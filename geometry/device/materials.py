@@ -96,42 +96,22 @@ class PiezoTensors:
     """Constitutive tensors in the device's axes, poled along +x.
 
     T = c S − eᵀ E,  D = e S + ε E, with engineering shear strains.
-
-    Attributes
-    ----------
-    c : (6, 6) array
-        Stiffness at constant field (Pa).
-    e : (3, 6) array
-        Piezoelectric stress constants (C/m²).
-    eps : (3, 3) array
-        Permittivity at constant strain (F/m).
     """
 
-    c: Numbers
-    e: Numbers
-    eps: Numbers
+    c: Numbers  #: (6, 6) Stiffness at constant field (Pa)
+    e: Numbers  #: (3, 6) Piezoelectric stress constants (C/m²)
+    eps: Numbers  #: (3, 3) Permittivity at constant strain (F/m)
 
 
 @dataclass(frozen=True)
 class Piezoceramic:
-    """A poled ceramic (class 6mm), compliance form, IEEE 176 frame.
-
-    Attributes
-    ----------
-    s : (6, 6) array
-        Compliance at constant field (m²/N).
-    d : (3, 6) array
-        Piezoelectric strain constants (m/V).
-    eps_t : (3, 3) array
-        Permittivity at constant stress (F/m).
-    density, quality_factor, loss_tangent : float
-        Mass density (kg/m³), mechanical Q, dielectric tan δ.
-    """
+    """A poled ceramic (class 6mm), compliance form, IEEE 176 frame."""
 
     name: str
-    s: Floats
-    d: Floats
-    eps_t: Floats
+    s: Floats  #: (6, 6) Compliance at constant field (m²/N)
+    d: Floats  #: (3, 6) Piezoelectric strain constants (m/V)
+    eps_t: Floats  #: (3, 3) Permittivity at constant stress (F/m)
+    #: Mass density (kg/m³), mechanical Q, dielectric tan δ
     density: float
     quality_factor: float
     loss_tangent: float

@@ -12,13 +12,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator
 
 from tactgen.geometry import units as u
-from tactgen.geometry.device.declaration import (
-    PAPER_5,
-    RECONSTRUCTED,
-    Parameters,
-    field,
-    printed,
-)
+from tactgen.geometry.device.declaration import PAPER_5, RECONSTRUCTED, Parameters, field, printed
 from tactgen.geometry.device.material_library import STEELS, steel_name
 from tactgen.geometry.device.materials import Own
 

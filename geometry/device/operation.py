@@ -188,9 +188,7 @@ class Spring(Parameters):
         (20.0, 500.0, "assumed: the force over the stroke grows by 3 to 80 percent"),
     )
     eccentricity: u.Position = field(
-        0.0,
-        "assumed: centred",
-        "distance from the axis, towards +x, at which the spring presses",
+        0.0, "assumed: centred", "distance from the axis, towards +x, at which the spring presses"
     )
     stop_gap: u.SmallLength = field(
         20e-6,

@@ -14,13 +14,7 @@ from tactgen.geometry.device.display import Display, Scatter, Skin
 from tactgen.geometry.device.lateral import Bimorph, Glue, Piezo, Shim
 from tactgen.geometry.device.material_library import CERAMICS, LIBRARY, SHIMS
 from tactgen.geometry.device.materials import Own, Spread
-from tactgen.geometry.device.normal import (
-    NOMINAL_GAP,
-    Coil,
-    Rod,
-    Sleeve,
-    Steel,
-)
+from tactgen.geometry.device.normal import NOMINAL_GAP, Coil, Rod, Sleeve, Steel
 from tactgen.geometry.device.operation import (
     Beam,
     Contact,

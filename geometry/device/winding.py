@@ -21,24 +21,12 @@ REFERENCE_TEMPERATURE = 293.15
 
 @dataclass(frozen=True)
 class Winding:
-    """The winding at its working temperature.
+    """The winding at its working temperature."""
 
-    Attributes
-    ----------
-    window : float
-        Area of the coil's half section (m²).
-    wire_area : float
-        Bare cross-section of the wire (m²): window · fill factor / turns.
-    wire_length : float
-        Turns times the mean turn (m).
-    resistivity : float
-        At the working temperature (Ω m).
-    """
-
-    window: float
-    wire_area: float
-    wire_length: float
-    resistivity: float
+    window: float  #: Area of the coil's half section (m²)
+    wire_area: float  #: Bare cross-section of the wire (m²): window · fill factor / turns
+    wire_length: float  #: Turns times the mean turn (m)
+    resistivity: float  #: At the working temperature (Ω m)
 
     @property
     def wire_diameter(self) -> float:

@@ -130,38 +130,20 @@ _LEADS = 2
 
 @dataclass(frozen=True)
 class Wiring:
-    """Room and need of leads.
+    """Room and need of leads."""
 
-    Attributes
-    ----------
-    channel : float
-        Width between two columns of slots in the upper board (m).
-    traces_fit, traces_needed : int
-        In one channel, all layers together.
-    most_rows : int
-        Rows at which the channel would be full.
-    wire_diameter : float
-        Of the coils' enamelled wire (m).
-    wire_gap : float
-        Between two sleeves (m).
-    wires_fit, wires_needed : int
-        Side by side and on top of each other in one gap between sleeves; the innermost gap's need.
-    trace_length : float
-        Of the longest trace, from the field's middle to the board's edge (m).
-    trace_capacitance : float
-        Of that trace to the shims' trace beside it (F).
-    """
-
-    channel: float
+    channel: float  #: Width between two columns of slots in the upper board (m)
+    #: In one channel, all layers together
     traces_fit: int
     traces_needed: int
-    most_rows: int
-    wire_diameter: float
-    wire_gap: float
+    most_rows: int  #: Rows at which the channel would be full
+    wire_diameter: float  #: Of the coils' enamelled wire (m)
+    wire_gap: float  #: Between two sleeves (m)
+    #: Side by side and on top of each other in one gap between sleeves; the innermost gap's need
     wires_fit: int
     wires_needed: int
-    trace_length: float
-    trace_capacitance: float
+    trace_length: float  #: Of the longest trace, from the field's middle to the board's edge (m)
+    trace_capacitance: float  #: Of that trace to the shims' trace beside it (F)
 
     @property
     def fits(self) -> bool:

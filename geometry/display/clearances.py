@@ -24,25 +24,14 @@ _SPRING_AROUND = 0.5e-3
 
 @dataclass(frozen=True)
 class Clearance:
-    """The distance of two parts, or what is left of one between two holes.
+    """The distance of two parts, or what is left of one between two holes."""
 
-    Attributes
-    ----------
-    between, where : str
-        The parts, and the direction.
-    gap : float
-        m; 0 or less is an interference.
-    key : str
-        Scene key that widens it.
-    larger : bool
-        Whether a larger value of the key widens it.
-    """
-
+    #: The parts, and the direction
     between: str
     where: str
-    gap: float
-    key: str
-    larger: bool = True
+    gap: float  #: m; 0 or less is an interference
+    key: str  #: Scene key that widens it
+    larger: bool = True  #: Whether a larger value of the key widens it
 
 
 def footprint(device: Device) -> tuple[float, float]:

@@ -44,21 +44,11 @@ class Plate:
 
 @dataclass(frozen=True)
 class Placed:
-    """One distinct solid and where it stands.
+    """One distinct solid and where it stands."""
 
-    Attributes
-    ----------
-    name : str
-        What people call it.
-    body : Part or Plate
-        The solid in its own frame.
-    places : tuple of Place
-        One for each copy.
-    """
-
-    name: str
-    body: Part | Plate
-    places: tuple[Place, ...]
+    name: str  #: What people call it
+    body: Part | Plate  #: The solid in its own frame
+    places: tuple[Place, ...]  #: One for each copy
 
 
 @dataclass(frozen=True)
@@ -237,9 +227,7 @@ def _spacers(display: Display, level: Levels) -> tuple[Placed, ...]:
     return (
         Placed("board_spacer", _tube(0.0, radius, plate, level.rod_top), posts),
         Placed(
-            "adjusting_spring",
-            _tube(inner, inner + _ENVELOPE, above_board, level.rod_top),
-            posts,
+            "adjusting_spring", _tube(inner, inner + _ENVELOPE, above_board, level.rod_top), posts
         ),
         Placed(
             "support_spacer",

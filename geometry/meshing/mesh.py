@@ -25,30 +25,16 @@ TET_FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 @storable
 @dataclass(frozen=True)
 class Mesh:
-    """A conforming volume mesh.
+    """A conforming volume mesh."""
 
-    Attributes
-    ----------
-    points : (n_points, 3) array
-        Coordinates (m).
-    cells : (n_cells, 4 | 8 | 10) int array
-        Vertex indices in VTK order, positively oriented; ``tetra10`` carries mid-edge nodes.
-    kind : str
-        ``tetra``, ``tetra10`` (curved) or ``hexahedron`` (straight-edged, 8 corners).
-    region_of_cell : (n_cells,) int array
-        Index into `regions`.
-    regions : tuple of str
-        Region names.
-    faces : dict of str to (n_faces, 3 | 4) int array
-        Corner vertices of the element faces that make up each named face.
-    """
-
-    points: Floats
+    points: Floats  #: (n_points, 3) Coordinates (m)
+    #: (n_cells, 4 | 8 | 10) Vertex indices in VTK order, positively oriented; ``tetra10`` carries
+    #: mid-edge nodes
     cells: Ints
-    kind: CellKind
-    region_of_cell: Ints
-    regions: tuple[str, ...]
-    faces: dict[str, Ints]
+    kind: CellKind  #: ``tetra``, ``tetra10`` (curved) or ``hexahedron`` (straight-edged, 8 corners)
+    region_of_cell: Ints  #: (n_cells,) Index into `regions`
+    regions: tuple[str, ...]  #: Region names
+    faces: dict[str, Ints]  #: Corner vertices of the element faces that make up each named face
 
     def cells_of(self, region: str) -> Ints:
         """Indices of the cells of a named region."""
@@ -81,21 +67,11 @@ _EDGES = {
 
 @dataclass(frozen=True)
 class Surface:
-    """What is seen of a mesh, by the mesh's own points.
+    """What is seen of a mesh, by the mesh's own points."""
 
-    Attributes
-    ----------
-    triangles : (n, 3) int array
-        Seen from outside.
-    region_of_triangle : (n,) int array
-        Index into the mesh's regions.
-    edges : (m, 2) int array
-        Edges of cells, each once.
-    """
-
-    triangles: Ints
-    region_of_triangle: Ints
-    edges: Ints
+    triangles: Ints  #: (n, 3) Seen from outside
+    region_of_triangle: Ints  #: (n,) Index into the mesh's regions
+    edges: Ints  #: (m, 2) Edges of cells, each once
 
 
 def surface_of(mesh: Mesh) -> Surface:
@@ -110,11 +86,7 @@ def surface_of(mesh: Mesh) -> Surface:
     number = local.shape[1]
     triangles = faces[:, _TRIANGLES[number]].reshape(-1, 3)
     edges = np.sort(faces[:, _EDGES[number]].reshape(-1, 2), axis=1)
-    return Surface(
-        triangles,
-        np.repeat(owners, len(_TRIANGLES[number])),
-        np.unique(edges, axis=0),
-    )
+    return Surface(triangles, np.repeat(owners, len(_TRIANGLES[number])), np.unique(edges, axis=0))
 
 
 #: Corners of the six edges of a tetrahedron, in the order of VTK's mid-edge nodes.

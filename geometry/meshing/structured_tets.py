@@ -121,13 +121,7 @@ def _divided(length: float, first: float, last: float, growth: float) -> Floats:
 
 
 #: Sides of the box in (r, φ, z) that stay sides of the sector, and their names there.
-_SIDES = {
-    "x_high": "mantle",
-    "y_low": "start",
-    "y_high": "end",
-    "z_low": "bottom",
-    "z_high": "top",
-}
+_SIDES = {"x_high": "mantle", "y_low": "start", "y_high": "end", "z_low": "bottom", "z_high": "top"}
 
 
 def swept_tetrahedra(
@@ -212,32 +206,17 @@ _ON_PLANE = 1e-10
 _TURNS = ((False, False), (True, False), (False, True), (True, True))
 
 #: Nodes of a cell or triangle seen in the mirror, so that it is not inside out, by their number.
-_REFLECTED = {
-    3: [1, 0, 2],
-    4: [1, 0, 2, 3],
-    10: [1, 0, 2, 3, 4, 6, 5, 8, 7, 9],
-}
+_REFLECTED = {3: [1, 0, 2], 4: [1, 0, 2, 3], 10: [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]}
 
 
 @dataclass(frozen=True)
 class MirroredPoints:
-    """The points of the whole body, those of the quarter first and in their order.
+    """The points of the whole body, those of the quarter first and in their order."""
 
-    Attributes
-    ----------
-    points : (n_whole, 3) array
-        Coordinates (m).
-    source : (n_whole,) int array
-        The point of the quarter that each is or mirrors.
-    turned : (n_whole, 2) bool array
-        Whether it lies beyond x = 0, and beyond y = 0.
-    images : (4, n) int array
-        The points that stand for those of the quarter in each of the four quarters.
-    """
-
-    points: Floats
-    source: Ints
-    turned: Bools
+    points: Floats  #: (n_whole, 3) Coordinates (m)
+    source: Ints  #: (n_whole,) The point of the quarter that each is or mirrors
+    turned: Bools  #: (n_whole, 2) Whether it lies beyond x = 0, and beyond y = 0
+    #: (4, n) The points that stand for those of the quarter in each of the four quarters
     images: Ints
 
 

@@ -149,10 +149,7 @@ def _followed(lines: Floats, edges: list[tuple[float, float]]) -> Floats | None:
 
 
 def graded_grid(
-    regions: tuple[Region, ...],
-    outer_radius: float,
-    *,
-    refinement: float = 1.0,
+    regions: tuple[Region, ...], outer_radius: float, *, refinement: float = 1.0
 ) -> Grid:
     """Grid over 0 ≤ r ≤ R, −R ≤ z ≤ R, graded towards every edge of iron.
 

@@ -32,21 +32,12 @@ _APART = 1e-9
 
 @dataclass(frozen=True)
 class Sector:
-    """How the actuator is cut and divided.
+    """How the actuator is cut and divided."""
 
-    Attributes
-    ----------
-    refinement : float
-        Fineness of the half section, see :func:`geometry.reluctance.section_grid.graded_grid`.
-    copies : int
-        Sectors in a turn.
-    layers : int
-        Layers of cells from one half plane to the other.
-    """
-
+    #: Fineness of the half section, see :func:`geometry.reluctance.section_grid.graded_grid`
     refinement: float = 1.4
-    copies: int = 16
-    layers: int = 1
+    copies: int = 16  #: Sectors in a turn
+    layers: int = 1  #: Layers of cells from one half plane to the other
 
 
 def sector_mesh(device: Device, gap: float, sector: Sector) -> Mesh:
@@ -102,18 +93,11 @@ _DENSER = 1.5
 
 @dataclass(frozen=True)
 class Cell:
-    """How a cell is divided.
+    """How a cell is divided."""
 
-    Attributes
-    ----------
-    refinement : float
-        Fineness of the half section, see :func:`geometry.reluctance.section_grid.graded_grid`.
-    layers : int
-        Layers of cells over the 45 degrees, thinner where the neighbour is near.
-    """
-
+    #: Fineness of the half section, see :func:`geometry.reluctance.section_grid.graded_grid`
     refinement: float = 0.7
-    layers: int = 4
+    layers: int = 4  #: Layers of cells over the 45 degrees, thinner where the neighbour is near
 
 
 def cell_mesh(device: Device, gap: float, pitch: float, cell: Cell) -> Mesh:

@@ -61,17 +61,11 @@ _REGIONS = ("pole", "yoke", "coil", "shell", "air")
 
 @dataclass(frozen=True)
 class Team20Meshing:
-    """How finely a quarter of the problem is divided.
+    """How finely a quarter of the problem is divided."""
 
-    Attributes
-    ----------
-    scale : float
-        Factor on all interval lengths and on their growth away from the steel's edges.
-    far : float
-        Where the outer walls are (m from the origin; the same above and below the yoke).
-    """
-
+    #: Factor on all interval lengths and on their growth away from the steel's edges
     scale: float = 1.0
+    #: Where the outer walls are (m from the origin; the same above and below the yoke)
     far: float = 0.3
 
 

@@ -59,27 +59,13 @@ _ON_WALL = 1e-9
 
 @dataclass(frozen=True)
 class ActuatorMeshing:
-    """How to mesh.
+    """How to mesh."""
 
-    Attributes
-    ----------
-    size : float
-        Factor on all edge lengths; at 1 they are 0.3 of the working gap in it.
-    growth : float
-        Growth of the edge length per distance from there.
-    far : float
-        Half width of the box of air (m).
-    slot : bool
-        Whether the rod has the slot for the shim's tab.
-    time_limit : float
-        Processor time for the mesher, all attempts together (s).
-    """
-
-    size: float = 1.3
-    growth: float = 0.7
-    far: float = 20e-3
-    slot: bool = False
-    time_limit: float = 300.0
+    size: float = 1.3  #: Factor on all edge lengths; at 1 they are 0.3 of the working gap in it
+    growth: float = 0.7  #: Growth of the edge length per distance from there
+    far: float = 20e-3  #: Half width of the box of air (m)
+    slot: bool = False  #: Whether the rod has the slot for the shim's tab
+    time_limit: float = 300.0  #: Processor time for the mesher, all attempts together (s)
 
 
 def actuator_tets(device: Device, gap: float, meshing: ActuatorMeshing) -> Mesh:

@@ -128,10 +128,9 @@ def test_any_invocation_ends_well(capsys, tmp_path, monkeypatch, count):
 def test_no_fault_is_forgiven(capsys, tmp_path, monkeypatch, command, fault):
     """One sentence and exit code 2 from every command, nothing written."""
     monkeypatch.chdir(tmp_path)
-    more = {
-        "export": ["--step", "a.step"],
-        "whatif": ["--vary", "drive.voltage=10V:20V:2"],
-    }.get(command, [])
+    more = {"export": ["--step", "a.step"], "whatif": ["--vary", "drive.voltage=10V:20V:2"]}.get(
+        command, []
+    )
     code = main([command, "paper", *more, *fault])
     out, err = capsys.readouterr()
     assert (code, out) == (2, ""), fault

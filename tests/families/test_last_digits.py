@@ -32,10 +32,7 @@ def last_digits_off(scene):
         "piezo_thickness": np.nextafter(bimorph.piezo_thickness, 0.0),
     }
     return scene.model_copy(
-        update={
-            "bimorph": bimorph.model_copy(update=moved),
-            "gap": np.nextafter(scene.gap, 1.0),
-        }
+        update={"bimorph": bimorph.model_copy(update=moved), "gap": np.nextafter(scene.gap, 1.0)}
     )
 
 

@@ -2,15 +2,7 @@
 
 import numpy as np
 import pytest
-from skfem import (
-    Basis,
-    BilinearForm,
-    ElementQuadP,
-    ElementTetP2,
-    ElementVector,
-    MeshQuad,
-    MeshTet,
-)
+from skfem import Basis, BilinearForm, ElementQuadP, ElementTetP2, ElementVector, MeshQuad, MeshTet
 from skfem.helpers import ddot, dot, grad, sym_grad
 
 from tactgen.fem.elements.nedelec import ElementTetEdge2

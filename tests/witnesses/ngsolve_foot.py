@@ -11,11 +11,7 @@ from typing import Any, TypedDict
 
 import numpy as np
 
-from tactgen.validation.evidence.peers.job import (
-    Material,
-    lowest_frequencies,
-    potential_unit,
-)
+from tactgen.validation.evidence.peers.job import Material, lowest_frequencies, potential_unit
 
 _ORDER = 3
 #: Largest tetrahedra of the rod and of the bimorph (mm).

@@ -36,21 +36,13 @@ class EquivalentCircuit:
 
     mass · ẅ + stiffness · w = turns_ratio · U,  Q = turns_ratio · w + blocked_capacitance · U,
     with w the tip displacement.
-
-    Attributes
-    ----------
-    mass, stiffness : float
-        kg and N/m, referred to the tip.
-    turns_ratio : float
-        N/V (equally C/m).
-    blocked_capacitance : float
-        F, with the mode's tip motion held.
     """
 
+    #: kg and N/m, referred to the tip
     mass: float
     stiffness: float
-    turns_ratio: float
-    blocked_capacitance: float
+    turns_ratio: float  #: N/V (equally C/m)
+    blocked_capacitance: float  #: F, with the mode's tip motion held
 
     @property
     def short_circuit_frequency(self) -> float:

@@ -51,22 +51,13 @@ from tactgen.tmm.ports.multiport import Response
 
 @dataclass(frozen=True)
 class MountedResponse:
-    """Complex peak amplitudes per volt across each layer, all of the inputs' common shape.
+    """Complex peak amplitudes per volt across each layer, all of the inputs' common shape."""
 
-    Attributes
-    ----------
-    w_tip, psi_tip : complex array
-        Tip displacement (m/V) and rotation (rad/V).
-    charge : complex array
-        Charge on the electrodes (C/V), layers in parallel.
-    condition : array
-        Condition number of the worst of the three.
-    """
-
+    #: Tip displacement (m/V) and rotation (rad/V)
     w_tip: Complex
     psi_tip: Complex
-    charge: Complex
-    condition: Floats
+    charge: Complex  #: Charge on the electrodes (C/V), layers in parallel
+    condition: Floats  #: Condition number of the worst of the three
 
     @property
     def response(self) -> Response:

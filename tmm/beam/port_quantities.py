@@ -127,22 +127,13 @@ _AT_ONCE = 500
 
 @dataclass(frozen=True)
 class DrivenCeramic:
-    """Per volt of the drive, peak amplitudes, (n,) over the frequencies.
+    """Per volt of the drive, peak amplitudes, (n,) over the frequencies."""
 
-    Attributes
-    ----------
-    stress : (n,) float
-        Largest axial stress along the ceramic, at the faces of its layers (Pa/V); nan where the
-        layers are not plain and uniform, and where bending waves die out along the ceramic.
-    field : float
-        Field in a layer (1/m).
-    current : (n,) float
-        Drawn by one bimorph (A/V).
-    """
-
+    #: (n,) Largest axial stress along the ceramic, at the faces of its layers (Pa/V); nan where the
+    #: layers are not plain and uniform, and where bending waves die out along the ceramic
     stress: Floats
-    field: float
-    current: Floats
+    field: float  #: Field in a layer (1/m)
+    current: Floats  #: (n,) Drawn by one bimorph (A/V)
 
 
 def driven_ceramic(

@@ -105,10 +105,7 @@ FORMULAS: tuple[Formula, ...] = (
     Formula(53, "m", "b (rho_s h_s + 2 rho_p h_p)"),
     Formula(54, "K", "b d31/s_EP (h_s + h_p)"),
     Formula(
-        55,
-        "C_p",
-        "2 l b (eps (1 + j tan d) - d31^2/s_EP)/h_p",
-        "eps (1 - j tan d) for exp(+jWt)",
+        55, "C_p", "2 l b (eps (1 + j tan d) - d31^2/s_EP)/h_p", "eps (1 - j tan d) for exp(+jWt)"
     ),
 )
 
@@ -141,10 +138,7 @@ def printed_section(beam: Section, device: Device, misprints: frozenset[int]) ->
 
 
 def matrix_a(
-    beam: Section,
-    length: float,
-    frequencies: Floats,
-    misprints: frozenset[int] = frozenset(),
+    beam: Section, length: float, frequencies: Floats, misprints: frozenset[int] = frozenset()
 ) -> Complex:
     """A (n, 5, 5) of paper eqs 13-48, with the named equations as printed.
 

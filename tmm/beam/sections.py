@@ -27,41 +27,21 @@ class Section:
     """Section constants of a piezoelectric Timoshenko beam, or of many (broadcasting).
 
     M = EI ψ' − K U,  F = GA (w' + ψ),  charge per length q = K ψ' + C U.
-
-    Attributes
-    ----------
-    EI : complex
-        Bending stiffness (N m²).
-    GA : float or complex
-        Shear stiffness with the correction factor (N).
-    m : float
-        Mass per length (kg/m).
-    rhoI : float
-        Rotary inertia per length (kg m).
-    K : complex
-        Moment per voltage across one layer (N m/V).
-    C : complex
-        Capacitance per length at zero curvature (F/m).
     """
 
-    EI: Constant
-    GA: Constant
-    m: Constant
-    rhoI: Constant
-    K: Constant = 0.0
-    C: Constant = 0.0
+    EI: Constant  #: Bending stiffness (N m²)
+    GA: Constant  #: Shear stiffness with the correction factor (N)
+    m: Constant  #: Mass per length (kg/m)
+    rhoI: Constant  #: Rotary inertia per length (kg m)
+    K: Constant = 0.0  #: Moment per voltage across one layer (N m/V)
+    C: Constant = 0.0  #: Capacitance per length at zero curvature (F/m)
 
 
 @dataclass(frozen=True)
 class Joint:
-    """An elastic connection without length or mass: [F, M] = compliance⁻¹ · jump of [w, ψ].
+    """An elastic connection without length or mass: [F, M] = compliance⁻¹ · jump of [w, ψ]."""
 
-    Attributes
-    ----------
-    compliance : (..., 2, 2) array
-        Jump of w (m) and ψ (rad) per force (N) and moment (N m) passed upwards.
-    """
-
+    #: (..., 2, 2) Jump of w (m) and ψ (rad) per force (N) and moment (N m) passed upwards
     compliance: Constant
 
 

@@ -135,21 +135,11 @@ _DYNAMIC = 10.0
 
 @dataclass(frozen=True)
 class PlateWaves:
-    """The board's waves as seen by the heads.
+    """The board's waves as seen by the heads."""
 
-    Attributes
-    ----------
-    slopes : (waves, units) float
-        Tilt at each head per amplitude (1/m).
-    stiffness : (waves,) float
-        Per amplitude (N/m).
-    mass : float
-        Per amplitude, the same for all (kg).
-    """
-
-    slopes: Floats
-    stiffness: Floats
-    mass: float
+    slopes: Floats  #: (waves, units) Tilt at each head per amplitude (1/m)
+    stiffness: Floats  #: (waves,) Per amplitude (N/m)
+    mass: float  #: Per amplitude, the same for all (kg)
 
 
 def plate_waves(device: Device, display: Display) -> PlateWaves:
@@ -249,18 +239,12 @@ _SMALL = 1e-3
 
 @dataclass(frozen=True)
 class NetworkForces:
-    """Pulls (N) at one current and gap, by the network.
+    """Pulls (N) at one current and gap, by the network."""
 
-    Attributes
-    ----------
-    same, alternating : float
-        Of one in an endless array, polarities equal or alternating.
-    single : float
-        Of one of the display's middle units, driven alone among others without current.
-    """
-
+    #: Of one in an endless array, polarities equal or alternating
     same: float
     alternating: float
+    #: Of one of the display's middle units, driven alone among others without current
     single: float
 
 

@@ -45,29 +45,15 @@ class RoughContact:
 
     All methods take approach δ (m, growing presses) and tilt ψ (rad), or load N (N) and tilt,
     arrays that broadcast.
-
-    Attributes
-    ----------
-    radius : float
-        Of the head, R (m).
-    decay_length : float
-        Approach over which the pressure grows by e, u₀ (m).
-    shape : {"ring", "disc"}
-        What of the head touches: its rim or all of it.
-    relaxation_time : float
-        Viscous damping over stiffness (s).
-    tangential_ratio : float
-        Stiffness along the surfaces over that across them.
-    reference_load : float
-        Load at δ = ψ = 0 (N).  It says where δ is counted from and nothing else: twice as much
-        moves all positions by u₀ ln 2.
     """
 
-    radius: float
-    decay_length: float
-    shape: Literal["ring", "disc"] = "ring"
-    relaxation_time: float = 0.0
-    tangential_ratio: float = 0.82
+    radius: float  #: Of the head, R (m)
+    decay_length: float  #: Approach over which the pressure grows by e, u₀ (m)
+    shape: Literal["ring", "disc"] = "ring"  #: What of the head touches: its rim or all of it
+    relaxation_time: float = 0.0  #: Viscous damping over stiffness (s)
+    tangential_ratio: float = 0.82  #: Stiffness along the surfaces over that across them
+    #: Load at δ = ψ = 0 (N).  It says where δ is counted from and nothing else: twice as much moves
+    #: all positions by u₀ ln 2
     reference_load: float = 0.1
 
     def energy(self, approach: Floats | float, tilt: Floats | float) -> Floats:
@@ -226,18 +212,12 @@ class Stops:
     All methods take lift u (m) and tilt ψ (rad) of the head, arrays that broadcast.  Whatever
     they return acts along u and ψ as the gradient of one energy, so nothing is created on a
     closed way.
-
-    Attributes
-    ----------
-    upper, lower : RoughContact
-        The laws.
-    stroke : float
-        Way of the upright head from one stop to the other (m).
     """
 
+    #: The laws
     upper: RoughContact
     lower: RoughContact
-    stroke: float
+    stroke: float  #: Way of the upright head from one stop to the other (m)
 
     def energy(self, lift: Floats | float, tilt: Floats | float) -> Floats:
         """Energy stored in both contacts (J)."""
@@ -373,21 +353,11 @@ def tilt_guide(device: Device) -> Play:
 
 @dataclass(frozen=True)
 class RigidBody:
-    """A rigid body of revolution about the z axis.
+    """A rigid body of revolution about the z axis."""
 
-    Attributes
-    ----------
-    mass : float
-        kg.
-    centre : float
-        Height of its centre of mass (m), 0 at the rod's top face: usually negative.
-    inertia : float
-        About a transverse axis through the centre of mass (kg m²).
-    """
-
-    mass: float
-    centre: float
-    inertia: float
+    mass: float  #: kg
+    centre: float  #: Height of its centre of mass (m), 0 at the rod's top face: usually negative
+    inertia: float  #: About a transverse axis through the centre of mass (kg m²)
 
     def inertia_about(self, height: float) -> float:
         """Inertia about a transverse axis at a height (kg m²), by Steiner."""

@@ -50,27 +50,15 @@ class Pull(Protocol):
 
 @dataclass(frozen=True)
 class RestingPlace:
-    """A place at which all axial forces balance.
+    """A place at which all axial forces balance."""
 
-    Attributes
-    ----------
-    lift : float
-        u (m).
-    kind : str
-        ``upper stop``, ``lower stop``, ``floating`` between them, or ``unstable``.
-    finger_force : float
-        Spring less pull (N): with which the rod would push a finger that takes it over from
-        what holds it; negative where the pull holds it down.
-    contact_force : float
-        What the stop carries (N), both together if both touch.
-    stiffness : float
-        Axial stiffness of spring, pull and contact together (N/m), negative where unstable.
-    """
-
-    lift: float
-    kind: Kind
+    lift: float  #: u (m)
+    kind: Kind  #: ``upper stop``, ``lower stop``, ``floating`` between them, or ``unstable``
+    #: Spring less pull (N): with which the rod would push a finger that takes it over from what
+    #: holds it; negative where the pull holds it down
     finger_force: float
-    contact_force: float
+    contact_force: float  #: What the stop carries (N), both together if both touch
+    #: Axial stiffness of spring, pull and contact together (N/m), negative where unstable
     stiffness: float
 
     @property
@@ -81,24 +69,12 @@ class RestingPlace:
 
 @dataclass(frozen=True)
 class AxialForces:
-    """What acts on the rod along its axis.
+    """What acts on the rod along its axis."""
 
-    Attributes
-    ----------
-    device : Device
-        Spring and gap are read.
-    stops : Stops
-        Both contacts.
-    pull : Pull or None
-        None without current.
-    pressed : float
-        Force of a finger that presses the tip down (N).
-    """
-
-    device: Device
-    stops: Stops
-    pull: Pull | None = None
-    pressed: float = 0.0
+    device: Device  #: Spring and gap are read
+    stops: Stops  #: Both contacts
+    pull: Pull | None = None  #: None without current
+    pressed: float = 0.0  #: Force of a finger that presses the tip down (N)
 
     def finger_force(self, current: Floats | float, lift: Floats | float) -> Floats:
         """Spring less pull (N), upwards."""
@@ -204,18 +180,10 @@ def settled_place(forces: AxialForces, current: float, near: RestingPlace) -> Re
 
 @dataclass(frozen=True)
 class PositionLoop:
-    """All resting places over the coil's current, and the way there and back.
+    """All resting places over the coil's current, and the way there and back."""
 
-    Attributes
-    ----------
-    currents : (c,) array
-        A, ascending.
-    places : tuple of tuple of RestingPlace
-        At each current, from the top down.
-    """
-
-    currents: Floats
-    places: tuple[tuple[RestingPlace, ...], ...]
+    currents: Floats  #: (c,) A, ascending
+    places: tuple[tuple[RestingPlace, ...], ...]  #: At each current, from the top down
 
     @property
     def rising(self) -> tuple[RestingPlace, ...]:
@@ -280,11 +248,7 @@ def pressed_support(device: Device, contact: RoughContact, load: float) -> Suppo
 
 
 def held_support(
-    device: Device,
-    pull: Pull | None,
-    current: float,
-    history: History,
-    pressed: float = 0.0,
+    device: Device, pull: Pull | None, current: float, history: History, pressed: float = 0.0
 ) -> tuple[RestingPlace, Support]:
     """Where the rod rests, and the springs that it is there to the bimorph.
 

@@ -82,29 +82,16 @@ class Map(Protocol):
 
 @dataclass(frozen=True)
 class Linearised:
-    """The rod with all that acts on it but the bimorph, about a resting place.
+    """The rod with all that acts on it but the bimorph, about a resting place."""
 
-    Attributes
-    ----------
-    mass, damping, stiffness : (3, 3) float
-        Over (w, ψ, u) at the top face; SI, symmetric.
-    motional : float
-        T = ∂λ/∂u (V s/m), of a current that the supply makes positive.
-    inductance : float
-        L = ∂λ/∂i (H), the rod held.
-    resistance : float
-        Of wire, leads and supply (Ω).
-    tilt : float
-        Of the head at rest (rad).
-    """
-
+    #: (3, 3) Over (w, ψ, u) at the top face; SI, symmetric
     mass: Floats
     damping: Floats
     stiffness: Floats
-    motional: float = 0.0
-    inductance: float = 0.0
-    resistance: float = 0.0
-    tilt: float = 0.0
+    motional: float = 0.0  #: T = ∂λ/∂u (V s/m), of a current that the supply makes positive
+    inductance: float = 0.0  #: L = ∂λ/∂i (H), the rod held
+    resistance: float = 0.0  #: Of wire, leads and supply (Ω)
+    tilt: float = 0.0  #: Of the head at rest (rad)
 
 
 def linearised(
@@ -260,28 +247,16 @@ _DRIVEN, _FREE = ("psi_base", "voltage"), ("w_base", "w_tip", "psi_tip")
 
 @dataclass(frozen=True)
 class RockingHead:
-    """The bimorph on its head, as harmonic balance takes it.
+    """The bimorph on its head, as harmonic balance takes it."""
 
-    Attributes
-    ----------
-    place : RestingPlace
-        Where the rod rests.
-    support : Support
-        What the contact is to small motions there.
-    oscillator : Oscillator
-        In lift from that place (m) and tilt (rad) of the head; the drive is the voltage (V).
-    stops : Stops
-        What the head touches.
-    attached : Tabulated
-        From frequencies (n,) in Hz to what the bimorph with load, lateral support and the head's
-        inertia, but not what resists the tilt, does when tilt and voltage are given, (n, 10): the
-        efforts there, then the other motions, see :func:`_seen`.
-    """
-
-    place: RestingPlace
-    support: Support
+    place: RestingPlace  #: Where the rod rests
+    support: Support  #: What the contact is to small motions there
+    #: In lift from that place (m) and tilt (rad) of the head; the drive is the voltage (V)
     oscillator: Oscillator
-    stops: Stops
+    stops: Stops  #: What the head touches
+    #: From frequencies (n,) in Hz to what the bimorph with load, lateral support and the head's
+    #: inertia, but not what resists the tilt, does when tilt and voltage are given, (n, 10): the
+    #: efforts there, then the other motions, see :func:`_seen`
     attached: Tabulated
 
     def response(self, orbit: Orbit) -> Response:

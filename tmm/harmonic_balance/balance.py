@@ -19,17 +19,11 @@ from tactgen.geometry.arrays import Complex, Floats
 
 @dataclass(frozen=True)
 class LawPoint:
-    """A law at n instants.
+    """A law at n instants."""
 
-    Attributes
-    ----------
-    effort : (n, k) array
-        What the law asks for at each coordinate, positive against a positive motion.
-    by_motion, by_rate : (n, k, k) array
-        Derivatives of the effort by the motions and by their rates.
-    """
-
+    #: (n, k) What the law asks for at each coordinate, positive against a positive motion
     effort: Floats
+    #: (n, k, k) Derivatives of the effort by the motions and by their rates
     by_motion: Floats
     by_rate: Floats
 
@@ -40,26 +34,15 @@ Law: TypeAlias = Callable[[Floats, Floats], LawPoint]
 
 @dataclass(frozen=True)
 class Oscillator:
-    """A linear system at k coordinates, the law that acts on them, and what excites both.
+    """A linear system at k coordinates, the law that acts on them, and what excites both."""
 
-    Attributes
-    ----------
-    linear : callable
-        From angular frequencies (n,) ≥ 0 in rad/s to (n, k, k + 1) complex: D(Ω), and in the last
-        column the effort at each coordinate per unit of drive, the coordinates being held; on
-        the same side of the equation as D, so -1 for a force of one unit that pushes.
-    law : Law
-        What is not linear.
-    static : (k,) array
-        Constant efforts from outside.
-    scales : (k,) array
-        Motions of the size that matters, one for each coordinate.
-    """
-
+    #: From angular frequencies (n,) ≥ 0 in rad/s to (n, k, k + 1) complex: D(Ω), and in the last
+    #: column the effort at each coordinate per unit of drive, the coordinates being held; on the
+    #: same side of the equation as D, so -1 for a force of one unit that pushes
     linear: Callable[[Floats], Complex]
-    law: Law
-    static: Floats
-    scales: Floats
+    law: Law  #: What is not linear
+    static: Floats  #: (k,) Constant efforts from outside
+    scales: Floats  #: (k,) Motions of the size that matters, one for each coordinate
 
     @property
     def size(self) -> int:
@@ -69,21 +52,11 @@ class Oscillator:
 
 @dataclass(frozen=True)
 class Orbit:
-    """One steady oscillation.
+    """One steady oscillation."""
 
-    Attributes
-    ----------
-    omega : float
-        Angular frequency (rad/s) of the drive.
-    level : float
-        Amplitude (peak) of the drive, in its unit.
-    spectrum : (harmonics + 1, k) complex array
-        Q_n; Q₀ is real.
-    """
-
-    omega: float
-    level: float
-    spectrum: Complex
+    omega: float  #: Angular frequency (rad/s) of the drive
+    level: float  #: Amplitude (peak) of the drive, in its unit
+    spectrum: Complex  #: (harmonics + 1, k) complex Q_n; Q₀ is real
 
     @property
     def harmonics(self) -> int:
@@ -125,37 +98,21 @@ _STEP = 1e-5
 
 @dataclass(frozen=True)
 class Balance:
-    """The residual of an orbit with its derivatives; m = k (2 harmonics + 1).
+    """The residual of an orbit with its derivatives; m = k (2 harmonics + 1)."""
 
-    Attributes
-    ----------
-    residual : (m,) array
-        Efforts left over.
-    jacobian : (m, m) array
-        By the unknowns.
-    by_omega, by_level : (m,) array
-        By the two parameters.
-    """
-
-    residual: Floats
-    jacobian: Floats
+    residual: Floats  #: (m,) Efforts left over
+    jacobian: Floats  #: (m, m) By the unknowns
+    #: (m,) By the two parameters
     by_omega: Floats
     by_level: Floats
 
 
 @dataclass(frozen=True)
 class LawHarmonics:
-    """The law along an orbit.
+    """The law along an orbit."""
 
-    Attributes
-    ----------
-    effort : (2 H + 1, k) complex array
-        F_n up to twice the orbit's harmonics, as Q_n.
-    by_motion, by_rate : (4 H + 1, k, k) complex array
-        Two-sided coefficients of the tangents, of n = −2 H to 2 H.
-    """
-
-    effort: Complex
+    effort: Complex  #: (2 H + 1, k) complex F_n up to twice the orbit's harmonics, as Q_n
+    #: (4 H + 1, k, k) complex Two-sided coefficients of the tangents, of n = −2 H to 2 H
     by_motion: Complex
     by_rate: Complex
 
@@ -242,10 +199,7 @@ def _columns(tangent: Complex, highest: int) -> tuple[Complex, Complex]:
 
 
 def _jacobian(
-    d: Complex,
-    by_motion: tuple[Complex, Complex],
-    by_rate: tuple[Complex, Complex],
-    omega: float,
+    d: Complex, by_motion: tuple[Complex, Complex], by_rate: tuple[Complex, Complex], omega: float
 ) -> Floats:
     """Derivatives (m, m); tangents as :func:`_columns`, the first of which is spent."""
     harmonics, k = d.shape[0] - 1, d.shape[1]
@@ -301,10 +255,7 @@ class NoConvergence(ArithmeticError):
 
 
 def converge(
-    evaluate: Callable[[Floats], tuple[Floats, Floats]],
-    start: Floats,
-    scale: Floats,
-    most: int,
+    evaluate: Callable[[Floats], tuple[Floats, Floats]], start: Floats, scale: Floats, most: int
 ) -> tuple[Floats, int, Floats]:
     """Zero of a function, the number of steps taken, and the Jacobian there (m, m).
 

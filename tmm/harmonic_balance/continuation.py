@@ -43,22 +43,13 @@ _TURN = 0.9
 
 @dataclass(frozen=True)
 class Course:
-    """The metric of a continuation, and where it may go.
+    """The metric of a continuation, and where it may go."""
 
-    Attributes
-    ----------
-    parameter : {"omega", "level"}
-        What varies besides the orbit.
-    low, high : float
-        Its range.
-    scales : (k,) array
-        Size of each coordinate.
-    """
-
-    parameter: Parameter
+    parameter: Parameter  #: What varies besides the orbit
+    #: Its range
     low: float
     high: float
-    scales: Floats
+    scales: Floats  #: (k,) Size of each coordinate
     _weights: dict[int, Floats] = field(init=False, default_factory=dict, compare=False)
 
     def weights(self, harmonics: int) -> Floats:
@@ -84,24 +75,12 @@ class Course:
 
 @dataclass(frozen=True)
 class Step:
-    """A point of a branch and the way on.
+    """A point of a branch and the way on."""
 
-    Attributes
-    ----------
-    orbit : Orbit
-        The orbit.
-    tangent : (m + 1,) array
-        Unit tangent in scaled unknowns.
-    course : Course
-        Their sizes.
-    length : float
-        Length of the step to the next point.
-    """
-
-    orbit: Orbit
-    tangent: Floats
-    course: Course
-    length: float
+    orbit: Orbit  #: The orbit
+    tangent: Floats  #: (m + 1,) Unit tangent in scaled unknowns
+    course: Course  #: Their sizes
+    length: float  #: Length of the step to the next point
 
     def at(self, oscillator: Oscillator, length: float) -> Step:
         """Point at another length along the branch, as Newton's method finds it."""
@@ -110,21 +89,11 @@ class Step:
 
 @dataclass(frozen=True)
 class Branch:
-    """Orbits in the order in which they were met.
+    """Orbits in the order in which they were met."""
 
-    Attributes
-    ----------
-    steps : tuple of Step
-        The points.
-    ended : str
-        Why it ended inside the range; empty where it reached an end.
-    missing : float
-        Largest share of a motion that its harmonics left out.
-    """
-
-    steps: tuple[Step, ...]
-    ended: str
-    missing: float
+    steps: tuple[Step, ...]  #: The points
+    ended: str  #: Why it ended inside the range; empty where it reached an end
+    missing: float  #: Largest share of a motion that its harmonics left out
 
     @property
     def orbits(self) -> tuple[Orbit, ...]:
@@ -301,18 +270,10 @@ _STEP = 1e-5
 
 @dataclass(frozen=True)
 class SpecialPoint:
-    """An orbit between two points of a branch.
+    """An orbit between two points of a branch."""
 
-    Attributes
-    ----------
-    orbit : Orbit
-        The orbit.
-    after : int
-        Index of the point before it.
-    """
-
-    orbit: Orbit
-    after: int
+    orbit: Orbit  #: The orbit
+    after: int  #: Index of the point before it
 
 
 def folds(oscillator: Oscillator, branch: Branch) -> tuple[SpecialPoint, ...]:

@@ -28,17 +28,10 @@ _STEPS = 40
 
 @dataclass(frozen=True)
 class Resolution:
-    """How many harmonics are taken.
+    """How many harmonics are taken."""
 
-    Attributes
-    ----------
-    missing : float
-        Share of the motion that the harmonics left out may have.
-    least, most : int
-        Fewest and most harmonics.
-    """
-
-    missing: float = 1e-4
+    missing: float = 1e-4  #: Share of the motion that the harmonics left out may have
+    #: Fewest and most harmonics
     least: int = 5
     most: int = 80
 

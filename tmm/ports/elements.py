@@ -63,22 +63,14 @@ _FEW = Dictionary(per_decade=3, ratios=(0.7,), reach=3.0)
 
 @dataclass(frozen=True)
 class Chain:
-    """A mechanical network whose first coordinate is the tip.
+    """A mechanical network whose first coordinate is the tip."""
 
-    Attributes
-    ----------
-    mass, damping, stiffness : (q, q) float
-        Symmetric, none negative; coordinates without mass are held by a damper.
-    carried : float
-        What moves with the tip along the axis too (kg).
-    misfit : float
-        Largest relative distance from the law that it stands for, in the law's own range.
-    """
-
+    #: (q, q) Symmetric, none negative; coordinates without mass are held by a damper
     mass: Floats
     damping: Floats
     stiffness: Floats
-    carried: float = 0.0
+    carried: float = 0.0  #: What moves with the tip along the axis too (kg)
+    #: Largest relative distance from the law that it stands for, in the law's own range
     misfit: float = 0.0
 
     def stiffness_at(self, frequencies: Floats) -> Complex:

@@ -54,18 +54,10 @@ _ROUNDS = 30
 
 @dataclass(frozen=True)
 class FingerForm:
-    """Constants of eqs 1 and 2, as the paper's Table 1 lists them.
+    """Constants of eqs 1 and 2, as the paper's Table 1 lists them."""
 
-    Attributes
-    ----------
-    p : (4,) array
-        p1 (N s²/m), p2 (N s/m), p3 (N/m), p4 (1/s).
-    q : (4,) array
-        q1 (° s³), q2 (° s²), q3 (° s), q4 (°).
-    """
-
-    p: Floats
-    q: Floats
+    p: Floats  #: (4,) p1 (N s²/m), p2 (N s/m), p3 (N/m), p4 (1/s)
+    q: Floats  #: (4,) q1 (° s³), q2 (° s²), q3 (° s), q4 (°)
 
     def impedance(self, frequencies: Floats) -> Complex:
         """Z (n,) in N s/m."""
@@ -103,28 +95,16 @@ REFERENCE = 100.0
 
 @dataclass(frozen=True)
 class SkinPad:
-    """A dynamic stiffness over frequency; each number may be an array over the frequencies.
+    """A dynamic stiffness over frequency; each number may be an array over the frequencies."""
 
-    Attributes
-    ----------
-    shear_modulus : float
-        Real part of the rubber's shear modulus at :data:`REFERENCE` (Pa).
-    loss_factor : float
-        Imaginary over real part, the same at all frequencies.
-    thickness, contact_radius : float
-        Of the sheet; of a disc as large as the tip's end face (m).
-    weight : float
-        Mass that rests on the sheet (kg).
-    backing_stiffness : float
-        What holds sheet and weight sideways besides (N/m, real part at :data:`REFERENCE`): the
-        rest of the sheet, on the support plate and the other tips.
-    """
-
-    shear_modulus: Any
-    loss_factor: Any
+    shear_modulus: Any  #: Real part of the rubber's shear modulus at :data:`REFERENCE` (Pa)
+    loss_factor: Any  #: Imaginary over real part, the same at all frequencies
+    #: Of the sheet; of a disc as large as the tip's end face (m)
     thickness: Any
     contact_radius: Any
-    weight: Any
+    weight: Any  #: Mass that rests on the sheet (kg)
+    #: What holds sheet and weight sideways besides (N/m, real part at :data:`REFERENCE`): the rest
+    #: of the sheet, on the support plate and the other tips
     backing_stiffness: Any
 
     def __call__(self, frequencies: Floats) -> Complex:

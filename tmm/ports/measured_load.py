@@ -20,21 +20,12 @@ from tactgen.geometry.errors import InputError
 
 @dataclass(frozen=True)
 class Dictionary:
-    """Resonators that a fit may use.
+    """Resonators that a fit may use."""
 
-    Attributes
-    ----------
-    per_decade : int
-        How many frequencies a decade.
-    ratios : tuple of float
-        Their damping ratios.
-    reach : float
-        How far beyond the band they reach, a factor: what lies further off acts in the band as
-        spring, damper or mass.
-    """
-
-    per_decade: int = 10
-    ratios: tuple[float, ...] = (0.05, 0.2, 1.0)
+    per_decade: int = 10  #: How many frequencies a decade
+    ratios: tuple[float, ...] = (0.05, 0.2, 1.0)  #: Their damping ratios
+    #: How far beyond the band they reach, a factor: what lies further off acts in the band as
+    #: spring, damper or mass
     reach: float = 10.0
 
 
@@ -43,19 +34,13 @@ _RICH = Dictionary()
 
 @dataclass(frozen=True)
 class PassiveFit:
-    """An impedance Z(s) = m s + d + k/s + Σ (a s + b)/(s² + 2ζω s + ω²), 0 ≤ b ≤ 2ζω a.
+    """An impedance Z(s) = m s + d + k/s + Σ (a s + b)/(s² + 2ζω s + ω²), 0 ≤ b ≤ 2ζω a."""
 
-    Attributes
-    ----------
-    mass, damping, stiffness : float
-        m, d and k (kg, N s/m, N/m), none negative.
-    omega, ratio, a, b : (k,) array
-        Angular frequency (rad/s), damping ratio and numerator of each resonator.
-    """
-
+    #: m, d and k (kg, N s/m, N/m), none negative
     mass: float
     damping: float
     stiffness: float
+    #: (k,) Angular frequency (rad/s), damping ratio and numerator of each resonator
     omega: Floats
     ratio: Floats
     a: Floats
@@ -137,19 +122,11 @@ _BELIEVED = 3.0
 
 @dataclass(frozen=True)
 class MeasuredLaw:
-    """A table as a dynamic stiffness over frequency, and how far that may be off.
+    """A table as a dynamic stiffness over frequency, and how far that may be off."""
 
-    Attributes
-    ----------
-    table : LoadTable
-        What was measured.
-    fits : tuple of PassiveFit
-        Empty, so that nothing is said beyond the band; or the fit to the whole band, which
-        answers everywhere, and one to the inner part of the band, by which its continuation is
-        judged.
-    """
-
-    table: LoadTable
+    table: LoadTable  #: What was measured
+    #: Empty, so that nothing is said beyond the band; or the fit to the whole band, which answers
+    #: everywhere, and one to the inner part of the band, by which its continuation is judged
     fits: tuple[PassiveFit, ...] = ()
 
     def __call__(self, frequencies: Floats) -> Complex:

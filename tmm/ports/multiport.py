@@ -27,24 +27,17 @@ from tactgen.geometry.store.values import storable
 @storable
 @dataclass(frozen=True)
 class Pair:
-    """Two conjugate variables: the motion is what is prescribed, the effort what answers.
+    """Two conjugate variables: the motion is what is prescribed, the effort what answers."""
 
-    Attributes
-    ----------
-    motion, motion_unit : str
-        Symbol and unit of what is equal in ports that are joined.
-    effort, effort_unit : str
-        Symbol and unit of what adds up there, acting on the element from outside.
-    sign : float
-        Of the effort in the symmetric form, where ½ Ω Im(motion* · sign · effort) is the mean
-        power taken in (W).  A voltage is a rate of flux and its answer a charge, the other way
-        round than force and displacement, so it has −1.
-    """
-
+    #: Symbol and unit of what is equal in ports that are joined
     motion: str
     motion_unit: str
+    #: Symbol and unit of what adds up there, acting on the element from outside
     effort: str
     effort_unit: str
+    #: Of the effort in the symmetric form, where ½ Ω Im(motion* · sign · effort) is the mean power
+    #: taken in (W).  A voltage is a rate of flux and its answer a charge, the other way round than
+    #: force and displacement, so it has −1
     sign: float = 1.0
 
 
@@ -87,19 +80,12 @@ class Multiport:
 
     Attributes
     ----------
-    frequencies : (n,) array
-        Frequencies (Hz); 0 is allowed, the static limit is finite.
-    stiffness : (n, k, k) complex array
-        D(Ω) in the units of effort per motion.
-    ports : tuple of Port
-        The k ports in order.
-
     Raises InputError if two ports have one name.
     """
 
-    frequencies: Floats
-    stiffness: Complex
-    ports: tuple[Port, ...]
+    frequencies: Floats  #: (n,) Frequencies (Hz); 0 is allowed, the static limit is finite
+    stiffness: Complex  #: (n, k, k) complex D(Ω) in the units of effort per motion
+    ports: tuple[Port, ...]  #: The k ports in order
 
     def __post_init__(self) -> None:
         twice = [name for name, count in Counter(self.names).items() if count > 1]
@@ -254,18 +240,10 @@ def eliminated(port: Multiport, keep: Iterable[str]) -> tuple[Multiport, Complex
 
 @dataclass(frozen=True)
 class Response:
-    """Complex peak amplitudes (SI) by port name, (n,) arrays.
+    """Complex peak amplitudes (SI) by port name, (n,) arrays."""
 
-    Attributes
-    ----------
-    motion : dict of str to (n,) complex array
-        At all ports.
-    effort : dict of str to (n,) complex array
-        At the driven ports; the others' is what was given.
-    """
-
-    motion: dict[str, Complex]
-    effort: dict[str, Complex]
+    motion: dict[str, Complex]  #: At all ports
+    effort: dict[str, Complex]  #: At the driven ports; the others' is what was given
 
 
 def respond(
@@ -312,8 +290,7 @@ def respond(
         motion[:, free] += follows
         effort += np.einsum("nij,nj->ni", d[:, driven][:, :, free], follows)
     return Response(
-        dict(zip(port.names, motion.T, strict=True)),
-        dict(zip(drive, effort.T, strict=True)),
+        dict(zip(port.names, motion.T, strict=True)), dict(zip(drive, effort.T, strict=True))
     )
 
 

@@ -24,33 +24,18 @@ Circuit = Literal["short", "open"]
 
 @dataclass(frozen=True)
 class Readout:
-    """A variable of one port under the drive voltage, everything attached.
+    """A variable of one port under the drive voltage, everything attached."""
 
-    Attributes
-    ----------
-    port : str
-        Name of the port.
-    of : {"motion", "effort"}
-        Displacement-like variable, or force-like (charge at the electrical port).
-    rate : int
-        How many times jΩ multiplies it: 1 for a velocity or a current, 2 for an acceleration.
-    static : bool
-        Whether it is that of the lossless model at 0 Hz, a real number.
-    unit_voltage : bool
-        Whether it is per volt.
-    held : tuple of str
-        Ports held at rest besides a clamped base.
-    level : callable, optional
-        Of frequencies (n,) in Hz.  If given, the quantity is the variable's magnitude over that
-        level (n,); with `unit_voltage` the voltage at which it is reached.
-    """
-
-    port: str
+    port: str  #: Name of the port
+    #: Displacement-like variable, or force-like (charge at the electrical port)
     of: Literal["motion", "effort"]
+    #: How many times jΩ multiplies it: 1 for a velocity or a current, 2 for an acceleration
     rate: int = 0
-    static: bool = False
-    unit_voltage: bool = False
-    held: tuple[str, ...] = ()
+    static: bool = False  #: Whether it is that of the lossless model at 0 Hz, a real number
+    unit_voltage: bool = False  #: Whether it is per volt
+    held: tuple[str, ...] = ()  #: Ports held at rest besides a clamped base
+    #: Of frequencies (n,) in Hz.  If given, the quantity is the variable's magnitude over that
+    #: level (n,); with `unit_voltage` the voltage at which it is reached
     level: Callable[[Floats], Floats] | None = None
 
     @property
@@ -116,23 +101,15 @@ class PortMatrix:
 
 @dataclass(frozen=True)
 class ModalReadout:
-    """Natural frequencies of the lossless model, or a number made from the first ones.
+    """Natural frequencies of the lossless model, or a number made from the first ones."""
 
-    Attributes
-    ----------
-    circuits : tuple of {"short", "open"}
-        Whose modes it is made from: at U = 0, or at Q = 0.
-    combine : callable, optional
-        An analytic function of the first bending frequencies in x (Hz) of these circuits, one
-        argument each, numbers or arrays; without it the quantity is the list of frequencies
-        of the one circuit.
-    rounding : callable
-        What relative rounding of the frequencies (second argument) does to a value of `combine`
-        (first argument), in its unit.
-    """
-
-    circuits: tuple[Circuit, ...]
+    circuits: tuple[Circuit, ...]  #: Whose modes it is made from: at U = 0, or at Q = 0
+    #: An analytic function of the first bending frequencies in x (Hz) of these circuits, one
+    #: argument each, numbers or arrays; without it the quantity is the list of frequencies of the
+    #: one circuit
     combine: Callable[..., Any] | None = None
+    #: What relative rounding of the frequencies (second argument) does to a value of `combine`
+    #: (first argument), in its unit
     rounding: Callable[[float, float], float] = lambda value, of: abs(value) * of
 
     @property

@@ -32,18 +32,12 @@ _HALF_CYLINDER = 0.26
 
 @dataclass(frozen=True)
 class GapPermeance:
-    """Permeance at m gaps, and how much of the collar's bore its tubes take.
+    """Permeance at m gaps, and how much of the collar's bore its tubes take."""
 
-    Attributes
-    ----------
-    permeance, d_permeance : (m,) float
-        P (H) and dP/dg (H/m).
-    covered, d_covered : (m,) float
-        Height of the collar's bore that the tubes from the head take (m), and its slope.
-    """
-
+    #: (m,) P (H) and dP/dg (H/m)
     permeance: Floats
     d_permeance: Floats
+    #: (m,) Height of the collar's bore that the tubes from the head take (m), and its slope
     covered: Floats
     d_covered: Floats
 
@@ -133,18 +127,12 @@ _RINGS = 4
 
 @dataclass(frozen=True)
 class Refinements:
-    """What the network adds to the one-gap formula.
+    """What the network adds to the one-gap formula."""
 
-    Attributes
-    ----------
-    iron : {"perfect", "linear", "saturating"}
-        No reluctance, the curve's highest permeability, or the curve itself.
-    parasitic_gap, leakage, fringing : bool
-        The gap between flange and sleeve; the field across the coil from shaft to sleeve;
-        the field beside the pole faces.
-    """
-
+    #: No reluctance, the curve's highest permeability, or the curve itself
     iron: Literal["perfect", "linear", "saturating"] = "saturating"
+    #: The gap between flange and sleeve; the field across the coil from shaft to sleeve; the field
+    #: beside the pole faces
     parasitic_gap: bool = True
     leakage: bool = True
     fringing: bool = True
@@ -158,18 +146,12 @@ ONE_GAP = Refinements("perfect", parasitic_gap=False, leakage=False, fringing=Fa
 
 @dataclass(frozen=True)
 class _Path:
-    """The path below the gap in k cells, from the flange up; arrays (m, k) unless said.
+    """The path below the gap in k cells, from the flange up; arrays (m, k) unless said."""
 
-    Attributes
-    ----------
-    length, d_length : Floats
-        Axial length of each cell (m) and its derivative by the gap.
-    in_flange, in_coil, in_collar : Bools
-        What lies there.
-    """
-
+    #: Axial length of each cell (m) and its derivative by the gap
     length: Floats
     d_length: Floats
+    #: What lies there
     in_flange: Bools
     in_coil: Bools
     in_collar: Bools
@@ -217,18 +199,13 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
 
 @dataclass(frozen=True)
 class IronPlaces:
-    """Where the full circuit's iron elements (E,) lie: k of the rod, k of the sleeve, the head's.
+    """Places of the full circuit's iron elements (E,): k of the rod, k of the sleeve, the head's."""
 
-    Attributes
-    ----------
-    flange, sleeve : (E,) bool
-        What belongs to these; the rest are shaft and head.
-    ends : (k + 1,) float
-        Ends of the first k and of the sleeve's, from the lowest up (m above the sleeve's top).
-    """
-
+    #: (E,) What belongs to these; the rest are shaft and head
     flange: Bools
     sleeve: Bools
+    #: (k + 1,) Ends of the first k and of the sleeve's, from the lowest up (m above the sleeve's
+    #: top)
     ends: Floats
 
     @property

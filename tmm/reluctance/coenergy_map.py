@@ -24,18 +24,10 @@ from tactgen.geometry.store.values import storable
 @storable
 @dataclass(frozen=True)
 class SplineBasis:
-    """n functions, each a polynomial on every one of s spans.
+    """n functions, each a polynomial on every one of s spans."""
 
-    Attributes
-    ----------
-    breaks : (s + 1,) float
-        Ends of the spans, increasing.
-    coefficients : (s, n, p + 1) float
-        Of the powers of x − breaks[span].
-    """
-
-    breaks: Floats
-    coefficients: Floats
+    breaks: Floats  #: (s + 1,) Ends of the spans, increasing
+    coefficients: Floats  #: (s, n, p + 1) Of the powers of x − breaks[span]
 
     def __call__(self, x: Floats, derivative: int = 0) -> Floats:
         """Functions or a derivative of them at `x` (...,), shape (..., n)."""
@@ -93,33 +85,18 @@ _ROUNDING = 1e-9
 @storable
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """What a model says on a grid of c currents and m gaps.
+    """What a model says on a grid of c currents and m gaps."""
 
-    Attributes
-    ----------
-    current : (c,) float
-        In the winding (A), increasing.
-    gap : (m,) float
-        Working gap (m), increasing.
-    flux_linkage : (c, m) float
-        λ of the whole winding (Wb).
-    force : (c, m) float
-        Pull (N), positive when it closes the gap.
-    coenergy, incremental_inductance : (c, m) float or None
-        W' (J) and ∂λ/∂i (H), if the model has them.
-    force_error : (c, m) float or None
-        Numerical error bar of the force (N), if the model has one.
-    model, device : str
-        Which model, of which device; for people.
-    """
-
-    current: Floats
-    gap: Floats
-    flux_linkage: Floats
-    force: Floats
+    current: Floats  #: (c,) In the winding (A), increasing
+    gap: Floats  #: (m,) Working gap (m), increasing
+    flux_linkage: Floats  #: (c, m) λ of the whole winding (Wb)
+    force: Floats  #: (c, m) Pull (N), positive when it closes the gap
+    #: (c, m) W' (J) and ∂λ/∂i (H), if the model has them
     coenergy: Floats | None = None
     incremental_inductance: Floats | None = None
+    #: (c, m) Numerical error bar of the force (N), if the model has one
     force_error: Floats | None = None
+    #: Which model, of which device; for people
     model: str = ""
     device: str = ""
 
@@ -147,31 +124,15 @@ class CoenergyMap:
 
     All methods take current (A, either sign) and gap (m), arrays that broadcast, and raise
     InputError outside the samples' range.
-
-    Attributes
-    ----------
-    samples : Samples
-        What it was made from.
-    inductance_basis : SplineBasis
-        The B-splines of the current.
-    gap_basis : SplineBasis
-        The B-splines of ln(g + g0).
-    gap_offset : float
-        g0 (m), about the gap that the rest of the circuit is worth.
-    coefficients : (j, k) float
-        c_jk, all positive.
-    residual : MapError
-        How far the surface misses its own samples.
-    interpolation_error : MapError
-        Error anywhere, estimated by leaving samples out and no less than the residual.
     """
 
-    samples: Samples
-    inductance_basis: SplineBasis
-    gap_basis: SplineBasis
-    gap_offset: float
-    coefficients: Floats
-    residual: MapError
+    samples: Samples  #: What it was made from
+    inductance_basis: SplineBasis  #: The B-splines of the current
+    gap_basis: SplineBasis  #: The B-splines of ln(g + g0)
+    gap_offset: float  #: g0 (m), about the gap that the rest of the circuit is worth
+    coefficients: Floats  #: (j, k) c_jk, all positive
+    residual: MapError  #: How far the surface misses its own samples
+    #: Error anywhere, estimated by leaving samples out and no less than the residual
     interpolation_error: MapError
 
     @cached_property
@@ -342,22 +303,13 @@ class Coenergy(Protocol):
 
 @dataclass(frozen=True)
 class CoenergyCells:
-    """A co-energy map cell by cell.
+    """A co-energy map cell by cell."""
 
-    Attributes
-    ----------
-    current_breaks, width_breaks : (c + 1,) and (d + 1,) float
-        Ends of the cells: |i| (A), and ln of g + g0 in metres.
-    gap_offset : float
-        g0 (m).
-    coefficients : (c, d, 5, 4) float
-        a_pq (J).
-    """
-
+    #: (c + 1,) Ends of the cells: |i| (A), and ln of g + g0 in metres
     current_breaks: Floats
     width_breaks: Floats
-    gap_offset: float
-    coefficients: Floats
+    gap_offset: float  #: g0 (m)
+    coefficients: Floats  #: (c, d, 5, 4) a_pq (J)
 
     def __post_init__(self) -> None:
         # plain lists: a scalar read from an array costs more than the arithmetic

@@ -39,59 +39,32 @@ _GUESSED = 1.0
 
 @dataclass(frozen=True)
 class Ladder:
-    """The circuit at m gaps: n cells, E iron elements; `d_` is the derivative by the gap.
+    """The circuit at m gaps: n cells, E iron elements; `d_` is the derivative by the gap."""
 
-    Attributes
-    ----------
-    curve : MagnetisationCurve or None
-        The iron's; None for iron without reluctance.
-    area : (m, E) float
-        Cross-sections of the iron elements (m²).
-    length, d_length : (m, E) float
-        Their lengths (m).
-    cell : (E,) int
-        The cell whose flux each carries.
-    reluctance, d_reluctance : (m, n + 1) float
-        Rungs below the first cell, between the cells, above the last (1/H); 0 is a
-        perfect joint.
-    turns, d_turns : (m, n) float
-        Turns whose mmf drives each cell.
-    """
-
-    curve: MagnetisationCurve | None
-    area: Floats
+    curve: MagnetisationCurve | None  #: The iron's; None for iron without reluctance
+    area: Floats  #: (m, E) Cross-sections of the iron elements (m²)
+    #: (m, E) Their lengths (m)
     length: Floats
     d_length: Floats
-    cell: Ints
+    cell: Ints  #: (E,) The cell whose flux each carries
+    #: (m, n + 1) Rungs below the first cell, between the cells, above the last (1/H); 0 is a
+    #: perfect joint
     reluctance: Floats
     d_reluctance: Floats
+    #: (m, n) Turns whose mmf drives each cell
     turns: Floats
     d_turns: Floats
 
 
 @dataclass(frozen=True)
 class LadderSolution:
-    """What the circuit does at c currents and m gaps; arrays (c, m), fluxes (c, m, n).
+    """What the circuit does at c currents and m gaps; arrays (c, m), fluxes (c, m, n)."""
 
-    Attributes
-    ----------
-    flux : Floats
-        Of each cell (Wb).
-    coenergy : Floats
-        W' (J).
-    flux_linkage : Floats
-        λ = ∂W'/∂i (Wb), odd in the current.
-    force : Floats
-        F = −∂W'/∂g (N), positive when it closes the gap.
-    incremental_inductance : Floats
-        ∂λ/∂i (H).
-    """
-
-    flux: Floats
-    coenergy: Floats
-    flux_linkage: Floats
-    force: Floats
-    incremental_inductance: Floats
+    flux: Floats  #: Of each cell (Wb)
+    coenergy: Floats  #: W' (J)
+    flux_linkage: Floats  #: λ = ∂W'/∂i (Wb), odd in the current
+    force: Floats  #: F = −∂W'/∂g (N), positive when it closes the gap
+    incremental_inductance: Floats  #: ∂λ/∂i (H)
 
 
 def solve(ladder: Ladder, currents: Floats) -> LadderSolution:

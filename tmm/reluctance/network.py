@@ -16,14 +16,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device, Limits
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.device.winding import winding
-from tactgen.tmm.reluctance.circuit import (
-    CELLS,
-    FULL,
-    ONE_GAP,
-    Refinements,
-    circuit,
-    pole_area,
-)
+from tactgen.tmm.reluctance.circuit import CELLS, FULL, ONE_GAP, Refinements, circuit, pole_area
 from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.flux_ladder import LadderSolution, solve
 
@@ -99,21 +92,13 @@ def iron_beyond_table(device: Device, current: float, gap: float) -> float:
 
 @dataclass(frozen=True)
 class BridgeRow:
-    """One step from the one-gap formula to the full network.
+    """One step from the one-gap formula to the full network."""
 
-    Attributes
-    ----------
-    step : str
-        What this row adds.
-    force, flux_linkage : float
-        With it (N, Wb).
-    force_change, flux_linkage_change : float
-        Relative to the row before; 0 in the first.
-    """
-
-    step: str
+    step: str  #: What this row adds
+    #: With it (N, Wb)
     force: float
     flux_linkage: float
+    #: Relative to the row before; 0 in the first
     force_change: float
     flux_linkage_change: float
 
@@ -154,22 +139,12 @@ _PLACES = np.array([-2.0, -1.0, 1.0, 2.0])
 
 @dataclass(frozen=True)
 class DirectPull:
-    """What a co-energy map says, solved at each point; currents (A) above 0, gaps in m.
-
-    Attributes
-    ----------
-    cells : int
-        Of the network's ladder.
-    gap_limits : (float, float)
-        Gaps (m) that are asked for, such as a map's.
-    step : float
-        Of the differences that the slopes are, relative to the gap.
-    """
+    """What a co-energy map says, solved at each point; currents (A) above 0, gaps in m."""
 
     device: Device
-    cells: int
-    gap_limits: tuple[float, float]
-    step: float = STEP
+    cells: int  #: Of the network's ladder
+    gap_limits: tuple[float, float]  #: (float, float) Gaps (m) that are asked for, such as a map's
+    step: float = STEP  #: Of the differences that the slopes are, relative to the gap
 
     def force(self, current: Floats | float, gap: Floats | float) -> Floats:
         """Pull (N)."""

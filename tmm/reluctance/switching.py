@@ -31,44 +31,25 @@ _HALVINGS = 50
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """Where the rod can rest.
+    """Where the rod can rest."""
 
-    Attributes
-    ----------
-    gap : float
-        Working gap there (m).
-    kind : str
-        ``upper stop``, ``lower stop``, ``stable`` or ``unstable``, the last two floating
-        between the stops.
-    """
-
-    gap: float
+    gap: float  #: Working gap there (m)
+    #: ``upper stop``, ``lower stop``, ``stable`` or ``unstable``, the last two floating between the
+    #: stops
     kind: str
 
 
 @dataclass(frozen=True)
 class Switching:
-    """Currents at which the rod moves, when the current changes slowly (A); inf if none does it.
+    """Currents at which the rod moves, when the current changes slowly (A); inf if none does it."""
 
-    Attributes
-    ----------
-    lift_off : float
-        The rod leaves the upper stop: the pull there equals the preload.
-    pull_in : float
-        The last stable place before the lower stop vanishes: the rod arrives there.
-        Equal to `lift_off` if the pull outgrows the spring from the start.
-    holding : float
-        Pull and spring balance at the lower stop: below it the rod leaves the stop.
-    drop_out : float
-        The last stable place before the upper stop vanishes: the rod is back there.
-    pull_in_gap, drop_out_gap : float
-        Gap (m) of that last place.
-    """
-
-    lift_off: float
+    lift_off: float  #: The rod leaves the upper stop: the pull there equals the preload
+    #: The last stable place before the lower stop vanishes: the rod arrives there. Equal to
+    #: `lift_off` if the pull outgrows the spring from the start.
     pull_in: float
-    holding: float
-    drop_out: float
+    holding: float  #: Pull and spring balance at the lower stop: below it the rod leaves the stop
+    drop_out: float  #: The last stable place before the upper stop vanishes: the rod is back there
+    #: Gap (m) of that last place
     pull_in_gap: float
     drop_out_gap: float
 
@@ -186,11 +167,7 @@ def between_stops(device: Device, count: int) -> Floats:
 
 
 def _extreme(
-    device: Device,
-    pull: CoenergyMap,
-    gaps: Floats,
-    needed: Floats,
-    pick: Callable[[Floats], Any],
+    device: Device, pull: CoenergyMap, gaps: Floats, needed: Floats, pick: Callable[[Floats], Any]
 ) -> tuple[float, float]:
     """Gap and balance current where it is extreme, looked at closer there."""
     at = int(pick(needed))

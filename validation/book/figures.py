@@ -24,22 +24,14 @@ from tactgen.validation.show.figures import BLUE, DARK, GREY, ORANGE, new_figure
 
 @dataclass(frozen=True)
 class Scatter:
-    """Measured values over references of a group's rows that have one number to meet.
+    """Measured values over references of a group's rows that have one number to meet."""
 
-    Attributes
-    ----------
-    measured, reference : (n,) array
-        Absolute values; a row whose signs differ is left out and counted as a fail anyway.
-    bias : float
-        exp of the mean of ln(measured/reference), with the half variance of a log-normal.
-    spread : float
-        Standard deviation of ln(measured/reference): the relative scatter.
-    """
-
+    #: (n,) Absolute values; a row whose signs differ is left out and counted as a fail anyway
     measured: Floats
     reference: Floats
+    #: exp of the mean of ln(measured/reference), with the half variance of a log-normal
     bias: float
-    spread: float
+    spread: float  #: Standard deviation of ln(measured/reference): the relative scatter
 
 
 def scatter(rows: Sequence[Verified]) -> Scatter | None:

@@ -35,15 +35,9 @@ class ThresholdPoint:
 
 @dataclass(frozen=True)
 class ThresholdCurve:
-    """Stated points, straight lines between them in ln amplitude over ln frequency.
+    """Stated points, straight lines between them in ln amplitude over ln frequency."""
 
-    Attributes
-    ----------
-    points : tuple of ThresholdPoint
-        At least two, in ascending frequency.
-    """
-
-    points: tuple[ThresholdPoint, ...]
+    points: tuple[ThresholdPoint, ...]  #: At least two, in ascending frequency
 
     @property
     def range(self) -> tuple[float, float]:
@@ -140,17 +134,10 @@ LITERATURE_BOUND = ThresholdPoint(
 
 @dataclass(frozen=True)
 class StatedVoltage:
-    """An excitation voltage that the text states for feeling something.
+    """An excitation voltage that the text states for feeling something."""
 
-    Attributes
-    ----------
-    frequencies : (float, float)
-        From, to (Hz); equal for a single frequency.
-    voltages : (float, float)
-        Lowest and highest amplitude (V); equal for a single value.
-    """
-
-    frequencies: tuple[float, float]
+    frequencies: tuple[float, float]  #: (float, float) From, to (Hz); equal for a single frequency
+    #: (float, float) Lowest and highest amplitude (V); equal for a single value
     voltages: tuple[float, float]
     source: str
 

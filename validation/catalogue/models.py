@@ -35,52 +35,29 @@ Theory = Literal["beam", "solid", "circuit", "field"]
 
 @dataclass(frozen=True)
 class ModelRow:
-    """One model of one actuator.
+    """One model of one actuator."""
 
-    Attributes
-    ----------
-    name, description : str
-        Name in the interface, one line of explanation.
-    actuator : {"bimorph", "reluctance"}
-        What it is a model of.
-    module, kind : str
-        Where its class is, a :class:`validation.engine.model.Model`.
-    theory : str
-        The equations it solves.
-    stages : dict of str to tuple of str
-        Its stages in the order in which they run, each with the scene keys that it reads.
-    rank : int
-        How much it knows compared with others of its actuator: the highest judges them.
-    gives : dict of str to tuple of str
-        What it can be asked for, each with the stages that the answer needs, in order.
-    shortcut : str
-        What it leaves out of its theory, except at 0 Hz; empty if nothing.
-    quick : bool
-        Whether it answers anything in a fraction of a second.
-    remedy : str
-        What to do when its error bar is wider than asked for, if it can be.
-    kept : tuple of str
-        Stages whose results are kept in the store, since they cost more than reading them.
-    loads : tuple of str
-        Modules and packages that compute them without being imported by name.
-    finest : float
-        Relative error that its finest mesh is known to come down to; 0 if that is not known.
-    """
-
+    #: Name in the interface, one line of explanation
     name: str
     description: str
-    actuator: Actuator
+    actuator: Actuator  #: What it is a model of
+    #: Where its class is, a :class:`validation.engine.model.Model`
     module: str
     kind: str
-    theory: Theory
-    rank: int
+    theory: Theory  #: The equations it solves
+    rank: int  #: How much it knows compared with others of its actuator: the highest judges them
+    #: Its stages in the order in which they run, each with the scene keys that it reads
     stages: Mapping[str, tuple[str, ...]]
+    #: What it can be asked for, each with the stages that the answer needs, in order
     gives: Mapping[Need, tuple[str, ...]]
-    shortcut: str = ""
-    quick: bool = False
-    remedy: str = ""
+    shortcut: str = ""  #: What it leaves out of its theory, except at 0 Hz; empty if nothing
+    quick: bool = False  #: Whether it answers anything in a fraction of a second
+    remedy: str = ""  #: What to do when its error bar is wider than asked for, if it can be
+    #: Stages whose results are kept in the store, since they cost more than reading them
     kept: tuple[str, ...] = ()
+    #: Modules and packages that compute them without being imported by name
     loads: tuple[str, ...] = ()
+    #: Relative error that its finest mesh is known to come down to; 0 if that is not known
     finest: float = 0.0
 
     @property

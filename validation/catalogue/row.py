@@ -46,77 +46,48 @@ NEEDS: dict[Need, NeedRow] = {
 
 @dataclass(frozen=True)
 class AnswerReadout:
-    """A value with its error bar, as a model's answer holds it.
+    """A value with its error bar, as a model's answer holds it."""
 
-    Attributes
-    ----------
-    need : str
-        The answer that is asked for.
-    of : callable
-        Takes the answer, gives a :class:`validation.engine.results.Estimate`, or a Estimate.
-    """
-
-    need: Need
+    need: Need  #: The answer that is asked for
+    #: Takes the answer, gives a :class:`validation.engine.results.Estimate`, or a Estimate
     of: Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
 class DrivenReadout:
-    """A value of the driven bimorph: what the ceramic and its amplifier carry.
+    """A value of the driven bimorph: what the ceramic and its amplifier carry."""
 
-    Attributes
-    ----------
-    of : callable
-        Takes a :class:`tmm.beam.port_quantities.DrivenCeramic`, the scene's limits and the drive
-        voltage (V), gives an array (n,) over the frequencies.
-    """
-
+    #: Takes a :class:`tmm.beam.port_quantities.DrivenCeramic`, the scene's limits and the drive
+    #: voltage (V), gives an array (n,) over the frequencies
     of: Callable[[Any, Limits, float], Any]
 
 
 @dataclass(frozen=True)
 class LoadReadout:
-    """A value of what the tip touches, moved by the tip.
+    """A value of what the tip touches, moved by the tip."""
 
-    Attributes
-    ----------
-    of : callable
-        Takes the load's dynamic stiffness (n,) in N/m, the tip's displacement (n,) in m at the
-        drive voltage and the angular frequency (n,) in rad/s, gives an array (n,).
-    """
-
+    #: Takes the load's dynamic stiffness (n,) in N/m, the tip's displacement (n,) in m at the drive
+    #: voltage and the angular frequency (n,) in rad/s, gives an array (n,)
     of: Callable[[Complex, Complex, Floats], Any]
 
 
 @dataclass(frozen=True)
 class QuantityRow:
-    """One quantity that can be asked for.
+    """One quantity that can be asked for."""
 
-    Attributes
-    ----------
-    name, unit, meaning : str
-        Name in the interface, SI unit, one line of explanation.
-    read : Readout, ModalReadout, PortMatrix, AnswerReadout, DrivenReadout or LoadReadout
-        How it is read off a model; all that follows from it are properties.
-    label : str
-        What people call it; the name in words if left out.
-    headline : bool
-        Whether it stands at the head of a report.
-    varied : bool
-        Whether studies of uncertainty look at it: a response at a few frequencies, of modes
-        the first.
-    curve : Unit, optional
-        If it can be measured as a frequency response: what its column is called, and the
-        magnitudes that can be meant.
-    """
-
+    #: Name in the interface, SI unit, one line of explanation
     name: str
     unit: str
     meaning: str
+    #: How it is read off a model; all that follows from it are properties
     read: Readout | ModalReadout | PortMatrix | AnswerReadout | DrivenReadout | LoadReadout
-    label: str = ""
-    headline: bool = False
+    label: str = ""  #: What people call it; the name in words if left out
+    headline: bool = False  #: Whether it stands at the head of a report
+    #: Whether studies of uncertainty look at it: a response at a few frequencies, of modes the
+    #: first
     varied: bool = False
+    #: If it can be measured as a frequency response: what its column is called, and the magnitudes
+    #: that can be meant
     curve: Unit | None = None
 
     def __post_init__(self) -> None:

@@ -37,28 +37,15 @@ _DIGITS = 7
 @storable
 @dataclass(frozen=True)
 class Answer:
-    """Quantities of one scene by one model, or why there are none.
+    """Quantities of one scene by one model, or why there are none."""
 
-    Attributes
-    ----------
-    status : str
-        ``ok``; ``failed`` if the model could not solve the scene; ``refused`` if the values do
-        not make a scene.
-    reason : str
-        Why there are no quantities, in one sentence.
-    quantities : tuple of Quantity
-        With their errors.
-    warnings : tuple of str
-        Limits of their validity.
-    seconds : float
-        Cost of the computation.
-    """
-
+    #: ``ok``; ``failed`` if the model could not solve the scene; ``refused`` if the values do not
+    #: make a scene
     status: str
-    reason: str
-    quantities: tuple[Quantity, ...] = ()
-    warnings: tuple[str, ...] = ()
-    seconds: float = 0.0
+    reason: str  #: Why there are no quantities, in one sentence
+    quantities: tuple[Quantity, ...] = ()  #: With their errors
+    warnings: tuple[str, ...] = ()  #: Limits of their validity
+    seconds: float = 0.0  #: Cost of the computation
 
     def get(self, name: str) -> Quantity | None:
         """One quantity by name, None if there is none."""
@@ -220,22 +207,15 @@ def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str]]:
 
 @dataclass(frozen=True)
 class Representative:
-    """The one number (SI) that stands for a quantity, with its error.
-
-    Attributes
-    ----------
-    what : str
-        ``first`` mode, ``size of the first`` pole, ``largest`` magnitude of a response, or nothing
-        of a single number.
-    at : float or None
-        Frequency (Hz) of the largest.
-    """
+    """The one number (SI) that stands for a quantity, with its error."""
 
     value: float
     error: float
     unit: str
+    #: ``first`` mode, ``size of the first`` pole, ``largest`` magnitude of a response, or nothing
+    #: of a single number
     what: str
-    at: float | None = None
+    at: float | None = None  #: Frequency (Hz) of the largest
 
     @property
     def text(self) -> str:
@@ -287,18 +267,12 @@ class Variable(NamedTuple):
 
 @dataclass(frozen=True)
 class Dataset:
-    """Answers as arrays; quantities are over model, the axes' dimensions and their own.
+    """Answers as arrays; quantities are over model, the axes' dimensions and their own."""
 
-    Attributes
-    ----------
-    coordinates : dict of str to Variable
-        Values of the axes, models, and what the quantities are over besides.
-    variables : dict of str to Variable
-        Quantities (complex ones in one array) by name, their errors as ``NAME_uncertainty``; nan
-        where there is no answer.  And `status` (places in :data:`STATUSES`), `reason`, `seconds`.
-    """
-
+    #: Values of the axes, models, and what the quantities are over besides
     coordinates: dict[str, Variable]
+    #: Quantities (complex ones in one array) by name, their errors as ``NAME_uncertainty``; nan
+    #: where there is no answer.  And `status` (places in :data:`STATUSES`), `reason`, `seconds`
     variables: dict[str, Variable]
 
 

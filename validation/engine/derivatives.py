@@ -33,22 +33,13 @@ Changed = Callable[[str, float], Scene]
 
 @dataclass(frozen=True)
 class Derivatives:
-    """A quantity with its derivatives.
+    """A quantity with its derivatives."""
 
-    Attributes
-    ----------
-    quantity : Quantity
-        Its value at the scene, with its error.
-    slopes, bars : dict of str to array
-        By scene key dq/dp (SI) of the shape of the value, and its error.
-    method : str
-        How derivatives and errors come about, for the reader.
-    """
-
-    quantity: Quantity
+    quantity: Quantity  #: Its value at the scene, with its error
+    #: By scene key dq/dp (SI) of the shape of the value, and its error
     slopes: dict[str, Numbers]
     bars: dict[str, Floats]
-    method: str
+    method: str  #: How derivatives and errors come about, for the reader
 
 
 def derivatives(

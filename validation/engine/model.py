@@ -27,35 +27,22 @@ T = TypeVar("T")
 @storable
 @dataclass(frozen=True)
 class Refined(Generic[T]):
-    """A result and what its numerical error is judged by.
+    """A result and what its numerical error is judged by."""
 
-    Attributes
-    ----------
-    fine : T
-        The result.
-    coarser : tuple of (T, float)
-        Poorer results, each with the factor that turns its distance into an error bar;
-        the bars add.  Empty for closed forms, whose error is rounding.
-    method : str
-        How the error bar comes about, for the reader.
-    rounding : float or (n,) array
-        Relative rounding error beyond that of the port equations; of modes, one for each.
-    least : float
-        Relative error bar that the coarser results are trusted with at least: they may agree by
-        chance.  Only of what is read off ports at 0 Hz.
-    rounds_apart : bool
-        Whether the coarser results tell rounding, too, of whatever is read off them.
-    beside : tuple of (T, float)
-        Judges what is read off this and another result together, in place of `coarser`, where much
-        of both errors is alike; empty where `coarser` serves.
-    """
-
-    fine: T
+    fine: T  #: The result
+    #: Poorer results, each with the factor that turns its distance into an error bar; the bars add.
+    #: Empty for closed forms, whose error is rounding
     coarser: tuple[tuple[T, float], ...]
-    method: str
+    method: str  #: How the error bar comes about, for the reader
+    #: Relative rounding error beyond that of the port equations; of modes, one for each
     rounding: Floats | float = 0.0
+    #: Whether the coarser results tell rounding, too, of whatever is read off them
     rounds_apart: bool = False
+    #: Relative error bar that the coarser results are trusted with at least: they may agree by
+    #: chance.  Only of what is read off ports at 0 Hz
     least: float = 0.0
+    #: Judges what is read off this and another result together, in place of `coarser`, where much
+    #: of both errors is alike; empty where `coarser` serves
     beside: tuple[tuple[T, float], ...] = ()
 
 

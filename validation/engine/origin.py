@@ -21,27 +21,15 @@ _CODE = (
 
 @dataclass(frozen=True)
 class Origin:
-    """Who computed something.
+    """Who computed something."""
 
-    Attributes
-    ----------
-    program, version : str
-        Name and version of this package.
-    code : str
-        Hash of all code that computes numbers.
-    commit : str
-        The commit of the sources, or that there is none.
-    libraries : dict of str to str
-        Versions by library.
-    solver, python, machine : str
-        The sparse solver that ``auto`` takes, the interpreter, system and processor.
-    """
-
+    #: Name and version of this package
     program: str
     version: str
-    code: str
-    commit: str
-    libraries: dict[str, str]
+    code: str  #: Hash of all code that computes numbers
+    commit: str  #: The commit of the sources, or that there is none
+    libraries: dict[str, str]  #: Versions by library
+    #: The sparse solver that ``auto`` takes, the interpreter, system and processor
     solver: str
     python: str
     machine: str

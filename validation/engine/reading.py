@@ -18,12 +18,7 @@ from tactgen.tmm.ports.elements import attach, tip_stiffness
 from tactgen.tmm.ports.measured_load import OF_THE_TABLE, disturbed
 from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond, round_off
 from tactgen.tmm.ports.readout import ELECTRICAL, ModalReadout, PortMatrix, Readout
-from tactgen.validation.catalogue.row import (
-    AnswerReadout,
-    DrivenReadout,
-    LoadReadout,
-    QuantityRow,
-)
+from tactgen.validation.catalogue.row import AnswerReadout, DrivenReadout, LoadReadout, QuantityRow
 from tactgen.validation.engine.model import Model, Modes, Refined
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.scene.scene import Scene

@@ -11,24 +11,13 @@ from tactgen.geometry.store.values import storable
 @storable
 @dataclass(frozen=True)
 class Estimate:
-    """A number, or an array of them, with its numerical error.
+    """A number, or an array of them, with its numerical error."""
 
-    Attributes
-    ----------
-    value : float or array
-        In SI units; nan where there is none.
-    error : float or array
-        Absolute numerical error, of the unit and shape of `value`'s magnitude; nan if not known.
-    method : str
-        How the error was estimated, for the reader.
-    classes : tuple of str, optional
-        The class of motion of each value of a list of modes.
-    """
-
-    value: Any
+    value: Any  #: In SI units; nan where there is none
+    #: Absolute numerical error, of the unit and shape of `value`'s magnitude; nan if not known
     error: Any
-    method: str = ""
-    classes: tuple[str, ...] | None = None
+    method: str = ""  #: How the error was estimated, for the reader
+    classes: tuple[str, ...] | None = None  #: The class of motion of each value of a list of modes
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "value", self.value + 0.0)  # no -0

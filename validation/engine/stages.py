@@ -19,27 +19,16 @@ T = TypeVar("T")
 
 @dataclass
 class Stages:
-    """Runs stages lazily and remembers their results and costs.
+    """Runs stages lazily and remembers their results and costs."""
 
-    Attributes
-    ----------
-    keys : dict of str to str
-        Stages of the plan with the key of each.
-    seconds : dict of str to float
-        Wall-clock cost of each stage that ran.
-    announce : callable
-        Told the name of each stage as it is computed.
-    computed : set of str
-        Stages that were computed, not recalled or taken over.
-    keeps : bool
-        Whether results are looked for in the store, and kept there.
-    """
-
-    keys: dict[str, str]
+    keys: dict[str, str]  #: Stages of the plan with the key of each
+    #: Told the name of each stage as it is computed
     announce: Callable[[str], None] = lambda _: None
+    #: Wall-clock cost of each stage that ran
     seconds: dict[str, float] = field(default_factory=dict)
+    #: Stages that were computed, not recalled or taken over
     computed: set[str] = field(default_factory=set)
-    keeps: bool = True
+    keeps: bool = True  #: Whether results are looked for in the store, and kept there
     _results: dict[str, Any] = field(default_factory=dict)
 
     def run(self, name: str, work: Callable[[], T]) -> T:

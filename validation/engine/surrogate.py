@@ -257,33 +257,15 @@ class _Mode:
 
 @dataclass(frozen=True)
 class Surrogate:
-    """What answers for a model within ranges of a scene's numbers.
+    """What answers for a model within ranges of a scene's numbers."""
 
-    Attributes
-    ----------
-    scene : Scene
-        One of the scenes, for what does not vary.
-    model : str
-        The model's name.
-    box : Box
-        The ranges.
-    place : (n, keys) array
-        Where it was solved.
-    examples : dict of str to Quantity
-        By quantity the answer at the first of these places.
-    fits : dict of str to _Fit or tuple of _Mode
-        What is interpolated; modes one by one.
-    seconds : float
-        What all of the solutions took.
-    """
-
-    scene: Scene
-    model: str
-    box: Box
-    place: Floats
-    examples: Mapping[str, Quantity]
-    fits: Mapping[str, _Fit | tuple[_Mode, ...]]
-    seconds: float
+    scene: Scene  #: One of the scenes, for what does not vary
+    model: str  #: The model's name
+    box: Box  #: The ranges
+    place: Floats  #: (n, keys) Where it was solved
+    examples: Mapping[str, Quantity]  #: By quantity the answer at the first of these places
+    fits: Mapping[str, _Fit | tuple[_Mode, ...]]  #: What is interpolated; modes one by one
+    seconds: float  #: What all of the solutions took
 
     @property
     def method(self) -> str:

@@ -27,34 +27,19 @@ PARTS = {
 
 @dataclass(frozen=True)
 class Timing:
-    """One run of one way of computing.
+    """One run of one way of computing."""
 
-    Attributes
-    ----------
-    path, case : str
-        The way, and the problem.
-    cost : float
-        Processor time, as plotted along x.
-    error : float
-        Relative; infinite where no digit is right.
-    values : mapping
-        Row of the table and of the file, by column; all rows of one part have the same.
-    wanted : float
-        Error asked for; nan if none is.
-    curves : mapping of str to float
-        Errors to plot, one panel each; by default that of the case.
-    own : bool
-        Whether it is this program's way or a peer's.
-    """
-
+    #: The way, and the problem
     path: str
     case: str
-    cost: float
-    error: float
+    cost: float  #: Processor time, as plotted along x
+    error: float  #: Relative; infinite where no digit is right
+    #: Row of the table and of the file, by column; all rows of one part have the same
     values: Mapping[str, str | float]
-    wanted: float = math.nan
+    wanted: float = math.nan  #: Error asked for; nan if none is
+    #: Errors to plot, one panel each; by default that of the case
     curves: Mapping[str, float] = field(default_factory=dict)
-    own: bool = True
+    own: bool = True  #: Whether it is this program's way or a peer's
 
 
 @dataclass(frozen=True)

@@ -59,31 +59,16 @@ print(json.dumps({
 
 @dataclass(frozen=True)
 class Case:
-    """A scene of the measurement.
+    """A scene of the measurement."""
 
-    Attributes
-    ----------
-    name, scene : str
-        What it is, and the built-in scene.
-    overrides : tuple of str
-        As for ``--set``.
-    after : str
-        Case whose store it finds, of which one thing is changed; empty if none.
-    absent : tuple of str
-        Libraries and rooms that it must not import.
-    reused : tuple of str
-        Stages that it must take over from `after`.
-    picture : bool
-        Whether only a picture of the solids is asked for.
-    """
-
+    #: What it is, and the built-in scene
     name: str
     scene: str
-    overrides: tuple[str, ...]
-    absent: tuple[str, ...] = ()
-    after: str = ""
-    reused: tuple[str, ...] = ()
-    picture: bool = False
+    overrides: tuple[str, ...]  #: As for ``--set``
+    absent: tuple[str, ...] = ()  #: Libraries and rooms that it must not import
+    after: str = ""  #: Case whose store it finds, of which one thing is changed; empty if none
+    reused: tuple[str, ...] = ()  #: Stages that it must take over from `after`
+    picture: bool = False  #: Whether only a picture of the solids is asked for
 
 
 _FIELDS = ("cadquery", "vtkmodules", "skfem", "matplotlib", "pytetwild", "tactgen.fem.piezo")

@@ -94,22 +94,15 @@ class Load:
 
 @dataclass(frozen=True)
 class Box:
-    """A body of bricks with all that acts on it (SI).
+    """A body of bricks with all that acts on it (SI)."""
 
-    Attributes
-    ----------
-    x, y, z : Axis
-        Break points and degrees.
-    parts : tuple of (Slab, Material)
-        What is where; `Slab.region` must be one name per material.
-    held, together, loads : tuple
-        See there.
-    """
-
+    #: Break points and degrees
     x: Axis
     y: Axis
     z: Axis
+    #: What is where; `Slab.region` must be one name per material
     parts: tuple[tuple[Slab, Material], ...]
+    #: See there
     held: tuple[Held, ...] = ()
     together: tuple[Together, ...] = ()
     loads: tuple[Load, ...] = ()

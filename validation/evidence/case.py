@@ -20,45 +20,26 @@ Status = Literal["pass", "fail", "explained"]
 
 @dataclass(frozen=True)
 class Check:
-    """One requirement with its reference and its tolerance.
+    """One requirement with its reference and its tolerance."""
 
-    Attributes
-    ----------
-    id, tier, requirement : str
-        The requirement is a sentence.
-    reference : float or (float, float)
-        Reference value in `unit`, or the range in which the value must lie.
-    tolerance : float
-        Accepted relative deviation from the value, or beyond the range.
-    reason : str
-        Why the tolerance is what it is.
-    measure : callable
-        Computes the value, with its error bar where the model that it asks states one.
-    explained : str
-        Why the row is known to differ; empty where it must pass.
-    known : float
-        The deviation that the explanation was written for; another one fails.
-    fitted : str
-        What was fitted to the reference; agreement then confirms nothing and is no pass.
-    heavy : bool
-        Whether it takes more than a few seconds.
-    scene : str
-        The built-in scene whose report shows it; empty where it is about the suite alone.
-    """
-
+    #: The requirement is a sentence
     id: str
     tier: Tier
     requirement: str
+    #: Reference value in `unit`, or the range in which the value must lie
     reference: float | tuple[float, float]
     unit: str
     source: str
-    tolerance: float
-    reason: str
+    tolerance: float  #: Accepted relative deviation from the value, or beyond the range
+    reason: str  #: Why the tolerance is what it is
+    #: Computes the value, with its error bar where the model that it asks states one
     measure: Callable[[], float | Estimate]
-    explained: str = ""
-    known: float = 0.0
+    explained: str = ""  #: Why the row is known to differ; empty where it must pass
+    known: float = 0.0  #: The deviation that the explanation was written for; another one fails
+    #: What was fitted to the reference; agreement then confirms nothing and is no pass
     fitted: str = ""
-    heavy: bool = False
+    heavy: bool = False  #: Whether it takes more than a few seconds
+    #: The built-in scene whose report shows it; empty where it is about the suite alone
     scene: str = ""
 
     @property
@@ -123,49 +104,26 @@ def _deviation(measured: float, reference: float | tuple[float, float]) -> float
 
 @dataclass(frozen=True)
 class Refinement:
-    """The divisions by which a case shows an order, where its rows are errors themselves.
+    """The divisions by which a case shows an order, where its rows are errors themselves."""
 
-    Attributes
-    ----------
-    levels : tuple of int
-        Intervals along an edge, from coarse to fine.
-    error : callable
-        Gives the relative error on so many.
-    order : str
-        What theory expects of it, in words.
-    """
-
-    levels: tuple[int, ...]
-    error: Callable[[int], float]
-    order: str
+    levels: tuple[int, ...]  #: Intervals along an edge, from coarse to fine
+    error: Callable[[int], float]  #: Gives the relative error on so many
+    order: str  #: What theory expects of it, in words
 
 
 @dataclass(frozen=True)
 class Case:
-    """A problem with a known answer.
+    """A problem with a known answer."""
 
-    Attributes
-    ----------
-    id, title : str
-        Rows are called by the id and a number.
-    problem : str
-        What is asked, with all dimensions, so that a reader can solve it elsewhere.
-    model : str
-        What of the suite solves it, and how finely.
-    rows : tuple of Check
-        What must hold.
-    refinement : Refinement, optional
-        What is shown in place of the rows' own coarser levels (`checks/cases/fineness.py`).
-    setup : callable, optional
-        Gives a drawing as SVG, where a body is hard to say in words.
-    """
-
+    #: Rows are called by the id and a number
     id: str
     title: str
-    problem: str
-    model: str
-    rows: tuple[Check, ...]
+    problem: str  #: What is asked, with all dimensions, so that a reader can solve it elsewhere
+    model: str  #: What of the suite solves it, and how finely
+    rows: tuple[Check, ...]  #: What must hold
+    #: What is shown in place of the rows' own coarser levels (`checks/cases/fineness.py`)
     refinement: Refinement | None = None
+    #: Gives a drawing as SVG, where a body is hard to say in words
     setup: Callable[[], str] | None = None
 
 

@@ -38,18 +38,10 @@ Verdict: TypeAlias = Literal["holds", "wide", "fails"]
 @storable
 @dataclass(frozen=True)
 class Judged:
-    """An answer held against its reference; both error and bar relative to the reference.
+    """An answer held against its reference; both error and bar relative to the reference."""
 
-    Attributes
-    ----------
-    where : str
-        The device, for people: what differs from the scene that it was drawn from.
-    quantity : str
-        What was asked, with the number of a mode.
-    """
-
-    where: str
-    quantity: str
+    where: str  #: The device, for people: what differs from the scene that it was drawn from
+    quantity: str  #: What was asked, with the number of a mode
     error: float
     bar: float
 
@@ -61,29 +53,17 @@ class Judged:
 
 @dataclass(frozen=True)
 class Row:
-    """All answers of one quantity.
-
-    Attributes
-    ----------
-    inside, count : int
-        How many lie within their bars, and of how many.
-    devices : int
-        Of how many devices these are: of few, the median is a guess.
-    width : float
-        Median of bar over error.
-    worst : Judged
-        The answer whose error is largest beside its bar.
-    verdict : {"holds", "wide", "fails"}
-        "fails" if so many outside are unlikely of bars that keep the promise; "wide" if the
-        median is beyond :data:`WIDE`.
-    """
+    """All answers of one quantity."""
 
     quantity: str
+    #: How many lie within their bars, and of how many
     inside: int
     count: int
-    devices: int
-    width: float
-    worst: Judged
+    devices: int  #: Of how many devices these are: of few, the median is a guess
+    width: float  #: Median of bar over error
+    worst: Judged  #: The answer whose error is largest beside its bar
+    #: "fails" if so many outside are unlikely of bars that keep the promise; "wide" if the median
+    #: is beyond :data:`WIDE`
     verdict: Verdict
 
     @property
@@ -158,18 +138,12 @@ _CODE = ("tactgen.validation.models", "tactgen.fem", "tactgen.tmm")
 
 @dataclass(frozen=True)
 class Part:
-    """One model's bars: what was drawn and what came out.
+    """One model's bars: what was drawn and what came out."""
 
-    Attributes
-    ----------
-    name, what : str
-        The part, and what it holds against what.
-    seed, devices : int
-        How to draw the same devices again, and how many.
-    """
-
+    #: The part, and what it holds against what
     name: str
     what: str
+    #: How to draw the same devices again, and how many
     seed: int
     devices: int
     answers: tuple[Judged, ...]

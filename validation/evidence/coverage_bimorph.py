@@ -173,26 +173,15 @@ Known: TypeAlias = dict[tuple[str, str], list[complex]]
 
 @dataclass(frozen=True)
 class Case:
-    """One bimorph, and what is judged of it.
+    """One bimorph, and what is judged of it."""
 
-    Attributes
-    ----------
-    overrides : tuple of str
-        Of the scene ``prototype``.
-    level : int
-        Level (2 or 3) of bricks.
-    model : {"solid", "cad"}
-        On bricks, or on tetrahedra for the accuracy that the scene asks for by default.
-    all_motions : bool
-        Judge the frequencies of all classes of motion; else those that bend in x.
-    at : tuple of float
-        Frequencies at which the response is judged as well, per first resonance.
-    """
-
-    overrides: tuple[str, ...]
-    level: int = 2
+    overrides: tuple[str, ...]  #: Of the scene ``prototype``
+    level: int = 2  #: Level (2 or 3) of bricks
+    #: On bricks, or on tetrahedra for the accuracy that the scene asks for by default
     model: Literal["solid", "cad"] = "solid"
+    #: Judge the frequencies of all classes of motion; else those that bend in x
     all_motions: bool = False
+    #: Frequencies at which the response is judged as well, per first resonance
     at: tuple[float, ...] = ()
 
     @property

@@ -37,23 +37,16 @@ DRAFT = ".tactgen-"
 
 @dataclass(frozen=True)
 class Command:
-    """A command that writes.
+    """A command that writes."""
 
-    Attributes
-    ----------
-    name, line : str
-        What it is called in the table, and its words, with ``{out}`` for the folder that it writes
-        to, and ``{measured}`` for a file to read.
-    answer : str
-        Key of what must be the same in its JSON on stdout whatever happened before; empty
-        where it prints none.
-    overwrites : bool
-        Whether it writes over what is there; else it is run again for another folder.
-    """
-
+    #: What it is called in the table, and its words, with ``{out}`` for the folder that it writes
+    #: to, and ``{measured}`` for a file to read
     name: str
     line: str
+    #: Key of what must be the same in its JSON on stdout whatever happened before; empty where it
+    #: prints none
     answer: str = ""
+    #: Whether it writes over what is there; else it is run again for another folder
     overwrites: bool = True
 
 
@@ -108,22 +101,15 @@ HEAVY = (
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Where a command runs.
+    """Where a command runs."""
 
-    Attributes
-    ----------
-    out, store, measured : Path
-        Folder to write to, that of the store, and a file to read.
-    variables : dict of str to (str or None)
-        Of the environment, None to take one away.
-    limit : (int, int), optional
-        A resource (``resource.RLIMIT_...``) and the most of it.
-    """
-
+    #: Folder to write to, that of the store, and a file to read
     out: Path
     store: Path
     measured: Path
+    #: Of the environment, None to take one away
     variables: Mapping[str, str | None] = field(default_factory=dict)
+    #: (int, int) A resource (``resource.RLIMIT_...``) and the most of it
     limit: tuple[int, int] | None = None
 
 

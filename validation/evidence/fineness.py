@@ -65,25 +65,14 @@ _QUADRATIC = 2
 
 @dataclass
 class Run:
-    """What a measurement on one level said of its division.
+    """What a measurement on one level said of its division."""
 
-    Attributes
-    ----------
-    below : int
-        How many levels coarser than the case's own; below 0 finer.
-    kinds : set
-        How it is divided; empty if it is not.
-    new : bool
-        Whether anything differs from the next level towards the case's own: degrees cannot fall
-        for ever.
-    count : int
-        The most unknowns, or steps.
-    """
-
-    below: int = 0
-    kinds: set[Kind] = field(default_factory=set)
+    below: int = 0  #: How many levels coarser than the case's own; below 0 finer
+    kinds: set[Kind] = field(default_factory=set)  #: How it is divided; empty if it is not
+    #: Whether anything differs from the next level towards the case's own: degrees cannot fall for
+    #: ever
     new: bool = False
-    count: int = 0
+    count: int = 0  #: The most unknowns, or steps
 
     def join(self, other: Run) -> None:
         """Take over what a part of the measurement said."""

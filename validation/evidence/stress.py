@@ -37,62 +37,33 @@ FAR = 3.0
 @storable
 @dataclass(frozen=True)
 class Point:
-    """Relative errors at one set of parameters, against the high-precision reference.
+    """Relative errors at one set of parameters, against the high-precision reference."""
 
-    Attributes
-    ----------
-    where : str
-        The parameters, for people.
-    error : float
-        Worst relative error of all that was compared.
-    condition : float
-        Condition number of the same.
-    bound : float
-        What the error may be at that condition number.
-    naive : float
-        Worst error of the naive formulas; infinite where they overflow, nan if not defined.
-    """
-
-    where: str
-    error: float
-    condition: float
-    bound: float
+    where: str  #: The parameters, for people
+    error: float  #: Worst relative error of all that was compared
+    condition: float  #: Condition number of the same
+    bound: float  #: What the error may be at that condition number
+    #: Worst error of the naive formulas; infinite where they overflow, nan if not defined
     naive: float
 
 
 @storable
 @dataclass(frozen=True)
 class Row:
-    """One family of points, judged.
+    """One family of points, judged."""
 
-    Attributes
-    ----------
-    family, what : str
-        What it is called, and what was varied.
-    points : int
-        How many were answered.
-    worst : Point
-        The answer with the largest error; of those beyond their bound, if there are any.
-    over : float
-        The largest error over its bound.
-    naive : float
-        Largest error of the naive formulas.
-    verdict : str
-        ``holds``, ``holds up to the condition limit``, ``holds or says why not``, or ``fails``.
-    refusals : tuple of str
-        What was said at the points that were not answered.
-    beyond : tuple of Point
-        The answers beyond their bound, that by the largest share first.
-    """
-
+    #: What it is called, and what was varied
     family: str
     what: str
-    points: int
+    points: int  #: How many were answered
+    #: The answer with the largest error; of those beyond their bound, if there are any
     worst: Point
-    over: float
-    naive: float
+    over: float  #: The largest error over its bound
+    naive: float  #: Largest error of the naive formulas
+    #: ``holds``, ``holds up to the condition limit``, ``holds or says why not``, or ``fails``
     verdict: str
-    refusals: tuple[str, ...] = ()
+    refusals: tuple[str, ...] = ()  #: What was said at the points that were not answered
+    #: The answers beyond their bound, that by the largest share first
     beyond: tuple[Point, ...] = ()
 
 
@@ -427,23 +398,12 @@ def table(part: str, families: Mapping[str, tuple[str, Judge]]) -> Families:
 
 @dataclass(frozen=True)
 class Asked:
-    """What a part is asked.
+    """What a part is asked."""
 
-    Attributes
-    ----------
-    quick : bool
-        Whether a few points will do.
-    seed : int
-        Of all that is drawn.
-    announce : callable
-        Told what is being done.
-    keep : callable
-        Given what a result is of, and what computes it, returns it.
-    """
-
-    quick: bool
-    seed: int = 0
-    announce: Callable[[str], None] = lambda _: None
+    quick: bool  #: Whether a few points will do
+    seed: int = 0  #: Of all that is drawn
+    announce: Callable[[str], None] = lambda _: None  #: Told what is being done
+    #: Given what a result is of, and what computes it, returns it
     keep: Callable[[tuple[object, ...], Callable[[], Any]], Any] = lambda _, work: work()
 
     def part(self, name: str, statement: str, families: Families) -> Stress:

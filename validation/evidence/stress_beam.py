@@ -325,11 +325,7 @@ def _si(value: float, unit: str) -> str:
     return engineering(float(value), unit, 3)
 
 
-_ENDS = {
-    "clamped": Ends(),
-    "on springs": Ends(Springs(3.0, 0.24)),
-    "free": Ends(Springs(0.0, 0.0)),
-}
+_ENDS = {"clamped": Ends(), "on springs": Ends(Springs(3.0, 0.24)), "free": Ends(Springs(0.0, 0.0))}
 _MODES = 3
 
 

@@ -36,22 +36,13 @@ SweepPoint = tuple[str, tuple[str, ...]]
 
 @dataclass(frozen=True)
 class Sweep:
-    """A key over its range.
+    """A key over its range."""
 
-    Attributes
-    ----------
-    family, what : str
-        Name and range, for people.
-    points : sequence of (str, tuple of str)
-        Each with the scene's overrides there.
-    quick : tuple of int
-        Which of them a quick run takes.
-    """
-
+    #: Name and range, for people
     family: str
     what: str
-    points: Sequence[SweepPoint]
-    quick: tuple[int, ...] = (0, -1)
+    points: Sequence[SweepPoint]  #: Each with the scene's overrides there
+    quick: tuple[int, ...] = (0, -1)  #: Which of them a quick run takes
 
     def chosen(self, quick: bool) -> Sequence[SweepPoint]:
         """Points of a run."""
@@ -73,25 +64,14 @@ def decades(
 
 @dataclass(frozen=True)
 class Pair:
-    """Two models of the same numbers.
+    """Two models of the same numbers."""
 
-    Attributes
-    ----------
-    judged, witness : str
-        Whose bars are judged, and by whom.
-    quantities : tuple of str
-        What both give.
-    scene : str
-        What is driven.
-    form : float
-        Relative difference that the two theories may have beside their bars.
-    """
-
+    #: Whose bars are judged, and by whom
     judged: str
     witness: str
-    quantities: tuple[str, ...]
-    scene: str
-    form: float = 0.0
+    quantities: tuple[str, ...]  #: What both give
+    scene: str  #: What is driven
+    form: float = 0.0  #: Relative difference that the two theories may have beside their bars
 
     def row(self, sweep: Sweep, quick: bool) -> Row:
         """What the judged model says over a sweep."""

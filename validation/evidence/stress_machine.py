@@ -23,13 +23,7 @@ from tactgen.validation.evidence.stress import (
     Stress,
     answered,
 )
-from tactgen.validation.evidence.stress_driven import (
-    MACHINE,
-    MACHINE_PAIR,
-    Sweep,
-    driven,
-    families,
-)
+from tactgen.validation.evidence.stress_driven import MACHINE, MACHINE_PAIR, Sweep, driven, families
 from tactgen.validation.models.generator.small_signal import CELLS_AT_REST
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.scene.scene import Scene, load_scene

@@ -38,15 +38,7 @@ from tactgen.validation.evidence.cases.coils import (
     flux_density_in_core,
     infinite_solenoid,
 )
-from tactgen.validation.evidence.stress import (
-    Asked,
-    Families,
-    Family,
-    Row,
-    Stress,
-    spread,
-    table,
-)
+from tactgen.validation.evidence.stress import Asked, Families, Family, Row, Stress, spread, table
 
 _GAPS = (1e-6, 1e-5, 1e-4, 0.4e-3, 1e-3, 5e-3)
 _CURRENTS = np.array([1e-6, 1e-3, 0.13, 10.0, 1e3])

@@ -53,27 +53,17 @@ class Division:
 
     Attributes
     ----------
-    below : int
-        How many levels coarser than the case's own; below 0 finer.
     value, bar : float
         In the row's unit; `bar` is the model's own, nan where it states none.
-    kinds : tuple of tuple of str
-        How it is divided; empty where nothing is.
-    new : bool
-        Whether it differs from the next level towards the case's own.
-    count : int
-        The most unknowns, or steps; 0 where they were not counted.
-    seconds : float
-        How long it took.
     """
 
-    below: int
+    below: int  #: How many levels coarser than the case's own; below 0 finer
     value: float
     error: float
-    kinds: tuple[tuple[str, ...], ...]
-    new: bool
-    count: int
-    seconds: float
+    kinds: tuple[tuple[str, ...], ...]  #: How it is divided; empty where nothing is
+    new: bool  #: Whether it differs from the next level towards the case's own
+    count: int  #: The most unknowns, or steps; 0 where they were not counted
+    seconds: float  #: How long it took
 
     @property
     def kind(self) -> Kind | None:

@@ -35,64 +35,34 @@ _JUDGED_POINTS, _BEFORE = 40, 2
 @storable
 @dataclass(frozen=True)
 class Peak:
-    """Where the tip's velocity is largest, in its first harmonic.
+    """Where the tip's velocity is largest, in its first harmonic."""
 
-    Attributes
-    ----------
-    frequency, frequency_bar : float
-        Hz; the bar is the change with twice the harmonics and a tenth of what was missing.
-    velocity, velocity_bar : float
-        m/s.
-    displacement : float
-        m.
-    moment_share : float
-        Largest moment on the contact over that at which the head stands on its edge.
-    """
-
+    #: Hz; the bar is the change with twice the harmonics and a tenth of what was missing
     frequency: float
     frequency_bar: float
+    #: m/s
     velocity: float
     velocity_bar: float
-    displacement: float
+    displacement: float  #: m
+    #: Largest moment on the contact over that at which the head stands on its edge
     moment_share: float
 
 
 @storable
 @dataclass(frozen=True)
 class Curve:
-    """The response at one voltage, in the order in which it was met.
+    """The response at one voltage, in the order in which it was met."""
 
-    Attributes
-    ----------
-    voltage : float
-        Amplitude (V).
-    frequencies : (n,) array
-        Hz.
-    displacement : (n,) complex array
-        First harmonic of the tip (m).
-    stable : (n,) bool array
-        Whether the orbit is stable.
-    peaks : tuple of Peak
-        All peaks of the velocity, the largest first.
-    folds : tuple of float
-        Frequencies at which the curve turns back (Hz), in the order in which they are met.
-    harmonics : int
-        Most harmonics taken.
-    missing : float
-        Largest share of a motion that they left out.
-    ended : str
-        Why the curve ends inside the range; empty if it does not.
-    """
-
-    voltage: float
-    frequencies: Floats
-    displacement: Complex
-    stable: Bools
-    peaks: tuple[Peak, ...]
+    voltage: float  #: Amplitude (V)
+    frequencies: Floats  #: (n,) Hz
+    displacement: Complex  #: (n,) complex First harmonic of the tip (m)
+    stable: Bools  #: (n,) Whether the orbit is stable
+    peaks: tuple[Peak, ...]  #: All peaks of the velocity, the largest first
+    #: Frequencies at which the curve turns back (Hz), in the order in which they are met
     folds: tuple[float, ...]
-    harmonics: int
-    missing: float
-    ended: str
+    harmonics: int  #: Most harmonics taken
+    missing: float  #: Largest share of a motion that they left out
+    ended: str  #: Why the curve ends inside the range; empty if it does not
 
 
 @dataclass(frozen=True)

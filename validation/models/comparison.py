@@ -241,30 +241,16 @@ def share(value: float) -> str:
 
 @dataclass(frozen=True)
 class Rung:
-    """One model with what is known of its error.
+    """One model with what is known of its error."""
 
-    Attributes
-    ----------
-    model : str
-        Its name.
-    form : float
-        Largest relative error of the equations that it solves; 0 of the most detailed theory.
-    numerical : float
-        Largest relative numerical error; of a model that refines its mesh, what is asked for.
-    seconds : float or None
-        Recorded cost of its stages; None if they never ran on this machine.
-    meets : bool
-        Whether both together are within the accuracy asked for.
-    worst : str
-        The quantity that decides.
-    """
-
-    model: str
+    model: str  #: Its name
+    #: Largest relative error of the equations that it solves; 0 of the most detailed theory
     form: float
+    #: Largest relative numerical error; of a model that refines its mesh, what is asked for
     numerical: float
-    seconds: float | None
-    meets: bool
-    worst: str
+    seconds: float | None  #: Recorded cost of its stages; None if they never ran on this machine
+    meets: bool  #: Whether both together are within the accuracy asked for
+    worst: str  #: The quantity that decides
 
     @property
     def sentence(self) -> str:

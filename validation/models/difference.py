@@ -71,29 +71,17 @@ Announce = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Step:
-    """One step of a breakdown.
+    """One step of a breakdown."""
 
-    Attributes
-    ----------
-    name, meaning : str
-        The assumption given up: short, and in a sentence.
-    values : Values
-        With this step, by the detailed model.
-    simple : Values
-        The same by the closed form or the simple model; nan where it has none.
-    change, predicted : Values
-        Relative change of both since the step before; nan at the start.
-    theory : str
-        The closed form in words.
-    """
-
+    #: The assumption given up: short, and in a sentence
     name: str
     meaning: str
-    values: Values
-    simple: Values
+    values: Values  #: With this step, by the detailed model
+    simple: Values  #: The same by the closed form or the simple model; nan where it has none
+    #: Relative change of both since the step before; nan at the start
     change: Values
     predicted: Values
-    theory: str = ""
+    theory: str = ""  #: The closed form in words
 
 
 @dataclass(frozen=True)
@@ -185,27 +173,13 @@ def _values(scene: Scene, static: Multiport, short: float, opened: float) -> Val
 
 @dataclass(frozen=True)
 class SolidCase:
-    """A bimorph without rod on bricks, and the assumptions made of it.
+    """A bimorph without rod on bricks, and the assumptions made of it."""
 
-    Attributes
-    ----------
-    scene : Scene
-        Device, support and load.
-    ceramic : Piezoceramic or None
-        Full material in place of the scene's.
-    uniform_field : bool
-        Potential linear through each layer.
-    held : {"layers", "shim"}
-        Part of the lowest section that the base holds.
-    level : int
-        Index of the division into bricks.
-    """
-
-    scene: Scene
-    ceramic: Piezoceramic | None = None
-    uniform_field: bool = False
-    held: Literal["layers", "shim"] = "layers"
-    level: int = 1
+    scene: Scene  #: Device, support and load
+    ceramic: Piezoceramic | None = None  #: Full material in place of the scene's
+    uniform_field: bool = False  #: Potential linear through each layer
+    held: Literal["layers", "shim"] = "layers"  #: Part of the lowest section that the base holds
+    level: int = 1  #: Index of the division into bricks
 
     def assembled(self) -> SolidSystem:
         """Lossless system."""
@@ -268,9 +242,7 @@ _, FIELD, POLING, D32, POISSON = BEAM_ASSUMPTIONS = (
         "no change, as a thin layer has no stress through its thickness",
     ),
     Assumption(
-        "d32",
-        "the piezoelectric effect across the width",
-        "laminate theory of a wide plate",
+        "d32", "the piezoelectric effect across the width", "laminate theory of a wide plate"
     ),
     Assumption(
         "Poisson's effect",

@@ -88,21 +88,11 @@ _FITTED = 300
 @storable
 @dataclass(frozen=True)
 class LoadedDeflection:
-    """First harmonic of the tip under load over frequency, in the order in which it was met.
+    """First harmonic of the tip under load over frequency, in the order in which it was met."""
 
-    Attributes
-    ----------
-    frequencies : (n,) array
-        Hz.
-    displacement : (n,) complex array
-        m.
-    ended : str
-        Why it ends inside the band; empty if it does not.
-    """
-
-    frequencies: Floats
-    displacement: Complex
-    ended: str
+    frequencies: Floats  #: (n,) Hz
+    displacement: Complex  #: (n,) complex m
+    ended: str  #: Why it ends inside the band; empty if it does not
 
     @property
     def fitted_slope(self) -> float:
@@ -183,27 +173,14 @@ _READS = (
 @storable
 @dataclass(frozen=True)
 class RockingState:
-    """One state at growing amplitude.
+    """One state at growing amplitude."""
 
-    Attributes
-    ----------
-    state : str
-        ``not activated`` or ``held``.
-    contact_force : float
-        What presses the head on its stop (N), nan if there is no such state.
-    curves : tuple of Curve
-        Free tip, by growing voltage.
-    deflection : LoadedDeflection or None
-        Under the scene's load at the drive voltage; None where the tip is free anyway.
-    refused : str
-        Why something of it is missing; empty if nothing is.
-    """
-
-    state: str
-    contact_force: float
-    curves: tuple[Curve, ...]
+    state: str  #: ``not activated`` or ``held``
+    contact_force: float  #: What presses the head on its stop (N), nan if there is no such state
+    curves: tuple[Curve, ...]  #: Free tip, by growing voltage
+    #: Under the scene's load at the drive voltage; None where the tip is free anyway
     deflection: LoadedDeflection | None
-    refused: str = ""
+    refused: str = ""  #: Why something of it is missing; empty if nothing is
 
 
 def rocking_states(

@@ -31,11 +31,7 @@ PAGE = "index.html"
 
 
 def write_report(
-    scene: Scene,
-    origins: dict[str, str],
-    out: Path,
-    quick: bool,
-    announce: Callable[[str], None],
+    scene: Scene, origins: dict[str, str], out: Path, quick: bool, announce: Callable[[str], None]
 ) -> Path:
     """Write ``index.html`` into `out`, with what makes it checkable beside it; return its path.
 

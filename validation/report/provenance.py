@@ -30,29 +30,14 @@ FORMAT = "tactgen report 1"
 
 @dataclass(frozen=True)
 class Record:
-    """What a report was computed from, and what came out.
+    """What a report was computed from, and what came out."""
 
-    Attributes
-    ----------
-    made_by : Origin
-        The program and the machine.
-    written : str
-        When, in UTC (ISO 8601).
-    scene : dict
-        All values of the scene, in SI units.
-    tolerances : dict
-        What the scene states of how well a value is known, by key.
-    inputs : dict of str to str
-        Files that the scene names, with their SHA-256.
-    quantities : tuple of dict
-        As :func:`validation.engine.answers.quantity_json`; no number is null.
-    """
-
-    made_by: Origin
-    written: str
-    scene: dict[str, Any]
-    tolerances: dict[str, Any]
-    inputs: dict[str, str]
+    made_by: Origin  #: The program and the machine
+    written: str  #: When, in UTC (ISO 8601)
+    scene: dict[str, Any]  #: All values of the scene, in SI units
+    tolerances: dict[str, Any]  #: What the scene states of how well a value is known, by key
+    inputs: dict[str, str]  #: Files that the scene names, with their SHA-256
+    #: As :func:`validation.engine.answers.quantity_json`; no number is null
     quantities: tuple[dict[str, Any], ...]
 
     @property
@@ -201,38 +186,24 @@ Verdict = Literal["identical", "within bars", "differs"]
 
 @dataclass(frozen=True)
 class Compared:
-    """One quantity of one model, then and now.
-
-    Attributes
-    ----------
-    difference : float
-        Largest difference over the largest magnitude; nan where the two cannot be compared.
-    over_bars : float
-        Largest difference over the sum of the two error bars; infinite without bars.
-    """
+    """One quantity of one model, then and now."""
 
     name: str
     model: str
     verdict: Verdict
+    #: Largest difference over the largest magnitude; nan where the two cannot be compared
     difference: float
+    #: Largest difference over the sum of the two error bars; infinite without bars
     over_bars: float
 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """A report that was computed again.
-
-    Attributes
-    ----------
-    rows : tuple of Compared
-        Every quantity of either run.
-    elsewhere : tuple of str
-        What of the machine and the libraries is another than then.
-    """
+    """A report that was computed again."""
 
     scene: str
-    rows: tuple[Compared, ...]
-    elsewhere: tuple[str, ...]
+    rows: tuple[Compared, ...]  #: Every quantity of either run
+    elsewhere: tuple[str, ...]  #: What of the machine and the libraries is another than then
 
     @property
     def holds(self) -> bool:

@@ -17,12 +17,7 @@ from tactgen.validation.evidence.verification import group_rows
 from tactgen.validation.models.comparison import ComparedRow, compare
 from tactgen.validation.report.load_cases import LoadCase, load_cases
 from tactgen.validation.report.normal_actuator import NormalActuator, merged
-from tactgen.validation.report.request import (
-    is_of_rest,
-    prepared,
-    quantities_of,
-    shown_model,
-)
+from tactgen.validation.report.request import is_of_rest, prepared, quantities_of, shown_model
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
 
@@ -42,12 +37,7 @@ class Study:
     """One scene, solved for a report; everything is computed at most once."""
 
     def __init__(
-        self,
-        scene: Scene,
-        origins: dict[str, str],
-        announce: Callable[[str], None],
-        *,
-        quick: bool,
+        self, scene: Scene, origins: dict[str, str], announce: Callable[[str], None], *, quick: bool
     ) -> None:
         self.asked = scene.accuracy
         self.scene = prepared(scene, quick=quick)

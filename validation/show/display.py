@@ -38,60 +38,30 @@ from tactgen.validation.show.stills import check_ffmpeg, save_film
 
 @dataclass(frozen=True)
 class DrawnPart:
-    """One distinct part as triangles.
+    """One distinct part as triangles."""
 
-    Attributes
-    ----------
-    name : str
-        The region's.
-    colour : (float, float, float)
-        Red, green, blue; 0 to 1.
-    points, triangles : (n, 3) float, (m, 3) int
-        In its own frame (mm).
-    places : (k, 3) float
-        Where its frame stands (mm), one for each copy.
-    moves : bool
-        Whether it swings with its unit's tip.
-    """
-
-    name: str
-    colour: tuple[float, float, float]
+    name: str  #: The region's
+    colour: tuple[float, float, float]  #: (float, float, float) Red, green, blue; 0 to 1
+    #: (n, 3) In its own frame (mm)
     points: Floats
     triangles: Ints
-    places: Floats
-    moves: bool
+    places: Floats  #: (k, 3) Where its frame stands (mm), one for each copy
+    moves: bool  #: Whether it swings with its unit's tip
 
 
 @dataclass(frozen=True)
 class Swing:
-    """How the tips move.
+    """How the tips move."""
 
-    Attributes
-    ----------
-    units : tuple of str
-        The generators' names, in the order of the parts' places.
-    driven : int
-        Which of them is driven.
-    voltage : float
-        With which (V, peak).
-    frequencies : (n,) array
-        Hz.
-    tips : (n, units) complex array
-        Lateral motion (m).
-    base, reach : float
-        Height of the ceramic's lower edge in a unit's frame, and its length (mm).
-    pitch : float
-        mm.
-    """
-
-    units: tuple[str, ...]
-    driven: int
-    voltage: float
-    frequencies: Floats
-    tips: Complex
+    units: tuple[str, ...]  #: The generators' names, in the order of the parts' places
+    driven: int  #: Which of them is driven
+    voltage: float  #: With which (V, peak)
+    frequencies: Floats  #: (n,) Hz
+    tips: Complex  #: (n, units) complex Lateral motion (m)
+    #: Height of the ceramic's lower edge in a unit's frame, and its length (mm)
     base: float
     reach: float
-    pitch: float
+    pitch: float  #: mm
 
 
 def display_page(scene: str, parts: Sequence[DrawnPart], swing: Swing, still: Still) -> str:

@@ -58,9 +58,7 @@ class Instant:
 
 
 def run_frames(
-    body: MovingBody,
-    instants: Sequence[Instant],
-    announce: Callable[[str], None] = lambda _: None,
+    body: MovingBody, instants: Sequence[Instant], announce: Callable[[str], None] = lambda _: None
 ) -> list[Image]:
     """Picture for each instant, all to one scale.
 

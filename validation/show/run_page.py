@@ -23,47 +23,27 @@ _TOUCH = 1e-3
 
 @dataclass(frozen=True)
 class Film:
-    """A run as it is seen.
+    """A run as it is seen."""
 
-    Attributes
-    ----------
-    scene : str
-    time : (k,) float
-        s, from 0; a time at which a source jumps appears twice.
-    coordinates : (k, c) float
-        What the body follows, the lift first.
-    points, triangles : (n, 3) float, (t, 3) int
-        The body's surface at rest (m), z = 0 at the face of the rod's head.
-    regions, region_of_triangle : tuple of str, (t,) int
-    lateral, axial : (n, c) float
-        Displacement along x and z per coordinate.
-    curves : dict of str to ((k,) float, str, float)
-        By title: values, unit to be shown, and that unit over SI.
-    forces : ((k,) float, (k,) float)
-        Of the upper and the lower stop on the head (N).
-    phase : (k,) int
-        Of :data:`PHASES`.
-    stroke, rim : float
-        Way between the stops, and radius of the head (m).
-    words : str
-        How far the run can be trusted.
-    """
-
-    scene: str
-    time: Floats
-    coordinates: Floats
+    scene: str  #:
+    time: Floats  #: (k,) s, from 0; a time at which a source jumps appears twice
+    coordinates: Floats  #: (k, c) What the body follows, the lift first
+    #: (n, 3) The body's surface at rest (m), z = 0 at the face of the rod's head
     points: Floats
     triangles: Ints
     regions: tuple[str, ...]
     region_of_triangle: Ints
+    #: (n, c) Displacement along x and z per coordinate
     lateral: Floats
     axial: Floats
+    #: By title: values, unit to be shown, and that unit over SI
     curves: dict[str, tuple[Floats, str, float]]
-    forces: tuple[Floats, Floats]
-    phase: Ints
+    forces: tuple[Floats, Floats]  #: ((k,) Of the upper and the lower stop on the head (N)
+    phase: Ints  #: (k,) Of :data:`PHASES`
+    #: Way between the stops, and radius of the head (m)
     stroke: float
     rim: float
-    words: str
+    words: str  #: How far the run can be trusted
 
 
 #: Names of the phases by number.

@@ -39,26 +39,16 @@ REGIONS = {
 
 @dataclass(frozen=True)
 class Shade:
-    """A quantity that colours a picture.
+    """A quantity that colours a picture."""
 
-    Attributes
-    ----------
-    key, title, unit : str
-        Name, words, SI unit.
-    field : str
-        The field that it is read off.
-    component : int
-        Of a vector or tensor in Voigt's order; −1 takes the size, of stress von Mises'.
-    signed : bool
-        Whether it swings about zero.
-    """
-
+    #: Name, words, SI unit
     key: str
     title: str
     unit: str
-    field: str
+    field: str  #: The field that it is read off
+    #: Of a vector or tensor in Voigt's order; −1 takes the size, of stress von Mises'
     component: int = -1
-    signed: bool = True
+    signed: bool = True  #: Whether it swings about zero
 
     def amplitude(self, state: State) -> Array | None:
         """What swings with the phase (n,); of sizes the largest in a period; or None."""

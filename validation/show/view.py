@@ -226,18 +226,10 @@ def harmonic_frequencies(scene: Scene) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class InlineView:
-    """A page that notebooks show in a frame of its own.
+    """A page that notebooks show in a frame of its own."""
 
-    Attributes
-    ----------
-    page : str
-        HTML that holds all it needs.
-    height : int
-        Of the frame (pixels).
-    """
-
-    page: str
-    height: int = 720
+    page: str  #: HTML that holds all it needs
+    height: int = 720  #: Of the frame (pixels)
 
     def _repr_html_(self) -> str:
         """Frame; the page is inside it, so that a copied notebook still shows it."""

@@ -125,20 +125,13 @@ def _of_machine(scene: Scene, port: Multiport, read: AnswerReadout) -> Complex:
 
 @dataclass(frozen=True)
 class Misfit:
-    """How the distance between curve and data is counted.
+    """How the distance between curve and data is counted."""
 
-    Attributes
-    ----------
-    curve : MeasuredCurve
-        Points that count only.
-    noise : str
-        ``relative``: every point is uncertain by the same fraction; the residual is
-        ln(model/data), real part and (with a phase) imaginary part.  ``constant``: by the
-        same amount; the residual is the difference.  ``stated``: by its own uncertainty.
-        For the first two the variance goes as 1/weight, the weights' mean taken as 1.
-    """
-
-    curve: MeasuredCurve
+    curve: MeasuredCurve  #: Points that count only
+    #: ``relative``: every point is uncertain by the same fraction; the residual is ln(model/data),
+    #: real part and (with a phase) imaginary part.  ``constant``: by the same amount; the residual
+    #: is the difference.  ``stated``: by its own uncertainty. For the first two the variance goes
+    #: as 1/weight, the weights' mean taken as 1.
     noise: str
 
     @property
@@ -356,28 +349,16 @@ class Fit:
 
 @dataclass(frozen=True)
 class Statistics:
-    """Linear statistics of the free parameters, over ln p.
+    """Linear statistics of the free parameters, over ln p."""
 
-    Attributes
-    ----------
-    root : (p, p) array
-        rootᵀ root is the covariance of ln p.
-    quantile : float
-        Half width of an interval in standard deviations (Student's t, or the normal
-        distribution where the noise is stated).
-    singular_values : (p,) array
-        Of J/s, descending: 1/σ of the best and worst determined combinations of ln p.
-    level : float
-        Root mean square of the residuals, degrees of freedom accounted for.
-    freedom : int
-        Residuals less parameters.
-    """
-
-    root: Floats
+    root: Floats  #: (p, p) rootᵀ root is the covariance of ln p
+    #: Half width of an interval in standard deviations (Student's t, or the normal distribution
+    #: where the noise is stated)
     quantile: float
+    #: (p,) Of J/s, descending: 1/σ of the best and worst determined combinations of ln p
     singular_values: Floats
-    level: float
-    freedom: int
+    level: float  #: Root mean square of the residuals, degrees of freedom accounted for
+    freedom: int  #: Residuals less parameters
 
     @property
     def deviation(self) -> Floats:

@@ -73,27 +73,16 @@ def stated_band(threshold: ThresholdCurve) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Aim:
-    """What is wanted of the length.
+    """What is wanted of the length."""
 
-    Attributes
-    ----------
-    kind : {"shortest", "margin"}
-        The shortest length that keeps the margin, or the length of the largest margin.
-    margin : float
-        Deflection over detection threshold to keep.
-    band : (float, float)
-        Frequencies over which it is to be kept (Hz).
-    lengths : (float, float)
-        Shortest and longest ceramic length (m).
-    threshold : ThresholdCurve
-        The detection threshold.
-    """
-
+    #: The shortest length that keeps the margin, or the length of the largest margin
     kind: AimKind = "shortest"
-    margin: float = 1.0
+    margin: float = 1.0  #: Deflection over detection threshold to keep
+    #: (float, float) Frequencies over which it is to be kept (Hz)
     band: tuple[float, float] = PAPER_BAND
+    #: (float, float) Shortest and longest ceramic length (m)
     lengths: tuple[float, float] = PAPER_LENGTHS
-    threshold: ThresholdCurve = DISPLAY_THRESHOLD
+    threshold: ThresholdCurve = DISPLAY_THRESHOLD  #: The detection threshold
 
     def __post_init__(self) -> None:
         """Refuse an aim that means nothing (InputError, naming the option)."""
@@ -231,35 +220,22 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True)
 class Design:
-    """A length for an aim.
-
-    Attributes
-    ----------
-    length, margin, frequency : float
-        The length (m), its m(l), and the frequency that decides it (Hz).
-    limit : {"threshold", "peak", "end", "compromise"}
-        What decides the length.
-    intervals : tuple of Interval
-        All lengths that keep the margin asked for.
-    lengths, margins : (n,) arrays
-        The scan of m(l).
-    present : (float, float)
-        m and the deciding frequency of the scene's own length.
-    warnings : tuple of str
-        Reasons to doubt the model there.
-    """
+    """A length for an aim."""
 
     scene: Scene
     aim: Aim
+    #: The length (m), its m(l), and the frequency that decides it (Hz)
     length: float
     margin: float
     frequency: float
-    limit: Limit
-    intervals: tuple[Interval, ...]
+    limit: Limit  #: What decides the length
+    intervals: tuple[Interval, ...]  #: All lengths that keep the margin asked for
+    #: (n,) The scan of m(l)
     lengths: Floats
     margins: Floats
+    #: (float, float) m and the deciding frequency of the scene's own length
     present: tuple[float, float]
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...]  #: Reasons to doubt the model there
 
     @property
     def crossings(self) -> tuple[tuple[float, float], ...]:

@@ -16,11 +16,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.tmm.beam.port_quantities import evaluate
-from tactgen.validation.catalogue.detection import (
-    DISPLAY_THRESHOLD,
-    STATED_VOLTAGES,
-    StatedVoltage,
-)
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, STATED_VOLTAGES, StatedVoltage
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.length_map import (
@@ -54,24 +50,13 @@ class Stated:
 
 @dataclass(frozen=True)
 class PerVolt:
-    """Tip displacement per volt (m/V) where the text states threshold and voltage.
+    """Tip displacement per volt (m/V) where the text states threshold and voltage."""
 
-    Attributes
-    ----------
-    frequency : float
-        Hz.
-    paper : (float, float)
-        Threshold over highest and lowest stated voltage.
-    model : dict of Case to float
-        By the transfer-matrix model.
-    load_factor : dict of wiring to float or None
-        Factor on the load's impedance that would give the paper's value (the middle of
-        its range); None if no factor does, since the free tip already moves less.
-    """
-
-    frequency: float
-    paper: tuple[float, float]
-    model: dict[Case, float]
+    frequency: float  #: Hz
+    paper: tuple[float, float]  #: (float, float) Threshold over highest and lowest stated voltage
+    model: dict[Case, float]  #: By the transfer-matrix model
+    #: Factor on the load's impedance that would give the paper's value (the middle of its range);
+    #: None if no factor does, since the free tip already moves less
     load_factor: dict[str, float | None]
 
     @property

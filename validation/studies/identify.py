@@ -61,52 +61,25 @@ class Assumption:
 
 @dataclass(frozen=True)
 class Identification:
-    """A fit and what it says.
+    """A fit and what it says."""
 
-    Attributes
-    ----------
-    scene, start : Scene
-        With the fitted values, and with those that the fit started from.
-    curve : MeasuredCurve
-        The data that counted.
-    estimates : tuple of FittedParameter
-        In the order of the request.
-    correlation : (p, p) array
-        Between ln of the estimates; nan for those at a bound.
-    singular_values : (p',) array
-        Of the scaled Jacobian over those not at a bound, descending.
-    noise : str
-        ``relative``, ``constant`` or ``stated``: how residuals were counted.
-    level : float
-        Estimated noise: a fraction, an amount in the curve's SI unit, or √(χ²/freedom).
-    freedom : int
-        Residuals less free parameters.
-    fitted : (n,) complex array
-        The fitted curve at the data's frequencies.
-    band : (n,) complex array
-        Half width of the fitted curve's 95 % band: of ln|curve| and, imaginary, of its phase.
-    assumptions : tuple of Assumption
-        What the estimates rest on, strongest first.
-    findings : tuple of str
-        What the curve does not determine, in words.
-    warnings : tuple of str
-        Reasons to doubt the fit.
-    """
-
+    #: With the fitted values, and with those that the fit started from
     scene: Scene
     start: Scene
-    curve: MeasuredCurve
-    estimates: tuple[FittedParameter, ...]
-    correlation: Floats
-    singular_values: Floats
-    noise: str
-    level: float
-    freedom: int
-    fitted: Complex
+    curve: MeasuredCurve  #: The data that counted
+    estimates: tuple[FittedParameter, ...]  #: In the order of the request
+    correlation: Floats  #: (p, p) Between ln of the estimates; nan for those at a bound
+    singular_values: Floats  #: (p',) Of the scaled Jacobian over those not at a bound, descending
+    noise: str  #: ``relative``, ``constant`` or ``stated``: how residuals were counted
+    level: float  #: Estimated noise: a fraction, an amount in the curve's SI unit, or √(χ²/freedom)
+    freedom: int  #: Residuals less free parameters
+    fitted: Complex  #: (n,) complex The fitted curve at the data's frequencies
+    #: (n,) complex Half width of the fitted curve's 95 % band: of ln|curve| and, imaginary, of its
+    #: phase
     band: Complex
-    assumptions: tuple[Assumption, ...]
-    findings: tuple[str, ...]
-    warnings: tuple[str, ...]
+    assumptions: tuple[Assumption, ...]  #: What the estimates rest on, strongest first
+    findings: tuple[str, ...]  #: What the curve does not determine, in words
+    warnings: tuple[str, ...]  #: Reasons to doubt the fit
 
     def get(self, name: str) -> FittedParameter:
         """Estimate of a symbol or scene key."""

@@ -39,23 +39,12 @@ class Minimum(NamedTuple):
 
 @dataclass(frozen=True)
 class LengthMap:
-    """Tip displacement of one actuator in several lengths.
+    """Tip displacement of one actuator in several lengths."""
 
-    Attributes
-    ----------
-    lengths : (m,) array
-        Ceramic length (m).
-    frequencies : (n,) array
-        Hz: evenly in ln f, and around every minimum and maximum of a curve.
-    displacement : (m, n) array
-        Amplitudes (m).
-    minima : tuple of Minimum or None
-        Deepest minimum inside the band for each length; None where there is none.
-    """
-
-    lengths: Floats
-    frequencies: Floats
-    displacement: Floats
+    lengths: Floats  #: (m,) Ceramic length (m)
+    frequencies: Floats  #: (n,) Hz: evenly in ln f, and around every minimum and maximum of a curve
+    displacement: Floats  #: (m, n) Amplitudes (m)
+    #: Deepest minimum inside the band for each length; None where there is none
     minima: tuple[Minimum | None, ...]
 
     @property

@@ -38,30 +38,17 @@ _MOST = 100_000
 
 @dataclass(frozen=True)
 class MeasuredCurve:
-    """One measured frequency response in SI units, peak amplitudes.
+    """One measured frequency response in SI units, peak amplitudes."""
 
-    Attributes
-    ----------
-    source : str
-        Name of the file, for messages.
-    kind : str
-        One of :func:`validation.catalogue.quantities.measurable`, such as ``velocity``.
-    frequencies : (n,) array
-        Hz, ascending, above 0.
-    values : (n,) array
-        Complex (time factor e^{+jΩt}, phase relative to the drive voltage), or real and
-        positive where only the magnitude was measured.
-    error : (n,) array or None
-        Standard deviation of the magnitude, or of the real and of the imaginary part.
-    weight : (n,) array
-        How much each point counts in the sum of squares, whatever the scale; 0 leaves it out.
-    """
-
-    source: str
-    kind: str
-    frequencies: Floats
+    source: str  #: Name of the file, for messages
+    kind: str  #: One of :func:`validation.catalogue.quantities.measurable`, such as ``velocity``
+    frequencies: Floats  #: (n,) Hz, ascending, above 0
+    #: (n,) Complex (time factor e^{+jΩt}, phase relative to the drive voltage), or real and
+    #: positive where only the magnitude was measured
     values: Numbers
+    #: (n,) Standard deviation of the magnitude, or of the real and of the imaginary part
     error: Floats | None
+    #: (n,) How much each point counts in the sum of squares, whatever the scale; 0 leaves it out
     weight: Floats
 
     @property

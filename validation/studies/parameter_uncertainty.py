@@ -90,36 +90,21 @@ class UncertainParameter:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """What the ranges of the parameters do to one headline number (SI).
-
-    Attributes
-    ----------
-    value, numerical : float
-        The number and its numerical error.
-    standard : float
-        Standard deviation to first order.
-    worst : float
-        Change to first order when every parameter sits at its worse end.
-    sampled : float
-        Standard deviation of the samples.
-    low, high : float
-        Ends of the interval that holds 95 % of the samples.
-    slopes : dict of str to float
-        Derivative by parameter.
-    first, total : dict of str to (float, float)
-        Sobol's first-order and total index by parameter, with half the 95 % confidence
-        interval of the estimate.
-    """
+    """What the ranges of the parameters do to one headline number (SI)."""
 
     target: Target
+    #: The number and its numerical error
     value: float
     numerical: float
-    standard: float
-    worst: float
-    sampled: float
+    standard: float  #: Standard deviation to first order
+    worst: float  #: Change to first order when every parameter sits at its worse end
+    sampled: float  #: Standard deviation of the samples
+    #: Ends of the interval that holds 95 % of the samples
     low: float
     high: float
-    slopes: dict[str, float]
+    slopes: dict[str, float]  #: Derivative by parameter
+    #: Sobol's first-order and total index by parameter, with half the 95 % confidence interval of
+    #: the estimate
     first: dict[str, tuple[float, float]]
     total: dict[str, tuple[float, float]]
 
@@ -306,9 +291,7 @@ def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
 
 
 def parameter_uncertainty(
-    scene: Scene,
-    evaluations: int | None = None,
-    announce: Callable[[str], None] = lambda _: None,
+    scene: Scene, evaluations: int | None = None, announce: Callable[[str], None] = lambda _: None
 ) -> list[Uncertainty]:
     """Every headline number with what the parameters' ranges do to it.
 

@@ -55,21 +55,12 @@ Pull = Callable[[Device, Floats], Floats]
 
 @dataclass(frozen=True)
 class Candidate:
-    """A device of the search with what it needs.
+    """A device of the search with what it needs."""
 
-    Attributes
-    ----------
-    device : Device
-        With an integer number of turns that gives the stated force at the stated current.
-    ampere_turns : float
-        That the stated force needs at the stated gap (A).
-    held_power : float
-        Heat of the stated holding current in the cold coil (W).
-    """
-
+    #: With an integer number of turns that gives the stated force at the stated current
     device: Device
-    ampere_turns: float
-    held_power: float
+    ampere_turns: float  #: That the stated force needs at the stated gap (A)
+    held_power: float  #: Heat of the stated holding current in the cold coil (W)
 
 
 def actuator(radius: float, bore: float, coil_length: float) -> Device:

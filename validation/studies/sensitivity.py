@@ -54,25 +54,19 @@ class SensitivityColumn:
 
     Attributes
     ----------
-    frequency : float or None
-        In Hz, for quantities that depend on it.
-    derivatives : dict of str to float
-        dq/dp in SI units by scene key.
     logarithmic, bars : dict of str to float
         d ln q / d ln p by scene key, and its error.
-    method : str
-        How derivatives and errors come about.
     """
 
     quantity: str
     unit: str
-    frequency: float | None
+    frequency: float | None  #: In Hz, for quantities that depend on it
     value: float
-    derivatives: dict[str, float]
+    derivatives: dict[str, float]  #: dq/dp in SI units by scene key
     logarithmic: dict[str, float]
     model: str
     bars: dict[str, float]
-    method: str
+    method: str  #: How derivatives and errors come about
 
     @property
     def label(self) -> str:

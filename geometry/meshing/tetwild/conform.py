@@ -45,25 +45,15 @@ from tactgen.geometry.meshing.tetwild.mesher import UNSTRETCHED, Stretching
 
 @dataclass(frozen=True)
 class Skin:
-    """The triangles on which a region ends, each assigned to a CAD face.
+    """The triangles on which a region ends, each assigned to a CAD face."""
 
-    Attributes
-    ----------
-    triangles : (n_triangles, 3) int array
-        Corners, seen from the side that the triangle's cell does not fill.
-    cell : (n_triangles,) int array
-        The tetrahedron behind the triangle; between two regions, the one with the
-        lower label.
-    face : (n_triangles,) int array
-        Index of the CAD face.
-    open : (n_triangles,) bool array
-        Whether the other side is outside.
-    """
-
+    #: (n_triangles, 3) Corners, seen from the side that the triangle's cell does not fill
     triangles: Ints
+    #: (n_triangles,) The tetrahedron behind the triangle; between two regions, the one with the
+    #: lower label
     cell: Ints
-    face: Ints
-    open: NDArray[np.bool_]
+    face: Ints  #: (n_triangles,) Index of the CAD face
+    open: NDArray[np.bool_]  #: (n_triangles,) Whether the other side is outside
 
 
 def region_labels(

@@ -161,21 +161,11 @@ _GROWTH_OUTSIDE = 0.5
 
 @dataclass(frozen=True)
 class SizingField:
-    """Target edge lengths on a background mesh of tetrahedra (mm).
+    """Target edge lengths on a background mesh of tetrahedra (mm)."""
 
-    Attributes
-    ----------
-    points : (n_points, 3) array
-        Coordinates.
-    tets : (n_tets, 4) int array
-        Corners.
-    lengths : (n_points,) array
-        Target edge length at each point.
-    """
-
-    points: Floats
-    tets: Ints
-    lengths: Floats
+    points: Floats  #: (n_points, 3) Coordinates
+    tets: Ints  #: (n_tets, 4) Corners
+    lengths: Floats  #: (n_points,) Target edge length at each point
 
     def scaled(self, factor: float) -> SizingField:
         """Field with all lengths times a factor."""
@@ -335,18 +325,10 @@ _STEP = 1.02
 
 @dataclass(frozen=True)
 class Sizing:
-    """Target edge lengths at points.
+    """Target edge lengths at points."""
 
-    Attributes
-    ----------
-    points : (n, 3) array
-        Where (m).
-    lengths : (n,) array
-        Edge length (m); between the points it is interpolated.
-    """
-
-    points: Floats
-    lengths: Floats
+    points: Floats  #: (n, 3) Where (m)
+    lengths: Floats  #: (n,) Edge length (m); between the points it is interpolated
 
 
 def sizing_for(
@@ -423,22 +405,13 @@ _POINTS = 401
 
 @dataclass(frozen=True)
 class Stretching:
-    """Squeezes z between two stops, less and less towards each of them.
+    """Squeezes z between two stops, less and less towards each of them."""
 
-    Attributes
-    ----------
-    low, high : float
-        The stops (mm): below and above, and right at them, nothing is squeezed.
-    most : float
-        Largest length of an element over its width; 1 squeezes nothing.
-    growth : float
-        How much longer an element may be per distance from a stop (1/mm).
-    """
-
+    #: The stops (mm): below and above, and right at them, nothing is squeezed
     low: float
     high: float
-    most: float
-    growth: float
+    most: float  #: Largest length of an element over its width; 1 squeezes nothing
+    growth: float  #: How much longer an element may be per distance from a stop (1/mm)
 
     def squeezed(self, points: Floats) -> Floats:
         """Points (n, 3) in mm as the mesher gets to see them."""

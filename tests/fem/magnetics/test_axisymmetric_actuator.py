@@ -83,8 +83,7 @@ def test_error_bars_cover_the_map():
     ],
 )
 @pytest.mark.parametrize(
-    ("current", "gap"),
-    [(0.13, 0.2e-3), pytest.param(0.05, 0.1e-3, marks=pytest.mark.heavy)],
+    ("current", "gap"), [(0.13, 0.2e-3), pytest.param(0.05, 0.1e-3, marks=pytest.mark.heavy)]
 )
 def test_error_bars_cover(order, refinement, current, gap):
     """On every grid each error bar holds the converged value, and is not empty."""

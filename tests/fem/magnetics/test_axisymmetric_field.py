@@ -182,9 +182,7 @@ def test_the_two_solvers_agree(monkeypatch):
     d = discretise(graded_grid((POLE, PLATE, COIL), 0.1), 3)
     first = solve_field(d, np.ones(1))
     monkeypatch.setattr(
-        newton,
-        "factorise",
-        lambda m, **how: linear_solver.factorise(m, solver="superlu", **how),
+        newton, "factorise", lambda m, **how: linear_solver.factorise(m, solver="superlu", **how)
     )
     second = solve_field(d, np.ones(1))
     # both stop below 1e-7 of the energy norm, and the last step squares that

@@ -225,8 +225,7 @@ def test_no_current_no_force():
 
 
 @pytest.mark.parametrize(
-    ("sector", "share"),
-    [(COARSEST, 0.04), pytest.param(COARSE, 0.02, marks=pytest.mark.heavy)],
+    ("sector", "share"), [(COARSEST, 0.04), pytest.param(COARSE, 0.02, marks=pytest.mark.heavy)]
 )
 def test_inductance_without_current_is_the_half_sections(sector, share):
     """∂λ/∂i at 0 A within both error bars of the axisymmetric field, which takes the tangent."""

@@ -25,17 +25,8 @@ from tactgen.geometry.reluctance.team20 import (
     team20_mesh,
     team20_source,
 )
-from tactgen.validation.evidence.cases.ball import (
-    OUTER,
-    RADIUS,
-    mirrored,
-    sphere_mesh,
-)
-from tactgen.validation.evidence.cases.coils import (
-    PUBLISHED_FORCE,
-    conductors,
-    thin_strips,
-)
+from tactgen.validation.evidence.cases.ball import OUTER, RADIUS, mirrored, sphere_mesh
+from tactgen.validation.evidence.cases.coils import PUBLISHED_FORCE, conductors, thin_strips
 
 UP = np.array([0.0, 0.0, 1.0])
 DOWN = -UP

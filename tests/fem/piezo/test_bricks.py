@@ -117,10 +117,7 @@ def linear_bricks(device):
     """Bricks of degree 1: scikit-fem's trilinear hexahedra on the corner mesh."""
     bricks = bimorph_bricks(device, COARSE)
     return replace(
-        bricks,
-        x=Axis(bricks.x.breaks, 1),
-        y=Axis(bricks.y.breaks, 1),
-        z=Axis(bricks.z.breaks, 1),
+        bricks, x=Axis(bricks.x.breaks, 1), y=Axis(bricks.y.breaks, 1), z=Axis(bricks.z.breaks, 1)
     )
 
 

@@ -21,11 +21,7 @@ from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, whole_mesh
 from tactgen.geometry.meshing.tetwild.conform import TET_FACES
-from tactgen.validation.evidence.cases.manufactured import (
-    cells_space,
-    ceramic,
-    manufactured_errors,
-)
+from tactgen.validation.evidence.cases.manufactured import cells_space, ceramic, manufactured_errors
 
 SHORT = Device(bimorph=Bimorph(length=6e-3))
 #: A homogeneous section: shim and ceramic of one modulus.

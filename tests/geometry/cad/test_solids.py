@@ -126,12 +126,7 @@ def test_gap_moves_the_sleeve_and_nothing_else():
         # the wall between the slot's corner and the head's side
         (GENERATOR, "rod", ("glue", "rod"), 1.15 - (0.175**2 + 1.1**2) ** 0.5),
         # the gap between ceramic and rod
-        (
-            Device(bimorph=Bimorph(tab_length=0.42e-3)),
-            "rod",
-            ("piezo_top", "rod"),
-            0.02,
-        ),
+        (Device(bimorph=Bimorph(tab_length=0.42e-3)), "rod", ("piezo_top", "rod"), 0.02),
     ],
 )
 def test_thinnest_feature_is_found(device, standing, names, thickness):
@@ -176,11 +171,7 @@ def test_glb_file_is_valid_named_and_in_metres(tmp_path):
         ((Device(), ()), "no region is chosen"),
         ((Device(),), r"bimorph.tab_length = 0 mm is too short"),
         (
-            (
-                GENERATOR.model_copy(
-                    update={"sleeve": Sleeve(collar_thickness=20e-3)},
-                ),
-            ),
+            (GENERATOR.model_copy(update={"sleeve": Sleeve(collar_thickness=20e-3)}),),
             "sleeve.collar_thickness = 20 mm",
         ),
     ],

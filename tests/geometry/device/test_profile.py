@@ -19,10 +19,7 @@ def read(text):
 
 @pytest.mark.parametrize(
     ("text", "points"),
-    [
-        (STEPPED, POINTS),
-        ("0 m:2100 um,2 cm:1 mm", ((0.0, 2.1e-3), (20e-3, 1e-3))),
-    ],
+    [(STEPPED, POINTS), ("0 m:2100 um,2 cm:1 mm", ((0.0, 2.1e-3), (20e-3, 1e-3)))],
 )
 def test_points_are_read_with_their_units(text, points):
     """A profile is a list of positions and dimensions, each with any unit of length."""

@@ -11,10 +11,7 @@ COARSE = team20_mesh(Team20Meshing(scale=4.0))
 
 @pytest.mark.parametrize(
     ("region", "volume"),
-    [
-        ("pole", 25.0 * 10.0 * 98.5),
-        ("yoke", 25.0 * (127.0 * 150.0 - 77.0 * 100.0 - 27.0 * 25.0)),
-    ],
+    [("pole", 25.0 * 10.0 * 98.5), ("yoke", 25.0 * (127.0 * 150.0 - 77.0 * 100.0 - 27.0 * 25.0))],
 )
 @pytest.mark.parametrize("scale", [4.0, 1.3])
 def test_steel_has_its_volume(region, volume, scale):

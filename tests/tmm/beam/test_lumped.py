@@ -17,10 +17,7 @@ ROWS = [
     (TAB, CLAMPED),
     (TAB, ROD),
 ]
-ENDS = [
-    Ends(),
-    Ends(Springs(3e6, 0.24, rotational_inertia=1e-12)),
-]
+ENDS = [Ends(), Ends(Springs(3e6, 0.24, rotational_inertia=1e-12))]
 
 
 def distance(a, b):

@@ -128,8 +128,7 @@ def state(head, orbit):
 
 
 @pytest.mark.parametrize(
-    ("frequency", "level"),
-    [(740.0, 1.0), pytest.param(640.0, 4.0, marks=pytest.mark.heavy)],
+    ("frequency", "level"), [(740.0, 1.0), pytest.param(640.0, 4.0, marks=pytest.mark.heavy)]
 )
 def test_an_orbit_returns_in_time(frequency, level):
     """An independent integration of the reduced model, begun on the orbit, ends where it began.

@@ -98,9 +98,7 @@ def test_the_plan_runs_what_it_needs():
     """Its stages and no others, with its name as the reason."""
     scene, _ = load_scene("prototype")
     plan = make_plan(scene, ("tmm",), ("tip_acceleration",))
-    assert [(s.stage, s.reason) for s in plan.run] == [
-        ("tmm.ports", "for tip_acceleration"),
-    ]
+    assert [(s.stage, s.reason) for s in plan.run] == [("tmm.ports", "for tip_acceleration")]
     assert [s.stage for s in make_plan(scene, ("beam",), ("stiffening",)).run] == ["beam.modes"]
 
 

@@ -41,11 +41,7 @@ def solved(scene, models, quantity, *overrides):
 @pytest.mark.parametrize(
     ("scene", "models", "quantities"),
     [
-        (
-            "paper",
-            ("lumped", "tmm", "beam"),
-            ("tip_velocity", "ceramic_stress"),
-        ),
+        ("paper", ("lumped", "tmm", "beam"), ("tip_velocity", "ceramic_stress")),
         ("j1", ("solid",), ("tip_displacement",)),
     ],
 )

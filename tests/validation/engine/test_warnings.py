@@ -6,11 +6,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.warnings import (
-    accuracy_warnings,
-    deflection_warnings,
-    held_warnings,
-)
+from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings, held_warnings
 from tactgen.validation.scene.scene import load_scene
 
 

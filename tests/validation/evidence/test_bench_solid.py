@@ -11,19 +11,9 @@ from tactgen.validation.evidence import bench_jobs as jobs
 from tactgen.validation.evidence import bench_jobs as meshes
 from tactgen.validation.evidence import bench_solid as solid
 from tactgen.validation.evidence import peers
-from tactgen.validation.evidence.bench import (
-    front,
-    run_parts,
-    time_at_error,
-)
+from tactgen.validation.evidence.bench import front, run_parts, time_at_error
 from tactgen.validation.evidence.bench_solid import ways
-from tactgen.validation.evidence.peers.job import (
-    LAYERS,
-    SHIM,
-    bricks,
-    lowest_frequencies,
-    tensor,
-)
+from tactgen.validation.evidence.peers.job import LAYERS, SHIM, bricks, lowest_frequencies, tensor
 
 COARSE = {"longest": 3e-3, "first": 2e-4, "through_piezo": 2, "across": 3}
 

@@ -21,13 +21,7 @@ from tactgen.validation.evidence import coverage_actuator as axisymmetric
 from tactgen.validation.evidence import coverage_bimorph as beam
 from tactgen.validation.evidence import coverage_bimorph as solid
 from tactgen.validation.evidence import random_devices as scenes
-from tactgen.validation.evidence.coverage import (
-    MULTIPLES,
-    PARTS,
-    Judged,
-    calibration,
-    rows,
-)
+from tactgen.validation.evidence.coverage import MULTIPLES, PARTS, Judged, calibration, rows
 
 
 def answers(inside, outside, quantity="f 1"):
@@ -62,11 +56,7 @@ def test_width_is_the_median_of_bar_over_error():
 
 @pytest.mark.parametrize(
     ("bars", "verdict"),
-    [
-        ([1.0, 5.0, 9.0], "holds"),
-        ([1.0, 5.1, 9.0], "wide"),
-        (3 * [0.1] + 4 * [90.0], "fails"),
-    ],
+    [([1.0, 5.0, 9.0], "holds"), ([1.0, 5.1, 9.0], "wide"), (3 * [0.1] + 4 * [90.0], "fails")],
 )
 def test_bars_that_cover_by_being_wide_are_called_so(bars, verdict):
     """Median of bar over error beyond five; what does not cover fails, however wide it is."""

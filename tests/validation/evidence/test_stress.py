@@ -13,14 +13,7 @@ from tactgen.tmm.beam.span import error_bound
 from tactgen.validation.command_line.commands.evidence import stress as command
 from tactgen.validation.evidence import stress_beam as beam
 from tactgen.validation.evidence import stress_magnetics as magnetics
-from tactgen.validation.evidence.stress import (
-    WANTED,
-    Asked,
-    Point,
-    Stress,
-    answered,
-    judged,
-)
+from tactgen.validation.evidence.stress import WANTED, Asked, Point, Stress, answered, judged
 from tactgen.validation.evidence.stress_beam import CONDITION_LIMIT
 
 

@@ -13,10 +13,7 @@ from tactgen.tmm.reluctance.network import DirectPull, network_samples
 from tactgen.validation.catalogue.models import map_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.generator.small_signal import (
-    HalvedMap,
-    rod_by_network,
-)
+from tactgen.validation.models.generator.small_signal import HalvedMap, rod_by_network
 from tactgen.validation.models.reluctance import maps
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.scene.scene import load_scene

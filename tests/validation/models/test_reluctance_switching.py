@@ -111,8 +111,7 @@ def test_the_network_switches_where_its_force_balances(current):
 
 
 @pytest.mark.parametrize(
-    "overrides",
-    [["coil.current=50 mA"], ["coil.current=0 A"], ["gap=0.4 mm"], ["gap=0.45 mm"]],
+    "overrides", [["coil.current=50 mA"], ["coil.current=0 A"], ["gap=0.4 mm"], ["gap=0.45 mm"]]
 )
 def test_nothing_else_falls_with_a_current(overrides):
     """All quantities of the scene are answered, at any current and gap that the network takes."""

@@ -92,7 +92,4 @@ def test_the_plan_names_the_machine_only_if_it_is_asked():
     scene, _ = load_scene("paper", [*HELD])
     lateral = make_plan(scene, ["tmm"], ["tip_displacement", "short_circuit_frequencies"]).keys
     assert "tmm.machine" not in lateral
-    assert set(make_plan(scene, ["tmm"], ["axial_poles"]).keys) == {
-        "network.map",
-        "tmm.machine",
-    }
+    assert set(make_plan(scene, ["tmm"], ["axial_poles"]).keys) == {"network.map", "tmm.machine"}

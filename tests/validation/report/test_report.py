@@ -14,14 +14,7 @@ import pytest
 
 from tactgen.geometry.cad import system_libraries
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.formats import (
-    engineering,
-    percent,
-    prefixed,
-    share,
-    signed,
-    with_bar,
-)
+from tactgen.geometry.formats import engineering, percent, prefixed, share, signed, with_bar
 from tactgen.validation import report
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph.cad import cells_of, mesh_pair

@@ -26,12 +26,7 @@ from tactgen.validation.studies.design import (
 )
 from tactgen.validation.studies.design_statements import dependences, sentences
 from tactgen.validation.studies.fit_parameters import fit_parameter
-from tactgen.validation.studies.length_map import (
-    actuator,
-    length_map,
-    local_minima,
-    tip_amplitude,
-)
+from tactgen.validation.studies.length_map import actuator, length_map, local_minima, tip_amplitude
 
 BAND = (10.0, 1000.0)
 #: From well below to above the paper's lengths: m is decided by the band's end, then a minimum.

@@ -46,35 +46,18 @@ from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, CoenergyPoint, cell
 
 @dataclass(frozen=True)
 class BimorphModes:
-    """k modes over a base that moves by [w, ψ].
+    """k modes over a base that moves by [w, ψ]."""
 
-    Attributes
-    ----------
-    omega : (k,) float
-        Angular frequencies with the base held (rad/s).
-    damping : (k,) float
-        2 ζ ω (1/s).
-    inertia : (k, 2) float
-        What a base acceleration does to the modes (√kg, √kg m).
-    rigid : (2, 2) float
-        Mass matrix of the bimorph as a rigid body about its base (kg, kg m, kg m²).
-    coupling : (k,) float
-        Force on the modes per volt across each layer, and charge per mode.
-    tip : (k + 2,) float
-        Tip displacement (m) of base motions w and ψ, then of the modes.
-    capacitance : float
-        With all motion held (F).
-    shapes : (n, k + 2) float
-        The unknowns that the modes were made of, of base motions w and ψ, then of the modes.
-    """
-
-    omega: Floats
-    damping: Floats
-    inertia: Floats
+    omega: Floats  #: (k,) Angular frequencies with the base held (rad/s)
+    damping: Floats  #: (k,) 2 ζ ω (1/s)
+    inertia: Floats  #: (k, 2) What a base acceleration does to the modes (√kg, √kg m)
+    #: (2, 2) Mass matrix of the bimorph as a rigid body about its base (kg, kg m, kg m²)
     rigid: Floats
-    coupling: Floats
-    tip: Floats
-    capacitance: float
+    coupling: Floats  #: (k,) Force on the modes per volt across each layer, and charge per mode
+    tip: Floats  #: (k + 2,) Tip displacement (m) of base motions w and ψ, then of the modes
+    capacitance: float  #: With all motion held (F)
+    #: (n, k + 2) The unknowns that the modes were made of, of base motions w and ψ, then of the
+    #: modes
     shapes: Floats
 
 
@@ -155,20 +138,11 @@ LOWER, UPPER, BORE = "lower_stop", "upper_stop", "bore"
 
 @dataclass(frozen=True)
 class Machine:
-    """The system with what an initial state needs.
+    """The system with what an initial state needs."""
 
-    Attributes
-    ----------
-    system : System
-    rest : (n,) float
-        At rest on the upper stop without current and voltage.
-    modes : BimorphModes
-        Those among the coordinates.
-    """
-
-    system: System
-    rest: Floats
-    modes: BimorphModes
+    system: System  #:
+    rest: Floats  #: (n,) At rest on the upper stop without current and voltage
+    modes: BimorphModes  #: Those among the coordinates
 
 
 def machine(

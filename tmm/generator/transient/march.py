@@ -335,34 +335,17 @@ _HOPELESS = 1.0
 
 @dataclass(frozen=True)
 class Answer:
-    """A run with what it is worth.
+    """A run with what it is worth."""
 
-    Attributes
-    ----------
-    run : Run
-        With every chosen step halved.
-    outputs : dict of str to (k,) float
-        The system's outputs over time.
-    bars : dict of str to (k,) float
-        Error bar of each output up to each time, in its unit, by the largest distances between
-        the passes until then.
-    error : float
-        The largest of all bars over its output's scale.
-    certain_until : float
-        Time (s) up to which no bar exceeds the accuracy.
-    accuracy : float
-        What was asked for.
-    rounds : int
-        How often all passes were made.
-    """
-
-    run: Run
-    outputs: dict[str, Floats]
+    run: Run  #: With every chosen step halved
+    outputs: dict[str, Floats]  #: The system's outputs over time
+    #: Error bar of each output up to each time, in its unit, by the largest distances between the
+    #: passes until then
     bars: dict[str, Floats]
-    error: float
-    certain_until: float
-    accuracy: float
-    rounds: int
+    error: float  #: The largest of all bars over its output's scale
+    certain_until: float  #: Time (s) up to which no bar exceeds the accuracy
+    accuracy: float  #: What was asked for
+    rounds: int  #: How often all passes were made
 
     @property
     def errors(self) -> dict[str, float]:

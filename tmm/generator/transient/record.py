@@ -13,51 +13,38 @@ from tactgen.tmm.generator.transient.system import System
 
 @dataclass(frozen=True)
 class Run:
-    """What a run gave at its times (k,).
+    """What a run gave at its times (k,)."""
 
-    Attributes
-    ----------
-    time : (k,) float
-        s; a time at which a source jumps appears twice.
-    position, velocity : (k, n) float
-        Coordinates of the system.
-    voltage, coil_source : (k,) float
-        V; A or V.
-    current, flux_linkage, gap, pull, charge : (k,) float
-        A, Wb, m, N, C.
-    kinetic, strain, springs, load, magnetic, electric : (k,) float
-        Energies: of motion, of the structure, of springs and stops, of constant forces, of the
-        magnetic field, of the bimorph's capacitance (J).
-    bimorph_work, coil_work : (k,) float
-        Given by the sources since the start (J).
-    structure_loss, element_loss, wire_loss : (k,) float
-        Taken by dampers, by springs and stops, by the circuit's resistance since the start (J).
-    throughput : (k,) float
-        Sum since the start of the sizes of all works, losses and changes of one kind of energy
-        (J): what the balance is judged by.
-    """
-
-    time: Floats
+    time: Floats  #: (k,) s; a time at which a source jumps appears twice
+    #: (k, n) Coordinates of the system
     position: Floats
     velocity: Floats
+    #: (k,) V; A or V
     voltage: Floats
     coil_source: Floats
+    #: (k,) A, Wb, m, N, C
     current: Floats
     flux_linkage: Floats
     gap: Floats
     pull: Floats
     charge: Floats
+    #: (k,) Energies: of motion, of the structure, of springs and stops, of constant forces, of the
+    #: magnetic field, of the bimorph's capacitance (J)
     kinetic: Floats
     strain: Floats
     springs: Floats
     load: Floats
     magnetic: Floats
     electric: Floats
+    #: (k,) Given by the sources since the start (J)
     bimorph_work: Floats
     coil_work: Floats
+    #: (k,) Taken by dampers, by springs and stops, by the circuit's resistance since the start (J)
     structure_loss: Floats
     element_loss: Floats
     wire_loss: Floats
+    #: (k,) Sum since the start of the sizes of all works, losses and changes of one kind of energy
+    #: (J): what the balance is judged by
     throughput: Floats
 
     @property

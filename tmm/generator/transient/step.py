@@ -49,17 +49,10 @@ class StepTooLongError(ArithmeticError):
 
 
 class Structure(NamedTuple):
-    """What the structure answers to the m coordinates that are read, over a step.
+    """What the structure answers to the m coordinates that are read, over a step."""
 
-    Attributes
-    ----------
-    stiffness : (m, m) lists
-        D, force per change over the step, symmetric and positive definite.
-    sizes, noises : (m, m) lists
-        |D|, and roundings of |D⁻¹|, below which a correction is noise.
-    """
-
-    stiffness: Lists
+    stiffness: Lists  #: (m, m) D, force per change over the step, symmetric and positive definite
+    #: (m, m) |D|, and roundings of |D⁻¹|, below which a correction is noise
     sizes: Lists
     noises: Lists
 
@@ -67,32 +60,19 @@ class Structure(NamedTuple):
 def structure_of(stiffness: Floats, compliance: Floats) -> Structure:
     """What a stiffness (m, m), with its inverse, is to the iteration."""
     return Structure(
-        stiffness.tolist(),
-        np.abs(stiffness).tolist(),
-        (_NOISE * np.abs(compliance)).tolist(),
+        stiffness.tolist(), np.abs(stiffness).tolist(), (_NOISE * np.abs(compliance)).tolist()
     )
 
 
 class Before(NamedTuple):
-    """What a step starts from, of what laws and coil read.
+    """What a step starts from, of what laws and coil read."""
 
-    Attributes
-    ----------
-    near : (m,) list
-        Coordinates (m or rad).
-    deformations : tuple of lists
-        Of each element (m).
-    current, gap : float
-        A, m.
-    field : CoenergyPoint
-        At that current and gap.
-    """
-
-    near: list[float]
-    deformations: tuple[list[float], ...]
+    near: list[float]  #: (m,) Coordinates (m or rad)
+    deformations: tuple[list[float], ...]  #: Of each element (m)
+    #: A, m
     current: float
     gap: float
-    field: CoenergyPoint
+    field: CoenergyPoint  #: At that current and gap
 
 
 def settled(
@@ -241,40 +221,22 @@ _KEPT = 512
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """The machine at one time.
+    """The machine at one time."""
 
-    Attributes
-    ----------
-    position, velocity : (n,) float
-    change : (n,) float
-        Of the position over the step before; 0 at the start.
-    acceleration : (n,) float
-        Mean over the step before; 0 at the start.
-    jerk : (m,) float
-        Of the coordinates that are read, by the two steps before; 0 where there are none.
-    lasted : float
-        The step before (s); 0 at the start and after a jump.
-    voltage : float
-        Across the bimorph (V).
-    current, gap : float
-        In the winding (A); m.
-    field : CoenergyPoint
-        At that current and gap.
-    deformations : tuple of lists
-        Of each element.
-    """
-
+    #: (n,)
     position: Floats
     velocity: Floats
-    change: Floats
-    acceleration: Floats
+    change: Floats  #: (n,) Of the position over the step before; 0 at the start
+    acceleration: Floats  #: (n,) Mean over the step before; 0 at the start
+    #: (m,) Of the coordinates that are read, by the two steps before; 0 where there are none
     jerk: Floats
-    lasted: float
-    voltage: float
+    lasted: float  #: The step before (s); 0 at the start and after a jump
+    voltage: float  #: Across the bimorph (V)
+    #: In the winding (A); m
     current: float
     gap: float
-    field: CoenergyPoint
-    deformations: tuple[list[float], ...]
+    field: CoenergyPoint  #: At that current and gap
+    deformations: tuple[list[float], ...]  #: Of each element
 
 
 class Flow(NamedTuple):

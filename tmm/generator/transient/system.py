@@ -60,13 +60,9 @@ class Stop:
     """A spring that pushes only: stiffness k and damper c act while δ > 0, and never pull.
 
     A Kelvin-Voigt contact cut off where it would pull, so small motions in contact see k and c.
-
-    Attributes
-    ----------
-    stiffness, damping : float
-        N/m and N s/m.
     """
 
+    #: N/m and N s/m
     stiffness: float
     damping: float = 0.0
 
@@ -118,20 +114,11 @@ class RoughPoint:
 
     The law of :mod:`tmm.generator.contact` at one place of the head; damping is the relaxation
     time times the rate of the force, cut off where the sum would pull.
-
-    Attributes
-    ----------
-    load : float
-        P, the force at δ = 0 (N).
-    decay_length : float
-        u₀ (m).
-    relaxation_time : float
-        s.
     """
 
-    load: float
-    decay_length: float
-    relaxation_time: float = 0.0
+    load: float  #: P, the force at δ = 0 (N)
+    decay_length: float  #: u₀ (m)
+    relaxation_time: float = 0.0  #: s
 
     @property
     def apart(self) -> float:
@@ -216,22 +203,12 @@ class CubicSpring:
 
 @dataclass(frozen=True)
 class Element:
-    """One spring or p of one kind, side by side: δ = `offset` + `direction` · x.
+    """One spring or p of one kind, side by side: δ = `offset` + `direction` · x."""
 
-    Attributes
-    ----------
-    name : str
-    law : Law
-        Its parameters are numbers or (p,) arrays.
-    direction : (p, n) or (n,) float
-    offset : float or (p,) float
-        m.
-    """
-
-    name: str
-    law: Law
-    direction: Floats
-    offset: Floats | float = 0.0
+    name: str  #:
+    law: Law  #: Its parameters are numbers or (p,) arrays
+    direction: Floats  #: (p, n)
+    offset: Floats | float = 0.0  #: m
 
 
 @dataclass(frozen=True)
@@ -240,52 +217,25 @@ class Friction:
 
     T = −µ N v/√(v² + v_s²) along `direction` · x: it creeps where a rough surface would stick,
     and takes energy at any speed.
-
-    Attributes
-    ----------
-    element : int
-        Which of the system's elements pushes with N.
-    direction : (n,) float
-    coefficient : float
-        µ.
-    speed : float
-        v_s (m/s).
     """
 
-    element: int
-    direction: Floats
-    coefficient: float
-    speed: float = 1e-4
+    element: int  #: Which of the system's elements pushes with N
+    direction: Floats  #: (n,)
+    coefficient: float  #: µ
+    speed: float = 1e-4  #: v_s (m/s)
 
 
 @dataclass(frozen=True)
 class Coil:
-    """The winding and what its field pulls at.
+    """The winding and what its field pulls at."""
 
-    Attributes
-    ----------
-    coenergy : Coenergy
-        W'(i, g).
-    direction : (n,) float
-        b: how the gap opens with the coordinates.
-    gap : float
-        g_0 at x = 0 (m).
-    resistance : float
-        Of the circuit (Ω).
-    source : {"current", "voltage"}
-        What the waveform prescribes.
-    width : float
-        A change of the gap that counts as large (m).
-    largest_current, gaps : float, (float, float)
-        Where the co-energy is known (A, m); a run that leaves this range ends.
-    """
-
-    coenergy: Coenergy
-    direction: Floats
-    gap: float
-    resistance: float
-    source: Literal["current", "voltage"] = "current"
-    width: float = 1e-4
+    coenergy: Coenergy  #: W'(i, g)
+    direction: Floats  #: (n,) b: how the gap opens with the coordinates
+    gap: float  #: g_0 at x = 0 (m)
+    resistance: float  #: Of the circuit (Ω)
+    source: Literal["current", "voltage"] = "current"  #: What the waveform prescribes
+    width: float = 1e-4  #: A change of the gap that counts as large (m)
+    #: Where the co-energy is known (A, m); a run that leaves this range ends
     largest_current: float = np.inf
     gaps: tuple[float, float] = (-np.inf, np.inf)
 
@@ -307,35 +257,17 @@ class Output:
 
 @dataclass(frozen=True)
 class System:
-    """A structure with its springs, its stops and its coil, in SI units.
+    """A structure with its springs, its stops and its coil, in SI units."""
 
-    Attributes
-    ----------
-    mass, damping, stiffness : (n, n) float
-        Symmetric and positive semidefinite; what has no mass is held by a damper or a spring.
-    load : (n,) float
-        Constant forces: preload and weight.
-    coupling : (n,) float
-        θ: force per volt across the bimorph, and its charge per coordinate.
-    capacitance : float
-        C_p at x = 0 (F).
-    elements : tuple of Element
-        Springs and stops.
-    frictions : tuple of Friction
-        Under elements that push.
-    coil : Coil or None
-        The normal actuator's winding.
-    outputs : dict of str to Output
-        What is recorded of x, and judged.
-    """
-
+    #: (n, n) Symmetric and positive semidefinite; what has no mass is held by a damper or a spring
     mass: Floats
     damping: Floats
     stiffness: Floats
-    load: Floats
-    coupling: Floats
-    capacitance: float = 0.0
-    elements: tuple[Element, ...] = ()
-    frictions: tuple[Friction, ...] = ()
-    coil: Coil | None = None
+    load: Floats  #: (n,) Constant forces: preload and weight
+    coupling: Floats  #: (n,) θ: force per volt across the bimorph, and its charge per coordinate
+    capacitance: float = 0.0  #: C_p at x = 0 (F)
+    elements: tuple[Element, ...] = ()  #: Springs and stops
+    frictions: tuple[Friction, ...] = ()  #: Under elements that push
+    coil: Coil | None = None  #: The normal actuator's winding
+    #: What is recorded of x, and judged
     outputs: Mapping[str, Output] = field(default_factory=dict)

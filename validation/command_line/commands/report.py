@@ -22,10 +22,7 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser("report", help="write the verification report (HTML)")
     scene_options(parser, _SCENE)
     parser.add_argument(
-        "--model",
-        action="append",
-        metavar="NAME",
-        help="may be repeated; see tactgen solve --help",
+        "--model", action="append", metavar="NAME", help="may be repeated; see tactgen solve --help"
     )
     parser.add_argument("--out", default=_OUT, metavar="DIR", help="folder (default report)")
     parser.add_argument(

@@ -17,9 +17,7 @@ from tactgen.validation.command_line.streams import print_json, say
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
-        "solve",
-        help="compute quantities",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        "solve", help="compute quantities", formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.listing = _listing
     scene_options(parser)

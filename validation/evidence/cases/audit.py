@@ -132,22 +132,14 @@ _COMPARED = np.unique(np.concatenate([AT, np.geomspace(10.0, 1000.0, 9)]))
 
 @dataclass(frozen=True)
 class AuditRow:
-    """One formula: how far it is off, and what that does.
+    """One formula: how far it is off, and what that does."""
 
-    Attributes
-    ----------
-    formula : Formula
-        Equation number, symbol, printed and correct form.
-    deviation : float or None
-        Largest relative deviation of the printed formula from the exact value over 10 to
-        1000 Hz; None where it is a matrix of other formulas.
-    velocity, current : (n,) array or None
-        Relative size of the complex change of tip velocity and current at :data:`AT` when
-        this formula alone is taken as printed; None where it is right.
-    """
-
-    formula: Formula
+    formula: Formula  #: Equation number, symbol, printed and correct form
+    #: Largest relative deviation of the printed formula from the exact value over 10 to 1000 Hz;
+    #: None where it is a matrix of other formulas
     deviation: float | None
+    #: (n,) Relative size of the complex change of tip velocity and current at :data:`AT` when this
+    #: formula alone is taken as printed; None where it is right
     velocity: Floats | None = None
     current: Floats | None = None
 

@@ -292,15 +292,9 @@ IMAGES: tuple[Case, ...] = (
 
 @dataclass(frozen=True)
 class IdealGap:
-    """It stands where a co-energy map does; the pull is positive when it closes the gap.
+    """It stands where a co-energy map does; the pull is positive when it closes the gap."""
 
-    Attributes
-    ----------
-    strength : float
-        C = µ0 N² A (H m).
-    """
-
-    strength: float
+    strength: float  #: C = µ0 N² A (H m)
 
     def at(self, current: float, gap: float) -> CoenergyPoint:
         """All that holds at a current (A) and gap (m)."""

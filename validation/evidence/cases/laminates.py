@@ -58,11 +58,7 @@ def bending_bimorph(
         for i, (name, tensors) in enumerate((("low", ceramic), ("high", turned)))
     )
     middle = 0.5 * _LENGTH
-    held = [
-        Held(Where(), ("y",)),
-        Held(Where(z=0.0), ("x", "phi")),
-        Held(Where(z=middle), ("z",)),
-    ]
+    held = [Held(Where(), ("y",)), Held(Where(z=0.0), ("x", "phi")), Held(Where(z=middle), ("z",))]
     if grounded:
 
         def wave(_x: Floats, _y: Floats, z: Floats) -> Floats:

@@ -92,32 +92,20 @@ def ceramic(*, lossy: bool) -> Material:
 
 @dataclass(frozen=True)
 class Space:
-    """What is needed of a discretised body: its matrices, and its functions at points inside.
+    """What is needed of a discretised body: its matrices, and its functions at points inside."""
 
-    Attributes
-    ----------
-    stiffness, mass : (4 n, 4 n) sparse
-        Over (u_x, u_y, u_z, φ / unit) node by node.
-    nodes : (n, 3) float
-        Where each function's node is (m).
-    walls : (n,) bool
-        Which nodes are on the boundary.
-    points, weights : (3, n_points), (n_points,) float
-        A quadrature rule.
-    values, slopes : callable
-        From nodal values (n,) to those (n_points,) and gradients (3, n_points) at its points.
-    against : callable
-        From a density (n_points,) to its integrals with each function (n,).
-    """
-
+    #: (4 n, 4 n) Over (u_x, u_y, u_z, φ / unit) node by node
     stiffness: Sparse
     mass: Sparse
-    nodes: Floats
-    walls: Bools
+    nodes: Floats  #: (n, 3) Where each function's node is (m)
+    walls: Bools  #: (n,) Which nodes are on the boundary
+    #: (3, n_points) A quadrature rule
     points: Floats
     weights: Floats
+    #: From nodal values (n,) to those (n_points,) and gradients (3, n_points) at its points
     values: Callable[[Numbers], Numbers]
     slopes: Callable[[Numbers], Numbers]
+    #: From a density (n_points,) to its integrals with each function (n,)
     against: Callable[[Numbers], Numbers]
 
 

@@ -25,10 +25,7 @@ from tactgen.validation.evidence.case import Answer, Case, Refinement, case
 from tactgen.validation.evidence.cases import manufactured
 from tactgen.validation.evidence.cases.laminates import bending_bimorph
 from tactgen.validation.evidence.cases.manufactured import EDGE, Cells, quarter_wave_error
-from tactgen.validation.evidence.cases.manufactured_fields import (
-    cube_error,
-    rings_error,
-)
+from tactgen.validation.evidence.cases.manufactured_fields import cube_error, rings_error
 from tactgen.validation.evidence.section_drawing import section
 
 #: The lowest natural frequency (Hz) of the bimorph below; see case CYL2.

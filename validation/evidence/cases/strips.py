@@ -11,16 +11,7 @@ from tactgen.fem.piezo.system import Material
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import EPS0, PiezoTensors, isotropic_stiffness
-from tactgen.validation.evidence.boxes import (
-    Box,
-    Held,
-    Load,
-    State,
-    Where,
-    even,
-    stacked,
-    statics,
-)
+from tactgen.validation.evidence.boxes import Box, Held, Load, State, Where, even, stacked, statics
 from tactgen.validation.evidence.case import Answer, Case, case
 from tactgen.validation.evidence.fineness import cached
 from tactgen.validation.evidence.section_drawing import section

@@ -43,18 +43,12 @@ class PoleForce:
 
 @dataclass(frozen=True)
 class FluxDensities:
-    """Vertical flux densities (T), as they were measured.
+    """Vertical flux densities (T), as they were measured."""
 
-    Attributes
-    ----------
-    centre, corner : float
-        In the middle of the gap, below the pole's centre and below its corner.
-    pole, yoke : float
-        Mean over a section of the pole and of one leg of the yoke, half way up the coil.
-    """
-
+    #: In the middle of the gap, below the pole's centre and below its corner
     centre: float
     corner: float
+    #: Mean over a section of the pole and of one leg of the yoke, half way up the coil
     pole: float
     yoke: float
 

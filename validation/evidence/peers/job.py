@@ -172,41 +172,23 @@ _SIDES = {
 
 @dataclass(frozen=True)
 class Face:
-    """Part of a named face that belongs to one layer.
+    """Part of a named face that belongs to one layer."""
 
-    Attributes
-    ----------
-    name : str
-        ``base``, ``tip``, ``side``, and the electrodes ``outer`` and ``inner``.
-    layer, behind : int
-        The layer it belongs to, and the one on its other side (None on the surface).
-    quads : (n, 4) int array
-        Corners.
-    """
-
-    name: str
+    name: str  #: ``base``, ``tip``, ``side``, and the electrodes ``outer`` and ``inner``
+    #: The layer it belongs to, and the one on its other side (None on the surface)
     layer: int
     behind: int | None
-    quads: Ints
+    quads: Ints  #: (n, 4) Corners
 
 
 @dataclass(frozen=True)
 class Bricks:
-    """A grid of bricks.
+    """A grid of bricks."""
 
-    Attributes
-    ----------
-    points : (n_points, 3) array
-        Corners (m).
-    cells : (n_cells, 8) int array
-        Corners of each brick, lower face counterclockwise and then the upper one.
-    layer : (n_cells,) int array
-        Index into :data:`LAYERS`.
-    """
-
-    points: Floats
+    points: Floats  #: (n_points, 3) Corners (m)
+    #: (n_cells, 8) Corners of each brick, lower face counterclockwise and then the upper one
     cells: Ints
-    layer: Ints
+    layer: Ints  #: (n_cells,) Index into :data:`LAYERS`
 
     def faces(self) -> list[Face]:
         """All faces on the surface and between ceramic and shim."""

@@ -76,21 +76,11 @@ _ORDER_OF_OTHERS = 2.0
 
 @dataclass(frozen=True)
 class Solved:
-    """A mesh with the lossless solid on it and what it gives.
+    """A mesh with the lossless solid on it and what it gives."""
 
-    Attributes
-    ----------
-    mesh : Mesh
-        Tetrahedra.
-    system : SolidSystem
-        The solid.
-    goals : dict of str to GoalError
-        Values and estimated errors.
-    """
-
-    mesh: Mesh
-    system: SolidSystem
-    goals: dict[str, GoalError]
+    mesh: Mesh  #: Tetrahedra
+    system: SolidSystem  #: The solid
+    goals: dict[str, GoalError]  #: Values and estimated errors
 
     @property
     def error(self) -> float:

@@ -40,20 +40,12 @@ _MOST_TOGETHER = 150_000
 @storable
 @dataclass(frozen=True)
 class MeshModes:
-    """The modes of the solid on one mesh.
+    """The modes of the solid on one mesh."""
 
-    Attributes
-    ----------
-    ports : ModalModel
-        The motions that the ports take part in.
-    others : dict of str to tuple of BareMode
-        The other classes of motion; none of a body taken whole.
-    moved : tuple of dict, optional
-        The same modes, moved by displacements that the mesh lacks, and by potentials.
-    """
-
-    ports: ModalModel
+    ports: ModalModel  #: The motions that the ports take part in
+    #: The other classes of motion; none of a body taken whole
     others: dict[Motion, tuple[BareMode, ...]]
+    #: The same modes, moved by displacements that the mesh lacks, and by potentials
     moved: tuple[dict[Motion, tuple[BareMode, ...]], ...] = ()
 
     @property
@@ -147,10 +139,7 @@ def _of(system: SolidSystem) -> tuple[Motion, ...]:
 
 
 def _other(
-    system: SolidSystem,
-    motion: Motion,
-    count: int,
-    lacking: Callable[[Motion], Surplus] | None,
+    system: SolidSystem, motion: Motion, count: int, lacking: Callable[[Motion], Surplus] | None
 ) -> list[tuple[BareMode, ...]]:
     """Modes of a class of motion; moved by what is lacking of displacement; of potential."""
     from tactgen.fem.piezo.modes import eigenpairs, solid_mode

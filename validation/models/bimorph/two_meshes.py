@@ -88,33 +88,20 @@ class MeshPair(ABC):
 @storable
 @dataclass(frozen=True)
 class SolidModes:
-    """Modes of the solid on two meshes for any support, and what judges them.
+    """Modes of the solid on two meshes for any support, and what judges them."""
 
-    Attributes
-    ----------
-    fine, coarse : MeshModes
-        On the finer and the coarser mesh.  What functions that the finer one lacks make of its
-        modes judges them, if that is known, else the coarser one does.
-    spurious_stiffness, mass : float
-        See :class:`fem.piezo.system.SolidSystem` (N/m); of all nodes (kg).
-    static_factor : float
-        Error bar of static quantities per difference between the two meshes.
-    static_share : float
-        Relative error that static quantities count with at least.
-    mode_factors : (float, float)
-        The same of frequencies, see :class:`MeshPair`.
-    method : str
-        How the error bars come about.
-    """
-
+    #: On the finer and the coarser mesh.  What functions that the finer one lacks make of its modes
+    #: judges them, if that is known, else the coarser one does
     fine: MeshModes
     coarse: MeshModes
+    #: See :class:`fem.piezo.system.SolidSystem` (N/m); of all nodes (kg)
     spurious_stiffness: float
     mass: float
-    static_factor: float
-    static_share: float
+    static_factor: float  #: Error bar of static quantities per difference between the two meshes
+    static_share: float  #: Relative error that static quantities count with at least
+    #: (float, float) The same of frequencies, see :class:`MeshPair`
     mode_factors: tuple[float, float]
-    method: str
+    method: str  #: How the error bars come about
 
     def stiffened(self, ends: Ends, count: int) -> tuple[Floats, Floats]:
         """What an open circuit adds to Ω² of the lowest `count` bending modes, relative.
@@ -302,11 +289,7 @@ class TwoMeshModel(BimorphModel):
     def _lowest(self, *, open_circuit: bool) -> tuple[list[BareMode], list[BareMode]]:
         modal = self._modal()
         return lowest_modes(
-            modal.fine,
-            modal.coarse,
-            self.scene.ends,
-            self.scene.modes,
-            open_circuit=open_circuit,
+            modal.fine, modal.coarse, self.scene.ends, self.scene.modes, open_circuit=open_circuit
         )
 
     def _rounding(self, port: Multiport) -> float:

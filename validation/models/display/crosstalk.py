@@ -24,21 +24,11 @@ _ROUNDING, _DRAWS = 16.0 * np.finfo(float).eps, 3
 
 @dataclass(frozen=True)
 class MechanicalCrosstalk:
-    """The display with one unit driven: the one next to the middle, towards r1c1.
+    """The display with one unit driven: the one next to the middle, towards r1c1."""
 
-    Attributes
-    ----------
-    scene : Scene
-        Display, skin, contact and the tips' load are read.
-    ports : Refined[Multiport]
-        One bimorph by its model, parallel wiring; all units are this one.
-    bare : bool
-        Whether the tips are without skin, their loads apart.
-    """
-
-    scene: Scene
-    ports: Refined[Multiport]
-    bare: bool = False
+    scene: Scene  #: Display, skin, contact and the tips' load are read
+    ports: Refined[Multiport]  #: One bimorph by its model, parallel wiring; all units are this one
+    bare: bool = False  #: Whether the tips are without skin, their loads apart
 
     @property
     def method(self) -> str:

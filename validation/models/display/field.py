@@ -15,32 +15,18 @@ _NEIGHBOURS = 4
 @storable
 @dataclass(frozen=True)
 class NeighbourField:
-    """Pulls of one unit in an array in which all are driven, or one.
+    """Pulls of one unit in an array in which all are driven, or one."""
 
-    Attributes
-    ----------
-    current : float
-        In every coil (A).
-    same, alternating : Estimate
-        Polarities equal, or opposite to all nearest neighbours (N).
-    difference : Estimate
-        The first less the second (N), which shares much of their errors.
-    single : Estimate
-        Pull of one unit driven among others without current (N).
-    passive : Estimate
-        Pull of its undriven neighbour beside it (N), below 0 if that is lifted; nan where that is
-        not known.
-    method : str
-        How the bars come about.
-    """
-
-    current: float
+    current: float  #: In every coil (A)
+    #: Polarities equal, or opposite to all nearest neighbours (N)
     same: Estimate
     alternating: Estimate
-    difference: Estimate
-    single: Estimate
+    difference: Estimate  #: The first less the second (N), which shares much of their errors
+    single: Estimate  #: Pull of one unit driven among others without current (N)
+    #: Pull of its undriven neighbour beside it (N), below 0 if that is lifted; nan where that is
+    #: not known
     passive: Estimate
-    method: str
+    method: str  #: How the bars come about
 
     def per_neighbour(self) -> Estimate:
         """Force change of a unit per ampere in each of its nearest neighbours (N/A).

@@ -34,34 +34,17 @@ _EXPONENT = 0.4
 
 @dataclass(frozen=True)
 class Spread:
-    """The units as drawn, and after their screws were turned.
+    """The units as drawn, and after their screws were turned."""
 
-    Attributes
-    ----------
-    units : tuple of str
-        Names, row by row.
-    frequencies : tuple of Estimate
-        Of each unit as drawn (Hz).
-    turns : tuple of float
-        Of each screw, positive tightens.
-    turns_bar : float
-        What the bars of the frequencies leave open in turns.
-    tuned : tuple of Estimate
-        After turning (Hz).
-    lowest, highest : Estimate
-        Of the nominal unit with its screw as far out and in as it goes (Hz).
-    method : str
-        How the bars come about.
-    """
-
-    units: tuple[str, ...]
-    frequencies: tuple[Estimate, ...]
-    turns: tuple[float, ...]
-    turns_bar: float
-    tuned: tuple[Estimate, ...]
+    units: tuple[str, ...]  #: Names, row by row
+    frequencies: tuple[Estimate, ...]  #: Of each unit as drawn (Hz)
+    turns: tuple[float, ...]  #: Of each screw, positive tightens
+    turns_bar: float  #: What the bars of the frequencies leave open in turns
+    tuned: tuple[Estimate, ...]  #: After turning (Hz)
+    #: Of the nominal unit with its screw as far out and in as it goes (Hz)
     lowest: Estimate
     highest: Estimate
-    method: str
+    method: str  #: How the bars come about
 
     def as_drawn(self) -> Estimate:
         """Frequencies of all units as drawn."""

@@ -85,23 +85,13 @@ class _Scaled:
 
 @dataclass(frozen=True)
 class JudgedRod:
-    """The rod in small motions, and by what its error is judged.
+    """The rod in small motions, and by what its error is judged."""
 
-    Attributes
-    ----------
-    fine : Linearised
-        The result.
-    method : str
-        How the error bar comes about, for the reader.
-    changed : tuple of (Linearised, float)
-        By poorer maps, each with what its distance counts; the bars add.
-    ladders : pair of Linearised, optional
-        By a ladder of half the cells, and of a quarter: the order is observed.
-    """
-
-    fine: Linearised
-    method: str = ""
+    fine: Linearised  #: The result
+    method: str = ""  #: How the error bar comes about, for the reader
+    #: By poorer maps, each with what its distance counts; the bars add
     changed: tuple[tuple[Linearised, float], ...] = ()
+    #: By a ladder of half the cells, and of a quarter: the order is observed
     ladders: tuple[Linearised, Linearised] | None = None
 
     def bar(self, of: Callable[[Linearised], Numbers | float]) -> Floats:
@@ -200,11 +190,7 @@ def judged_by_map(scene: Scene, pull: CoenergyMap) -> JudgedRod:
     sparse, remains = thinned(pull)
     own = _sample_error(pull, abs(scene.coil.current), _rest(scene, pull).lift + scene.gap)
     between = pull.interpolation_error
-    larger = _Scaled(
-        pull,
-        1.0 + own + between.force,
-        1.0 + own + between.flux_linkage,
-    )
+    larger = _Scaled(pull, 1.0 + own + between.force, 1.0 + own + between.flux_linkage)
     return JudgedRod(
         fine,
         f"half the change with half the samples of the map by the model {pull.samples.model}, of "
@@ -272,21 +258,11 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class SmallSignal:
-    """The machine on a bimorph's ports, with what judges them.
+    """The machine on a bimorph's ports, with what judges them."""
 
-    Attributes
-    ----------
-    scene : Scene
-        Wiring, tip load and the coil's supply are read.
-    ports : Refined[Multiport]
-        The bimorph by its model, parallel wiring.
-    linear : JudgedRod
-        The rod, and by what it is judged.
-    """
-
-    scene: Scene
-    ports: Refined[Multiport]
-    linear: JudgedRod
+    scene: Scene  #: Wiring, tip load and the coil's supply are read
+    ports: Refined[Multiport]  #: The bimorph by its model, parallel wiring
+    linear: JudgedRod  #: The rod, and by what it is judged
 
     @property
     def method(self) -> str:

@@ -39,21 +39,12 @@ _HIGHEST = 20e3
 
 @dataclass(frozen=True)
 class Simulation:
-    """What a scene did.
+    """What a scene did."""
 
-    Attributes
-    ----------
-    scene : Scene
-    machine : Machine
-    answer : Answer
-    stop_force : dict of str to (k,) float
-        Of each stop on the head (N), 0 or more.
-    """
-
-    scene: Scene
-    machine: Machine
-    answer: Answer
-    stop_force: dict[str, Floats]
+    scene: Scene  #:
+    machine: Machine  #:
+    answer: Answer  #:
+    stop_force: dict[str, Floats]  #: Of each stop on the head (N), 0 or more
 
     @property
     def load_misfit(self) -> float:
@@ -200,21 +191,14 @@ _SAMPLES = 500
 
 @dataclass(frozen=True)
 class Phase:
-    """A stretch of time.
+    """A stretch of time."""
 
-    Attributes
-    ----------
-    name : {"held", "rising", "pressed", "falling"}
-    start, end : float
-        s.
-    amplitude : float
-        Half the way between the outermost positions of the tip in it, laterally (m); what drifts
-        counts too.  For the answer to the drive alone see :func:`common_oscillation`.
-    """
-
-    name: str
+    name: str  #:
+    #: s
     start: float
     end: float
+    #: Half the way between the outermost positions of the tip in it, laterally (m); what drifts
+    #: counts too.  For the answer to the drive alone see :func:`common_oscillation`
     amplitude: float
 
 

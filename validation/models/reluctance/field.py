@@ -267,9 +267,7 @@ def _judged(found: FieldPoint | SolidPoint, method: str) -> MagneticPoint:
 
 
 def _fine_enough(
-    refinements: tuple[tuple[float, float], ...],
-    accuracy: float,
-    solve: Callable[[float], _Found],
+    refinements: tuple[tuple[float, float], ...], accuracy: float, solve: Callable[[float], _Found]
 ) -> _Found:
     """Point of the coarsest grid whose force bar is within the accuracy wanted.
 

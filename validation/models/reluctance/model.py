@@ -37,10 +37,7 @@ WORTH_A_WORD = 0.01
 
 
 def magnetic_warnings(
-    model: str,
-    scene: Scene,
-    quantities: Sequence[str],
-    answer: Callable[[Need], Any],
+    model: str, scene: Scene, quantities: Sequence[str], answer: Callable[[Need], Any]
 ) -> tuple[str, ...]:
     """What a model's answers to these quantities leave to say."""
     found: list[str] = []
@@ -226,23 +223,15 @@ _POINTS, _BEYOND = 121, 1.25
 
 @dataclass(frozen=True)
 class RodLoop:
-    """The loop by one model of the normal actuator.
+    """The loop by one model of the normal actuator."""
 
-    Attributes
-    ----------
-    model : str
-    loop : PositionLoop
-    rising_bar, falling_bar : (c,) array
-        Error of the map's pull over the axial stiffness (m).
-    switching : SwitchingCurrents or None
-        Where the rod leaves and comes back; None where a finger presses the tip, of which
-        these say nothing.
-    """
-
-    model: str
-    loop: PositionLoop
+    model: str  #:
+    loop: PositionLoop  #:
+    #: (c,) Error of the map's pull over the axial stiffness (m)
     rising_bar: Floats
     falling_bar: Floats
+    #: Where the rod leaves and comes back; None where a finger presses the tip, of which these say
+    #: nothing
     switching: SwitchingCurrents | None
 
 

@@ -36,26 +36,16 @@ _MOST_PLACES = 4
 @storable
 @dataclass(frozen=True)
 class RestingState:
-    """The rod at rest at one current.
+    """The rod at rest at one current."""
 
-    Attributes
-    ----------
-    position, finger_force, contact_force : Estimate
-        See :class:`tmm.generator.positions.RestingPlace`; m and N.
-    places : Estimate
-        All resting positions (m) by the map alone, from the top down, by their kind.
-    kind : str
-        Of the place that the rod takes.
-    beyond_table : float
-        See :class:`MagneticPoint`.
-    """
-
+    #: See :class:`tmm.generator.positions.RestingPlace`; m and N
     position: Estimate
     finger_force: Estimate
     contact_force: Estimate
+    #: All resting positions (m) by the map alone, from the top down, by their kind
     places: Estimate
-    kind: str
-    beyond_table: float
+    kind: str  #: Of the place that the rod takes
+    beyond_table: float  #: See :class:`MagneticPoint`
     method: str = (
         "error bar of the pull there, in positions over the axial stiffness; of all resting "
         "positions the map's error between its samples"

@@ -23,30 +23,21 @@ from tactgen.validation.engine.results import Estimate
 @storable
 @dataclass(frozen=True)
 class MagneticPoint:
-    """The actuator at one current (A) and gap (m).
-
-    Attributes
-    ----------
-    force, flux_linkage, coenergy, incremental_inductance : Estimate
-        SI units; the pull is positive when it closes the gap.
-    method : str
-        How the error bars come about.
-    beyond_table : float
-        Share of the iron's volume that lies beyond the end of a magnetisation curve that
-        ends before the steel is saturated.
-    force_by_stress : float
-        The pull by the stress in the air (N), where the model's own is by virtual work; nan
-        elsewhere.
-    """
+    """The actuator at one current (A) and gap (m)."""
 
     current: float
     gap: float
+    #: SI units; the pull is positive when it closes the gap
     force: Estimate
     flux_linkage: Estimate
     coenergy: Estimate
     incremental_inductance: Estimate
-    method: str
+    method: str  #: How the error bars come about
+    #: Share of the iron's volume that lies beyond the end of a magnetisation curve that ends before
+    #: the steel is saturated
     beyond_table: float
+    #: The pull by the stress in the air (N), where the model's own is by virtual work; nan
+    #: elsewhere
     force_by_stress: float = math.nan
 
     @property
@@ -76,27 +67,16 @@ _NONE = Estimate(math.nan, math.nan)
 @storable
 @dataclass(frozen=True)
 class SwitchingCurrents:
-    """Currents at which the rod moves (A), see :class:`tmm.reluctance.switching.Switching`.
+    """Currents at which the rod moves (A), see :class:`tmm.reluctance.switching.Switching`."""
 
-    Attributes
-    ----------
-    lift_off, pull_in, holding, drop_out : Estimate
-        nan where no current of the map does it.
-    floats : bool
-        Whether the rod comes to rest between the stops before it pulls in.
-    beyond_table : float
-        The largest of the points that were solved, see :class:`MagneticPoint`.
-    limit : float
-        The largest current that was looked at.
-    """
-
+    #: nan where no current of the map does it
     lift_off: Estimate
     pull_in: Estimate
     holding: Estimate
     drop_out: Estimate
-    floats: bool
-    beyond_table: float
-    limit: float
+    floats: bool  #: Whether the rod comes to rest between the stops before it pulls in
+    beyond_table: float  #: The largest of the points that were solved, see :class:`MagneticPoint`
+    limit: float  #: The largest current that was looked at
     method: str = (
         "error bar of the force there, over the force's slope with current; on a floating place "
         "also what the place is uncertain by"

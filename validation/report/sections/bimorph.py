@@ -54,11 +54,7 @@ def _modes(study: Study) -> Context:
         for row in (SHORT_CIRCUIT_FREQUENCIES, OPEN_CIRCUIT_FREQUENCIES)
     )
     both = {model: (short[model], opened[model]) for model in short if model in opened}
-    return {
-        "frequencies": both,
-        "circuit": circuit,
-        **gallery.moving(study),
-    }
+    return {"frequencies": both, "circuit": circuit, **gallery.moving(study)}
 
 
 def _response(study: Study) -> Context:

@@ -80,8 +80,4 @@ def _parameters(study: Study) -> Context:
 
 
 def _plan(study: Study) -> Context:
-    return {
-        "plan": study.plan,
-        "stage_seconds": study.seconds,
-        "origin": this_origin(),
-    }
+    return {"plan": study.plan, "stage_seconds": study.seconds, "origin": this_origin()}

@@ -20,10 +20,7 @@ if TYPE_CHECKING:
 _MODES = 4
 _STILL = 340, 600
 
-_KIND = {
-    "tetra": "tetrahedra with 10 nodes",
-    "tetra10": "curved tetrahedra with 10 nodes",
-}
+_KIND = {"tetra": "tetrahedra with 10 nodes", "tetra10": "curved tetrahedra with 10 nodes"}
 
 
 def pictures(study: Study) -> list[dict[str, str]]:

@@ -17,12 +17,7 @@ from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import Backbone, Curve
-from tactgen.validation.models.rocking import (
-    COILS,
-    RockingState,
-    in_state,
-    rocking_states,
-)
+from tactgen.validation.models.rocking import COILS, RockingState, in_state, rocking_states
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.nearby import is_papers_bimorph

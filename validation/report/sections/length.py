@@ -10,10 +10,7 @@ import numpy as np
 from tactgen.geometry.device.parameters import Drive
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.sensitivities import logarithmic_sensitivities
-from tactgen.validation.catalogue.detection import (
-    ThresholdCurve,
-    threshold_of,
-)
+from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.scene.nearby import is_papers_bimorph
 from tactgen.validation.scene.scene import Scene

@@ -37,24 +37,14 @@ _LOOP_POINTS = 2001
 
 @dataclass(frozen=True)
 class Families:
-    """What the families of curves show.
+    """What the families of curves show."""
 
-    Attributes
-    ----------
-    device : Device
-        Its spring and stops are drawn.
-    maps : mapping of str to CoenergyMap
-        By model.
-    currents, gaps : (c,), (m,) float
-        One curve each (A, m).
-    points : sequence of FieldPoint
-        Single solutions of the field, drawn as circles.
-    """
-
-    device: Device
-    maps: Mapping[str, CoenergyMap]
+    device: Device  #: Its spring and stops are drawn
+    maps: Mapping[str, CoenergyMap]  #: By model
+    #: (c,) One curve each (A, m)
     currents: Floats
     gaps: Floats
+    #: Single solutions of the field, drawn as circles
     points: Sequence[FieldPoint] = field(default=())
 
 

@@ -34,18 +34,11 @@ _CIRCUITS: tuple[tuple[Circuit, str], ...] = (
 
 @dataclass(frozen=True)
 class Request:
-    """What is wanted of every model.
+    """What is wanted of every model."""
 
-    Attributes
-    ----------
-    frequencies : tuple of float or None
-        Of harmonic states (Hz); None takes half the first frequency of bending and that itself.
-    detail : {"nodes", "edges"}
-        Every node of bricks, or those that a picture needs.
-    """
-
+    #: Of harmonic states (Hz); None takes half the first frequency of bending and that itself
     frequencies: tuple[float, ...] | None = None
-    detail: Detail = "nodes"
+    detail: Detail = "nodes"  #: Every node of bricks, or those that a picture needs
 
     @property
     def to_look_at(self) -> bool:

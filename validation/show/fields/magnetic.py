@@ -39,26 +39,13 @@ _AROUND = 0.8e-3
 
 @dataclass(frozen=True)
 class Section:
-    """The parts' half section in quadrilaterals.
+    """The parts' half section in quadrilaterals."""
 
-    Attributes
-    ----------
-    places : (n, 2) array
-        r and z (m), each of one part.
-    quads : (m, 4) int array
-        Counter-clockwise in (r, z).
-    part : (m,) int array
-        Index into `names`.
-    names : tuple of str
-        Parts.
-    flux_density, field_strength : (n, 2) array
-        B (T) and H (A/m) along r and z.
-    """
-
-    places: Floats
-    quads: Ints
-    part: Ints
-    names: tuple[str, ...]
+    places: Floats  #: (n, 2) r and z (m), each of one part
+    quads: Ints  #: (m, 4) Counter-clockwise in (r, z)
+    part: Ints  #: (m,) Index into `names`
+    names: tuple[str, ...]  #: Parts
+    #: (n, 2) B (T) and H (A/m) along r and z
     flux_density: Floats
     field_strength: Floats
 

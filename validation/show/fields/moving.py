@@ -22,17 +22,11 @@ _AROUND = 33
 
 @dataclass(frozen=True)
 class MovingBody:
-    """A mesh, and how its points follow the coordinates of a run.
+    """A mesh, and how its points follow the coordinates of a run."""
 
-    Attributes
-    ----------
-    mesh : Mesh
-        z = 0 at the rod's top face (m).
-    lateral, axial : (n_points, c) float
-        Displacement along x and z per coordinate; a run may have more coordinates behind these.
-    """
-
-    mesh: Mesh
+    mesh: Mesh  #: z = 0 at the rod's top face (m)
+    #: (n_points, c) Displacement along x and z per coordinate; a run may have more coordinates
+    #: behind these
     lateral: Floats
     axial: Floats
 

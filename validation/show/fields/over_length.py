@@ -20,58 +20,34 @@ class ModeOverLength:
 
     Attributes
     ----------
-    circuit, motion, place : str, str, int
-        Which it is: the place counts modes of one class of motion, from 0.
     frequency, bar : (n,) array
         Hz; nan where it is not among the lowest that the scene asks for.
-    shapes : (k, points, 3) array
-        Displacements at the solved lengths (m).
     """
 
+    #: Which it is: the place counts modes of one class of motion, from 0
     circuit: Circuit
     motion: str
     place: int
     frequency: Floats
     error: Floats
-    shapes: Floats
+    shapes: Floats  #: (k, points, 3) Displacements at the solved lengths (m)
 
 
 @dataclass(frozen=True)
 class LengthRange:
-    """A model's bimorph over a range of lengths.
+    """A model's bimorph over a range of lengths."""
 
-    Attributes
-    ----------
-    model : str
-        Its name.
-    here : float
-        The scene's own length (m).
-    mesh : Mesh
-        Points and cells at the length in the middle.
-    lengths : (n,) array
-        Where frequencies are known, ascending (m).
-    solved : (k,) array
-        Where shapes are (m).
-    points : (k, points, 3) array
-        The points at the solved lengths (m).
-    modes : tuple of ModeOverLength
-        Those with a shape everywhere in the range.
-    missed : float
-        Largest part of a displacement by which an interpolated shape was off at a length that
-        was solved to judge it.
-    method : str
-        How the frequencies' bars come about.
-    """
-
-    model: str
-    here: float
-    mesh: Mesh
-    lengths: Floats
-    solved: Floats
-    points: Floats
-    modes: tuple[ModeOverLength, ...]
+    model: str  #: Its name
+    here: float  #: The scene's own length (m)
+    mesh: Mesh  #: Points and cells at the length in the middle
+    lengths: Floats  #: (n,) Where frequencies are known, ascending (m)
+    solved: Floats  #: (k,) Where shapes are (m)
+    points: Floats  #: (k, points, 3) The points at the solved lengths (m)
+    modes: tuple[ModeOverLength, ...]  #: Those with a shape everywhere in the range
+    #: Largest part of a displacement by which an interpolated shape was off at a length that was
+    #: solved to judge it
     missed: float
-    method: str
+    method: str  #: How the frequencies' bars come about
 
 
 def lagrange_weights(nodes: Floats, at: float) -> Floats:

@@ -58,39 +58,25 @@ class State:
 
     Attributes
     ----------
-    name : str
-        Unique among the states of a result, such as "mode 1, short circuit".
-    kind, circuit : str
-        See :data:`StateKind` and :data:`Circuit`.
-    frequency : float
-        Hz; 0 of a static state.
     bar : float
         Numerical error bar of a mode's frequency (Hz); nan where there is none.
-    fields : mapping of str to (n_points,) or (n_points, k) array
-        By the names of :data:`FIELDS`, SI, real or complex peak amplitudes with the time factor
-        e^{+jΩt}.  Modes are scaled to a largest displacement of :data:`MODE_SIZE`.
-    tip : complex
-        Mean of u_x over the tip face (m).
-    charge : complex
-        On the outer electrodes (C), layers in parallel.
-    motion : str
-        Class of a mode, as the quantities name it.
-    coupling : float
-        Coupling factor √(1 − (f_short / f_open)²) of a mode that bends in x; nan of others.
-    pull : (float, float) or None
-        Of a magnetic state the force that closes the gap, and its error bar (N).
     """
 
-    name: str
+    name: str  #: Unique among the states of a result, such as "mode 1, short circuit"
+    #: See :data:`StateKind` and :data:`Circuit`
     kind: StateKind
     circuit: Circuit
-    frequency: float
+    frequency: float  #: Hz; 0 of a static state
     error: float
+    #: By the names of :data:`FIELDS`, SI, real or complex peak amplitudes with the time factor
+    #: e^{+jΩt}.  Modes are scaled to a largest displacement of :data:`MODE_SIZE`
     fields: Mapping[str, Array]
-    tip: complex = 0.0
-    charge: complex = 0.0
-    motion: str = ""
+    tip: complex = 0.0  #: Mean of u_x over the tip face (m)
+    charge: complex = 0.0  #: On the outer electrodes (C), layers in parallel
+    motion: str = ""  #: Class of a mode, as the quantities name it
+    #: Coupling factor √(1 − (f_short / f_open)²) of a mode that bends in x; nan of others
     coupling: float = float("nan")
+    #: (float, float) Of a magnetic state the force that closes the gap, and its error bar (N)
     pull: tuple[float, float] | None = None
 
 
@@ -100,33 +86,17 @@ MODE_SIZE = 1e-6
 
 @dataclass(frozen=True)
 class FieldResult:
-    """What one model says of a scene's device.
+    """What one model says of a scene's device."""
 
-    Attributes
-    ----------
-    scene, model : str
-        Names.
-    mesh : Mesh
-        Points (n, 3) in m, each of one region.
-    states : tuple of State
-        With fields at the points.
-    voltage : float
-        Drive of driven states, peak (V).
-    theory : str
-        Of the model, as its row names it.
-    lines : (m, 2, 3) array or None
-        Segments of flux lines (m).
-    rigid : tuple of str
-        Regions that move as rigid bodies: of these only the displacement is known.
-    """
-
+    #: Names
     scene: str
     model: str
-    mesh: Mesh
-    states: tuple[State, ...]
-    voltage: float
-    theory: str
-    lines: Floats | None = None
+    mesh: Mesh  #: Points (n, 3) in m, each of one region
+    states: tuple[State, ...]  #: With fields at the points
+    voltage: float  #: Drive of driven states, peak (V)
+    theory: str  #: Of the model, as its row names it
+    lines: Floats | None = None  #: (m, 2, 3) Segments of flux lines (m)
+    #: Regions that move as rigid bodies: of these only the displacement is known
     rigid: tuple[str, ...] = ()
 
     @property

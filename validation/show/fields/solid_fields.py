@@ -212,18 +212,10 @@ _NODES = np.vstack([np.eye(4), 0.5 * (np.eye(4)[TET_EDGES[:, 0]] + np.eye(4)[TET
 
 @dataclass(frozen=True)
 class TetSampler:
-    """Points of the whole, each region with its own, and how fields come to them.
+    """Points of the whole, each region with its own, and how fields come to them."""
 
-    Attributes
-    ----------
-    solved : Mesh
-        The mesh of the solution, ``tetra`` or ``tetra10``, whole or a quarter.
-    nodes : (n_nodes, 3) array
-        The system's nodes (m).
-    """
-
-    solved: Mesh
-    nodes: Floats
+    solved: Mesh  #: The mesh of the solution, ``tetra`` or ``tetra10``, whole or a quarter
+    nodes: Floats  #: (n_nodes, 3) The system's nodes (m)
 
     @cached_property
     def _quadratic(self) -> tuple[Floats, Ints, Ints]:

@@ -69,26 +69,13 @@ _FUNCTIONS: dict[str, Callable[[Any], Any]] = {
 
 @dataclass(frozen=True)
 class Aim:
-    """A condition or a goal.
+    """A condition or a goal."""
 
-    Attributes
-    ----------
-    text : str
-        As it was written.
-    kind : {"condition", "goal"}
-        Whether it is met or not, or is to be as good as possible.
-    sign : float
-        1 if more is better, -1 if less is.
-    quantities : tuple of str
-        What must be known of a point.
-    left, right : callable
-        Both sides; of a goal `right` is None.
-    """
-
-    text: str
-    kind: Literal["condition", "goal"]
-    sign: float
-    quantities: tuple[str, ...]
+    text: str  #: As it was written
+    kind: Literal["condition", "goal"]  #: Whether it is met or not, or is to be as good as possible
+    sign: float  #: 1 if more is better, -1 if less is
+    quantities: tuple[str, ...]  #: What must be known of a point
+    #: Both sides; of a goal `right` is None
     left: Node
     right: Node | None
 

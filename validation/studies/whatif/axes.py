@@ -66,27 +66,13 @@ _CALL = re.compile(r"\s*([a-z]+)\s*\(([^()]*)\)\s*")
 
 @dataclass(frozen=True)
 class Axis:
-    """One scene key that takes several values.
+    """One scene key that takes several values."""
 
-    Attributes
-    ----------
-    key : str
-        The scene key.
-    text : str
-        What was written for it, to be written down again.
-    unit : str
-        SI unit of its numbers, empty for choices and pure numbers.
-    values : tuple
-        Numbers in SI units or choices; none if they are drawn.
-    drawn : Distribution or None
-        What its values are drawn from.
-    """
-
-    key: str
-    text: str
-    unit: str
-    values: tuple[Any, ...]
-    drawn: Distribution | None = None
+    key: str  #: The scene key
+    text: str  #: What was written for it, to be written down again
+    unit: str  #: SI unit of its numbers, empty for choices and pure numbers
+    values: tuple[Any, ...]  #: Numbers in SI units or choices; none if they are drawn
+    drawn: Distribution | None = None  #: What its values are drawn from
 
     @property
     def numeric(self) -> bool:

@@ -50,27 +50,13 @@ _BLOCK = 1024
 
 @dataclass(frozen=True)
 class Part:
-    """Points of a study that differ for a model in a few numbers only.
+    """Points of a study that differ for a model in a few numbers only."""
 
-    Attributes
-    ----------
-    model : str
-        Its name.
-    quantities : tuple of str
-        Those of the study that it gives.
-    numbers : tuple of int
-        Places of the points.
-    ranges : dict of str to (float, float)
-        Lowest and highest value (SI) of the keys in which they differ.
-    first : dict
-        The first of the points.
-    """
-
-    model: str
-    quantities: tuple[str, ...]
-    numbers: tuple[int, ...]
-    ranges: Ranges
-    first: Point
+    model: str  #: Its name
+    quantities: tuple[str, ...]  #: Those of the study that it gives
+    numbers: tuple[int, ...]  #: Places of the points
+    ranges: Ranges  #: Lowest and highest value (SI) of the keys in which they differ
+    first: Point  #: The first of the points
 
     @property
     def key(self) -> str:

@@ -46,30 +46,14 @@ class Number:
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two.
+    """One of the two."""
 
-    Attributes
-    ----------
-    name : str
-        As it was given.
-    inputs : dict of str to str
-        Scene keys with their values, and of a study its axes.
-    numbers : dict
-        By what they are.
-    missing : dict of Key to str
-        Answers that are missing, and why.
-    scene : Scene
-        The scene; of a study without its axes.
-    axes : tuple of str
-        Headings of the axes' columns.
-    """
-
-    name: str
-    inputs: dict[str, str]
-    numbers: dict[Key, Number]
-    missing: dict[Key, str]
-    scene: Scene
-    axes: tuple[str, ...]
+    name: str  #: As it was given
+    inputs: dict[str, str]  #: Scene keys with their values, and of a study its axes
+    numbers: dict[Key, Number]  #: By what they are
+    missing: dict[Key, str]  #: Answers that are missing, and why
+    scene: Scene  #: The scene; of a study without its axes
+    axes: tuple[str, ...]  #: Headings of the axes' columns
 
 
 def read_sides(
@@ -163,9 +147,7 @@ def _inputs(scene: Scene, origins: dict[str, str]) -> dict[str, str]:
     return found
 
 
-def _numbered(
-    rows: Iterable[Sequence[object]],
-) -> tuple[dict[Key, Number], dict[Key, str]]:
+def _numbered(rows: Iterable[Sequence[object]]) -> tuple[dict[Key, Number], dict[Key, str]]:
     """Numbers and what is missing from rows of the tidy table; the point may lead them."""
     numbers: dict[Key, Number] = {}
     missing: dict[Key, str] = {}
@@ -198,26 +180,16 @@ class InputDifference:
 
 @dataclass(frozen=True)
 class AnswerDifference:
-    """One quantity by one model on both sides.
-
-    Attributes
-    ----------
-    count, beyond : int
-        How many numbers both have, and how many of them differ by more than both bars together.
-    only : (int, int)
-        How many numbers only the one and only the other has.
-    key : Key
-        Where the difference is largest, in bars beyond them or else relative to the value.
-    first, second : Number
-        There.
-    """
+    """One quantity by one model on both sides."""
 
     quantity: str
     model: str
+    #: How many numbers both have, and how many of them differ by more than both bars together
     count: int
     beyond: int
-    only: tuple[int, int]
-    key: Key
+    only: tuple[int, int]  #: (int, int) How many numbers only the one and only the other has
+    key: Key  #: Where the difference is largest, in bars beyond them or else relative to the value
+    #: There
     first: Number
     second: Number
 

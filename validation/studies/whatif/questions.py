@@ -27,24 +27,12 @@ from tactgen.validation.studies.whatif.statement import Statement
 
 @dataclass(frozen=True)
 class Question:
-    """One model at one point: what its answer depends on, and nothing else.
+    """One model at one point: what its answer depends on, and nothing else."""
 
-    Attributes
-    ----------
-    model : str
-        Its name.
-    quantities : tuple of str
-        Those that the model gives.
-    inputs : tuple
-        Plain values that stand for all of the scene that is read.
-    shared : tuple of str
-        Keys of the stages kept in the store that the answer is made of.
-    """
-
-    model: str
-    quantities: tuple[str, ...]
-    inputs: tuple[object, ...]
-    shared: tuple[str, ...]
+    model: str  #: Its name
+    quantities: tuple[str, ...]  #: Those that the model gives
+    inputs: tuple[object, ...]  #: Plain values that stand for all of the scene that is read
+    shared: tuple[str, ...]  #: Keys of the stages kept in the store that the answer is made of
 
 
 def question(scene: Scene, model: str, quantities: tuple[str, ...]) -> Question:
@@ -159,22 +147,14 @@ def _serving(retry: bool) -> Callable[[Answer], bool]:
 
 @dataclass
 class Questions:
-    """What is asked at points, by models.
-
-    Attributes
-    ----------
-    at : dict of (int, str) to int or Answer
-        By point and model the number of the question, or why it is refused.
-    different : dict of int to Question
-        By number.
-    values : dict of int to dict
-        The scene that each is asked at, as it would be written.
-    """
+    """What is asked at points, by models."""
 
     nearby: Mapping[str, ScenesNearby]
     quantities: tuple[str, ...]
+    #: By point and model the number of the question, or why it is refused
     at: dict[tuple[int, str], int | Answer] = field(default_factory=dict)
-    different: dict[int, Question] = field(default_factory=dict)
+    different: dict[int, Question] = field(default_factory=dict)  #: By number
+    #: The scene that each is asked at, as it would be written
     values: dict[int, dict[str, Any]] = field(default_factory=dict)
     _numbers: dict[str, int] = field(default_factory=dict)
 

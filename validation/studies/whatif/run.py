@@ -42,19 +42,12 @@ class Counts:
 
 @dataclass(frozen=True)
 class Study:
-    """A statement with its answers.
-
-    Attributes
-    ----------
-    points : tuple of dict
-        Values of the axes by key, in the order of :meth:`Statement.points`.
-    answers : tuple of dict
-        By model, one for each point.
-    """
+    """A statement with its answers."""
 
     statement: Statement
+    #: Values of the axes by key, in the order of :meth:`Statement.points`
     points: tuple[dict[str, Any], ...]
-    answers: tuple[dict[str, Answer], ...]
+    answers: tuple[dict[str, Answer], ...]  #: By model, one for each point
     counts: Counts
 
     @property

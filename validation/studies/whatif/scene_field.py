@@ -20,21 +20,11 @@ from tactgen.validation.scene.tolerances import unit_of
 
 @dataclass(frozen=True)
 class SceneField:
-    """How the values of one scene key are read and checked.
+    """How the values of one scene key are read and checked."""
 
-    Attributes
-    ----------
-    key : str
-        The scene key.
-    info : FieldInfo
-        Its declaration.
-    scale : Unit or None
-        Its unit, if it is a number on a scale.
-    """
-
-    key: str
-    info: FieldInfo
-    scale: Unit | None
+    key: str  #: The scene key
+    info: FieldInfo  #: Its declaration
+    scale: Unit | None  #: Its unit, if it is a number on a scale
 
     @property
     def unit(self) -> str:

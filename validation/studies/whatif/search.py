@@ -111,30 +111,15 @@ class Tried:
 
 @dataclass(frozen=True)
 class Found:
-    """What a search gave.
+    """What a search gave."""
 
-    Attributes
-    ----------
-    statement : Statement
-        What was asked, scene and models among it.
-    ranges : tuple of Range
-    aims : tuple of Aim
-    best : Tried
-        The best point, or, if none meets all conditions, the one that comes nearest.
-    met : bool
-        Whether it meets them.
-    present : Tried
-        The scene's own values, or their nearest within the ranges.
-    tried, interpolated : int
-        Number of points, and of answers from a surrogate among them.
-    """
-
-    statement: Statement
-    ranges: tuple[Range, ...]
-    aims: tuple[Aim, ...]
-    best: Tried
-    met: bool
-    present: Tried
+    statement: Statement  #: What was asked, scene and models among it
+    ranges: tuple[Range, ...]  #:
+    aims: tuple[Aim, ...]  #:
+    best: Tried  #: The best point, or, if none meets all conditions, the one that comes nearest
+    met: bool  #: Whether it meets them
+    present: Tried  #: The scene's own values, or their nearest within the ranges
+    #: Number of points, and of answers from a surrogate among them
     tried: int
     interpolated: int
 

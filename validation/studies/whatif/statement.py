@@ -29,34 +29,19 @@ ZIPPED, DRAWN = "point", "sample"
 
 @dataclass(frozen=True)
 class Statement:
-    """What is asked: a scene, its axes, models and quantities.
+    """What is asked: a scene, its axes, models and quantities."""
 
-    Attributes
-    ----------
-    scene : str
-        The scene's name.
-    values : dict
-        Its values as they are written, with all overrides.
-    vary : tuple of str
-        The axes as they are written.
-    zipped : bool
-        Whether stepped axes go hand in hand instead of being combined.
-    samples, seed : int
-        How many samples are drawn (0: none), and from which seed.
-    models, quantities : tuple of str
-        By name.
-    by_accuracy : bool
-        Whether no model was named, so that the accuracy asked for chooses them.
-    """
-
-    scene: str
-    values: dict[str, Any]
-    vary: tuple[str, ...]
+    scene: str  #: The scene's name
+    values: dict[str, Any]  #: Its values as they are written, with all overrides
+    vary: tuple[str, ...]  #: The axes as they are written
+    #: By name
     models: tuple[str, ...]
     quantities: tuple[str, ...]
-    zipped: bool = False
+    zipped: bool = False  #: Whether stepped axes go hand in hand instead of being combined
+    #: How many samples are drawn (0: none), and from which seed
     samples: int = 0
     seed: int = 1
+    #: Whether no model was named, so that the accuracy asked for chooses them
     by_accuracy: bool = False
 
     @cached_property

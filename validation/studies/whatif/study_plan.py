@@ -23,26 +23,16 @@ from tactgen.validation.studies.whatif.statement import Statement
 
 @dataclass(frozen=True)
 class PlannedModel:
-    """What a model would do in a study.
+    """What a model would do in a study."""
 
-    Attributes
-    ----------
-    model : str
-        Its name.
-    points, refused, kept, solved : int
-        Points; of them such as make no scene; solutions that are kept, and those to be made.
-    interpolated : tuple of str
-        Which points come from surrogates, in words.
-    seconds : float or None
-        At most what the solutions take, as their stages did when they last ran here.
-    """
-
-    model: str
+    model: str  #: Its name
+    #: Points; of them such as make no scene; solutions that are kept, and those to be made
     points: int
     refused: int
     kept: int
     solved: int
-    interpolated: tuple[str, ...]
+    interpolated: tuple[str, ...]  #: Which points come from surrogates, in words
+    #: At most what the solutions take, as their stages did when they last ran here
     seconds: float | None
 
     @property

@@ -14,12 +14,7 @@ from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.studies.whatif.aims import (
-    THRESHOLD,
-    Aim,
-    at_threshold,
-    parse_aim,
-)
+from tactgen.validation.studies.whatif.aims import THRESHOLD, Aim, at_threshold, parse_aim
 from tactgen.validation.studies.whatif.run import Study
 from tactgen.validation.studies.whatif.scene_field import scene_field
 from tactgen.validation.studies.whatif.statement import Statement
@@ -39,25 +34,15 @@ class Judged:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a study's aims say of its points.
+    """What a study's aims say of its points."""
 
-    Attributes
-    ----------
-    aims : tuple of Aim
-        Conditions and at most two goals.
-    judged : tuple of Judged
-        Points that could be judged, by the models that could.
-    met, undecided : tuple of Judged
-        Those that meet all conditions, and those among all that are nearer to the edge of one
-        than its error bar.
-    best : tuple of Judged
-        Of those that meet all: the best first; of two goals the Pareto front.
-    """
-
-    aims: tuple[Aim, ...]
-    judged: tuple[Judged, ...]
+    aims: tuple[Aim, ...]  #: Conditions and at most two goals
+    judged: tuple[Judged, ...]  #: Points that could be judged, by the models that could
+    #: Those that meet all conditions, and those among all that are nearer to the edge of one than
+    #: its error bar
     met: tuple[Judged, ...]
     undecided: tuple[Judged, ...]
+    #: Of those that meet all: the best first; of two goals the Pareto front
     best: tuple[Judged, ...]
 
 

@@ -59,10 +59,7 @@ def test_soft_glue_carries_a_rigid_tab():
     stiffness = np.array(
         [
             [face * l + below, face * l**2 / 2 + below * l],
-            [
-                face * l**2 / 2 + below * l,
-                face * l**3 / 3 + side * l + below * l**2 + turned,
-            ],
+            [face * l**2 / 2 + below * l, face * l**3 / 3 + side * l + below * l**2 + turned],
         ]
     )
     compliance = bonded_tab(PIECE, soft, Beam()).compliance

@@ -29,14 +29,10 @@ def test_finger_extremes():
     The paper's text says about 750 N/m near 900 Hz and a minimum between 200 and 400 Hz.
     """
     stiff = minimize_scalar(
-        lambda f: -finger_spring_damper(np.array([f]))[0][0],
-        bounds=(500, 1000),
-        method="bounded",
+        lambda f: -finger_spring_damper(np.array([f]))[0][0], bounds=(500, 1000), method="bounded"
     )
     soft = minimize_scalar(
-        lambda f: finger_spring_damper(np.array([f]))[1][0],
-        bounds=(100, 800),
-        method="bounded",
+        lambda f: finger_spring_damper(np.array([f]))[1][0], bounds=(100, 800), method="bounded"
     )
     # values to the digits stated
     assert (stiff.x, -stiff.fun) == (pytest.approx(889, abs=0.5), pytest.approx(735.6, abs=0.05))

@@ -151,8 +151,7 @@ def drives(draw, unit, most):
 def moved_or_refused(system, position, voltage, coil):
     """Run 0.5 ms; the balance holds and all is finite, or one sentence says why there is none."""
     sources = Sources(
-        parsed(voltage, "--voltage", (VOLTS,)).waveform,
-        parsed(coil, "--coil", (AMPERES,)).waveform,
+        parsed(voltage, "--voltage", (VOLTS,)).waveform, parsed(coil, "--coil", (AMPERES,)).waveform
     )  # what is drawn can be read
     refused, found = "", None
     try:

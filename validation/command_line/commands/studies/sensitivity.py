@@ -50,9 +50,7 @@ def add(commands: Commands) -> None:
         "--quantity", action="append", metavar="NAME", help="may be repeated; of modes, the first"
     )
     parser.add_argument(
-        "--frequency",
-        metavar="LIST|START:STOP:N[:log]",
-        help="in Hz (default 10,100,250)",
+        "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz (default 10,100,250)"
     )
     parser.add_argument(
         "--key", action="append", metavar="KEY", help="scene key; all that are read if not given"
