@@ -199,7 +199,7 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
 
 @dataclass(frozen=True)
 class IronPlaces:
-    """Places of the full circuit's iron elements (E,): k of the rod, k of the sleeve, the head's."""
+    """Places of the circuit's iron elements (E,): k of the rod, k of the sleeve, the head's."""
 
     #: (E,) What belongs to these; the rest are shaft and head
     flange: Bools
