@@ -17,9 +17,8 @@ import tactgen
 from tactgen.tmm.generator.positions import axial_forces, position_loop
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square
 from tactgen.tmm.reluctance.map_range import network_pull
-from tactgen.validation.models.backbone import backbone
+from tactgen.validation.models.backbone import backbone, held_head
 from tactgen.validation.models.generator.transient import phases, run_scene
-from tactgen.validation.models.rocking import held_head
 from tactgen.validation.show.export import export
 
 scene, _ = tactgen.load_scene("generator", ["load.kind=none", "frequency=10:1000:150:log"])

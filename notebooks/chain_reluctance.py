@@ -13,7 +13,11 @@ import numpy as np
 from skfem import Basis, ElementQuadP, LinearForm, MeshQuad
 
 import tactgen
-from tactgen.fem.magnetics.iron import energy_density, field_from_flux, reluctivity_tensor
+from tactgen.fem.magnetics.axisymmetric_space import (
+    energy_density,
+    field_from_flux,
+    reluctivity_tensor,
+)
 from tactgen.fem.solvers.newton import Factors, minimise
 from tactgen.fem.weak_forms import assemble, section_flux
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, actuator_regions, graded_grid

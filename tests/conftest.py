@@ -83,7 +83,7 @@ def own_store(tmp_path, monkeypatch):
 @pytest.fixture(scope="session")
 def few_bricks():
     """Return two divisions of the solid, far coarser than any answer needs."""
-    from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
+    from tactgen.geometry.bimorph.bricks import BrickMeshing
 
     plain = {"tip": 1.0, "longest": 20.0, "pieces": (2.0, 4.0), "richness": 3.0}
     return (

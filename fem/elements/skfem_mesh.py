@@ -9,6 +9,9 @@ import itertools
 from typing import Any
 
 import numpy as np
+from skfem.element import DiscreteField
+from skfem.element.element_hcurl import ElementHcurl
+from skfem.refdom import RefTet
 
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.meshing.mesh import Mesh
@@ -112,3 +115,69 @@ def tet_rule() -> tuple[Floats, Floats]:
         barycentric.append(np.where(np.isin(np.arange(4), pair), shared, 0.5 - shared))
         weights.append(weight)
     return np.array(barycentric).T[1:], np.array(weights) / 6.0
+
+
+#: ∇λ on the reference tetrahedron, one row per corner.
+_SLOPES = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+class ElementTetEdge2(ElementHcurl):  # type: ignore[misc]
+    """One unknown per edge and two per face; see the module's text.
+
+    The mesh must have its cells' corners in increasing order.
+    """
+
+    edge_dofs = 1
+    facet_dofs = 2
+    maxdeg = 2
+    dofnames = ("u^t", "u^f1", "u^f2")
+    doflocs = np.concatenate(
+        [
+            np.array([RefTet.p[:, e].mean(axis=1) for e in RefTet.edges]),
+            np.repeat([RefTet.p[:, f].mean(axis=1) for f in RefTet.facets], 2, axis=0),
+        ]
+    )
+    refdom = RefTet
+
+    def lbasis(self, X: Floats, i: int) -> tuple[Floats, Floats]:
+        """Function `i` and its curl, each (3, ...), at reference points X (3, ...)."""
+        if i < 6:
+            return _whitney(X, *RefTet.edges[i])
+        if i >= 14:
+            self._index_error()
+        a, b, c = RefTet.facets[(i - 6) // 2]
+        factor, edge = (c, (a, b)) if i % 2 == 0 else (a, (b, c))
+        value, curl = _whitney(X, *edge)
+        slope = _SLOPES[factor].reshape((3,) + (1,) * (X.ndim - 1))
+        lam = _barycentric(X, factor)
+        return lam * value, lam * curl + np.cross(slope, value, axis=0)
+
+    def gbasis(self, mapping: Any, X: Floats, i: int, tind: Any = None) -> tuple[Any]:
+        """Function `i` on the cells: covariant values, contravariant curls.
+
+        Raises ValueError if the corners of the mesh's cells are not in increasing order.
+        """
+        if np.any(np.diff(mapping.mesh.t, axis=0) < 0):
+            raise ValueError("edge elements need cells whose corners are in increasing order")
+        value, curl = self.lbasis(X, i)
+        derivative, inverse = mapping.DF(X, tind), mapping.invDF(X, tind)
+        points = "iq" if X.ndim == 2 else "ieq"
+        curls = np.einsum(f"jieq,{points}->jeq", derivative, curl)
+        return (
+            DiscreteField(
+                value=np.einsum(f"ijeq,{points}->jeq", inverse, value),
+                curl=curls / mapping.detDF(X, tind),
+            ),
+        )
+
+
+def _barycentric(X: Floats, corner: int) -> Floats:
+    return np.asarray(1.0 - X.sum(axis=0) if corner == 0 else X[corner - 1])
+
+
+def _whitney(X: Floats, i: int, j: int) -> tuple[Floats, Floats]:
+    """Λi ∇λj − λj ∇λi and its curl 2 ∇λi × ∇λj."""
+    shape = (3,) + (1,) * (X.ndim - 1)
+    a, b = _SLOPES[i].reshape(shape), _SLOPES[j].reshape(shape)
+    value = _barycentric(X, i) * b - _barycentric(X, j) * a
+    return value, np.broadcast_to(2.0 * np.cross(a, b, axis=0), X.shape)

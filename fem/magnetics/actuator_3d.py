@@ -19,9 +19,14 @@ import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric import FieldErrors
 from tactgen.fem.magnetics.force_3d import MotionWeight, eggshell_force, harmonic_weight
-from tactgen.fem.magnetics.problem_3d import MagneticField, MagneticSolid, SourceField, sample
-from tactgen.fem.magnetics.scalar_potential import ScalarPotential
-from tactgen.fem.magnetics.vector_potential import VectorPotential
+from tactgen.fem.magnetics.problem_3d import (
+    MagneticField,
+    MagneticSolid,
+    ScalarPotential,
+    SourceField,
+    VectorPotential,
+    sample,
+)
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_table import magnetisation_curve

@@ -22,8 +22,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from tactgen.fem.magnetics.axisymmetric_space import Discretisation
-from tactgen.fem.magnetics.iron import energy_density, field_from_flux, reluctivity_tensor
+from tactgen.fem.magnetics.axisymmetric_space import (
+    Discretisation,
+    energy_density,
+    field_from_flux,
+    reluctivity_tensor,
+)
 from tactgen.fem.solvers.newton import TOLERANCE, Factors, minimise
 from tactgen.geometry.arrays import Floats, Sparse
 from tactgen.geometry.device.steel_law import MU0

@@ -16,8 +16,11 @@ import numpy as np
 
 from tactgen.fem.elements.pattern import Pattern
 from tactgen.fem.magnetics.axisymmetric_field import MagneticField
-from tactgen.fem.magnetics.axisymmetric_space import Discretisation, functions_of_order
-from tactgen.fem.magnetics.iron import energy_density
+from tactgen.fem.magnetics.axisymmetric_space import (
+    Discretisation,
+    energy_density,
+    functions_of_order,
+)
 from tactgen.fem.solvers.newton import Factors
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.steel_law import MU0

@@ -29,9 +29,9 @@ from tactgen.fem.magnetics.problem_3d import (
     MagneticField,
     MagneticSolid,
     SampledSolid,
+    gradient_kernel,
     with_sorted_corners,
 )
-from tactgen.fem.magnetics.scalar_potential import gradient_kernel
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.device.steel_law import MU0

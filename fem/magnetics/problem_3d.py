@@ -10,8 +10,8 @@ exactly.  The outer boundary and symmetry planes are of two kinds:
     flux-normal (by name)      (H − T0)×n = 0
 
 Only what is known beforehand is here: quadrature points, T0 at them, materials.  The
-potentials are in :mod:`fem.magnetics.vector_potential` and
-:mod:`fem.magnetics.scalar_potential`.
+potentials are in :mod:`fem.magnetics.problem_3d` and
+:mod:`fem.magnetics.problem_3d`.
 """
 
 from __future__ import annotations
@@ -23,10 +23,20 @@ from typing import Any
 
 import numpy as np
 
+from tactgen.fem.elements.pattern import FieldKernel, Pattern
 from tactgen.fem.elements.skfem_mesh import tet_rule, to_skfem
-from tactgen.fem.magnetics.iron import Iron, energy_density
-from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.steel_law import MagnetisationCurve
+from tactgen.fem.magnetics.axisymmetric_space import (
+    Iron,
+    coenergy_density,
+    energy_density,
+    field_from_flux,
+    flux_from_field,
+    permeability_tensor,
+    reluctivity_tensor,
+)
+from tactgen.fem.solvers.newton import Factors, minimise
+from tactgen.geometry.arrays import Floats, Ints, Sparse
+from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh
 
@@ -184,3 +194,218 @@ class MagneticField:
 def _linear(points: Floats) -> Floats:
     """1, x, y, z (n, 4) at points (3, n)."""
     return np.concatenate([np.ones((1, points.shape[1])), points]).T
+
+
+#: ε times the square of the mesh's diagonal.  What a Newton step misses because of the added
+#: term is about this times a relative permeability; far smaller values cost digits in the
+#: factors.
+_GAUGE = 1e-4
+
+
+class VectorPotential:
+    """The problem assembled for A; solve as many currents as wanted."""
+
+    def __init__(self, solid: SampledSolid) -> None:
+        from skfem import Dofs
+
+        from tactgen.fem.elements.skfem_mesh import ElementTetEdge2
+
+        self._solid = solid
+        element = ElementTetEdge2()
+        dofs = Dofs(solid.domain, element)
+        pattern = Pattern(np.ascontiguousarray(dofs.element_dofs.T), _free(solid, dofs))
+        local = [element.lbasis(solid.reference_points, i) for i in range(14)]
+        jacobians = solid.jacobians
+        determinants = np.linalg.det(jacobians)[..., None, None]
+        self._curl = FieldKernel(
+            np.array([curl for _, curl in local]), jacobians / determinants, solid.weights, pattern
+        )
+        values = FieldKernel(
+            np.array([value for value, _ in local]),
+            np.swapaxes(np.linalg.inv(jacobians), -1, -2),
+            solid.weights,
+            pattern,
+        )
+        identity = np.broadcast_to(np.eye(3), (*solid.weights.shape, 3, 3))
+        diagonal = float(np.linalg.norm(np.ptp(solid.problem.mesh.points, axis=0)))
+        self._gauge = (_GAUGE / (MU0 * diagonal**2)) * values.matrix(identity)
+        self._factors = Factors()  # currents share an ordering
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self._curl.size
+
+    def solve(self, current: float, start: MagneticField | None = None) -> MagneticField:
+        """Field at `current` ampere-turns.
+
+        Parameters
+        ----------
+        current : float
+            Ampere-turns.
+        start : MagneticField, optional
+            A solution by this potential to start from, on the same mesh or one deformed.
+
+        Raises SolverError if Newton's method does not arrive.
+        """
+        energy = _VectorEnergy(self._solid, self._curl, self._gauge, current)
+        rest = np.zeros(self.size)
+        first = rest if start is None or current == 0.0 else start.potential
+        found = minimise(energy, first, self._factors)
+        b = self._curl.field(found.x)
+        return MagneticField(
+            solid=self._solid,
+            current=current,
+            potential=found.x,
+            flux_density=b,
+            field_strength=field_from_flux(self._solid.iron, b),
+            iterations=found.steps,
+        )
+
+
+def _free(solid: SampledSolid, dofs: Any) -> Ints:
+    """Unknowns that are not on a wall that the flux cannot cross."""
+    domain, normal = solid.domain, solid.problem.flux_normal
+    open_walls = [domain.boundaries[name] for name in normal]
+    walls = np.setdiff1d(domain.boundary_facets(), np.concatenate([[], *open_walls]).astype(int))
+    held = dofs.get_facet_dofs(walls).flatten()
+    return np.setdiff1d(np.arange(dofs.N), held)
+
+
+class _VectorEnergy:
+    """∫ w(curl A) − T0·curl A dV."""
+
+    def __init__(
+        self, solid: SampledSolid, curl: FieldKernel, gauge: Sparse, current: float
+    ) -> None:
+        self._solid, self._curl, self._gauge = solid, curl, gauge
+        self._source = current * solid.source
+
+    def value(self, x: Floats) -> float:
+        flux = self._curl.field(x)
+        density = energy_density(self._solid.iron, flux)
+        density -= np.einsum("cqa,cqa->cq", self._source, flux)
+        return float(np.sum(self._solid.weights * density))
+
+    def scale(self, x: Floats) -> float:
+        density = energy_density(self._solid.iron, self._curl.field(x))
+        return float(np.sum(self._solid.weights * density))
+
+    def gradient(self, x: Floats) -> Floats:
+        h = field_from_flux(self._solid.iron, self._curl.field(x))
+        return self._curl.functional(h - self._source)
+
+    def hessian(self, x: Floats) -> Sparse:
+        tensor = reluctivity_tensor(self._solid.iron, self._curl.field(x))
+        matrix = self._curl.matrix(tensor)
+        matrix.data += self._gauge.data  # one pattern, which a sum of matrices would thin out
+        return matrix
+
+
+class ScalarPotential:
+    """The problem assembled for φ; solve as many currents as wanted."""
+
+    def __init__(self, solid: SampledSolid) -> None:
+        from skfem import Dofs, ElementTetP2
+
+        self._solid = solid
+        dofs = Dofs(solid.domain, ElementTetP2())
+        self._gradient = gradient_kernel(solid, dofs.element_dofs.T, _free_nodes(solid, dofs))
+        self._factors = Factors()  # currents share an ordering
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self._gradient.size
+
+    def solve(self, current: float, start: MagneticField | None = None) -> MagneticField:
+        """Field at `current` ampere-turns; as :meth:`VectorPotential.solve`."""
+        energy = _ScalarEnergy(self._solid, self._gradient, current)
+        # H = T0 − grad φ keeps its shape from current to current only if φ grows with T0
+        first = (
+            energy.unsaturated(self._factors)
+            if start is None or start.current == 0.0
+            else start.potential * (current / start.current)
+        )
+        found = minimise(energy, first, self._factors)
+        h = energy.field(found.x)
+        return MagneticField(
+            solid=self._solid,
+            current=current,
+            potential=found.x,
+            flux_density=flux_from_field(self._solid.iron, h),
+            field_strength=h,
+            iterations=found.steps,
+        )
+
+
+def gradient_kernel(
+    solid: SampledSolid, dofs: Ints, free: Ints, cells: Ints | slice = slice(None)
+) -> FieldKernel:
+    """Kernel of the gradients of quadratic nodal functions.
+
+    Parameters
+    ----------
+    solid : SampledSolid
+        The problem.
+    dofs : (n_cells, 10) int
+        Unknowns of all its cells.
+    free : (n_free,) int
+        Those that are solved for; the others are 0.
+    cells : (n,) int, optional
+        The cells over which to integrate, all by default.
+    """
+    from skfem import ElementTetP2
+
+    element = ElementTetP2()
+    local = [element.lbasis(solid.reference_points, i)[1] for i in range(10)]
+    inverse = np.linalg.inv(solid.jacobians[cells])
+    return FieldKernel(
+        np.array(local),
+        np.swapaxes(inverse, -1, -2),
+        solid.weights[cells],
+        Pattern(np.ascontiguousarray(dofs[cells]), free),
+    )
+
+
+def _free_nodes(solid: SampledSolid, dofs: Any) -> Ints:
+    """All unknowns but those of flux-normal walls, or but one if there is no such wall."""
+    normal = solid.problem.flux_normal
+    if not normal:
+        return np.arange(1, dofs.N)
+    walls = np.concatenate([solid.domain.boundaries[name] for name in normal])
+    return np.setdiff1d(np.arange(dofs.N), dofs.get_facet_dofs(walls).flatten())
+
+
+class _ScalarEnergy:
+    """∫ w'(T0 − grad φ) dV."""
+
+    def __init__(self, solid: SampledSolid, gradient: FieldKernel, current: float) -> None:
+        self._solid, self._gradient = solid, gradient
+        self._source = current * solid.source
+
+    def field(self, x: Floats) -> Floats:
+        """H (n_cells, n_points, 3) in A/m."""
+        return self._source - self._gradient.field(x)
+
+    def value(self, x: Floats) -> float:
+        density = coenergy_density(self._solid.iron, self.field(x))
+        return float(np.sum(self._solid.weights * density))
+
+    scale = value
+
+    def gradient(self, x: Floats) -> Floats:
+        return -self._gradient.functional(flux_from_field(self._solid.iron, self.field(x)))
+
+    def hessian(self, x: Floats) -> Sparse:
+        return self._gradient.matrix(permeability_tensor(self._solid.iron, self.field(x)))
+
+    def unsaturated(self, factors: Factors) -> Floats:
+        """Potential of the same iron with its initial permeability throughout.
+
+        From φ = 0 the iron would see T0 alone and seem saturated where it is not.
+        """
+        tensor = permeability_tensor(self._solid.iron, np.zeros_like(self._source))
+        driven = np.einsum("cqab,cqb->cqa", tensor, self._source)
+        factors.update(self._gradient.matrix(tensor))
+        return factors.solve(self._gradient.functional(driven))

@@ -13,9 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from tactgen.fem.piezo.brick_matrices import brick_matrices
-from tactgen.fem.piezo.bricks import quarter_unknowns, tip_functionals
-from tactgen.fem.piezo.motions import Motion
+from tactgen.fem.piezo.bricks import brick_matrices, quarter_unknowns, tip_functionals
+from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.symmetry import PORTS, Unknowns
 from tactgen.fem.piezo.system import materials, volts_per_unit
 from tactgen.fem.solvers.linear_solver import Factor, factorise

@@ -16,8 +16,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tactgen.fem.piezo.modal_model import ModalModel
-from tactgen.fem.piezo.motions import section_motions
+from tactgen.fem.piezo.modal_model import ModalModel, section_motions
 from tactgen.fem.piezo.system import SolidSystem, Surplus
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Numbers, Sparse

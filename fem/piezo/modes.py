@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.fem.piezo.motions import SHIFT, ModeClass, classify
+from tactgen.fem.piezo.modal_model import SHIFT, ModeClass, classify
 from tactgen.fem.piezo.system import SolidSystem
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Numbers, Sparse

@@ -12,8 +12,8 @@ from typing import TypeAlias
 import numpy as np
 from scipy import sparse
 
-from tactgen.fem.piezo.motions import Motion
-from tactgen.fem.solvers.sparse_rows import wide_product
+from tactgen.fem.piezo.modal_model import Motion
+from tactgen.fem.solvers.linear_solver import wide_product
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
 
 #: Ports that are unknowns: w_base, ψ_base and U.

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tactgen.fem.piezo.motions import Motion
+from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.symmetry import PORTS, Bordered
 from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse

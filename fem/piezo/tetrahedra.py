@@ -15,7 +15,7 @@ from scipy import sparse
 
 from tactgen.fem.elements.pattern import BlockPattern
 from tactgen.fem.elements.skfem_mesh import to_skfem
-from tactgen.fem.piezo.motions import Motion
+from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.symmetry import SIGNS, Unknowns, lumped, mirror_signs
 from tactgen.fem.piezo.system import Material, SolidSystem
 from tactgen.fem.solvers.pardiso import nested_dissection

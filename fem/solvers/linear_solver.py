@@ -11,6 +11,7 @@ factorisation has to reproduce a solution that is known.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -18,10 +19,42 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from tactgen.fem.solvers.pardiso import Pardiso, PardisoError, mkl
-from tactgen.fem.solvers.sparse_rows import row_blocks, wide_product
 from tactgen.geometry.arrays import Bools, Floats, Ints, Sparse
 
+#: Real or complex, in any precision.
 Array: TypeAlias = NDArray[Any]
+
+
+#: Entries that are worked on at once.
+_BLOCK = 100_000
+
+
+def row_blocks(starts: Ints) -> Iterator[tuple[int, int]]:
+    """Yield the first row of each block and that after its last, from the rows' starts (n + 1,)."""
+    n = starts.size - 1
+    cuts = np.unique(np.searchsorted(starts[:-1], np.arange(0, max(starts[-1], 1), _BLOCK)))
+    # a cut inside the last row would leave a block without rows
+    yield from pairwise([*cuts[cuts < n].tolist(), n])
+
+
+def wide_product(matrix: Sparse, x: Array) -> Array:
+    """Matrix @ x in long double, for a matrix in compressed rows and x (n,) or (n, k)."""
+    wide = np.clongdouble if np.iscomplexobj(matrix.data) else np.longdouble
+    x = x.astype(np.result_type(wide, x.dtype))
+    columns = np.asfortranarray(x.reshape(x.shape[0], -1))
+    out = np.empty((matrix.shape[0], columns.shape[1]), dtype=x.dtype, order="F")
+    for first, last in row_blocks(matrix.indptr):
+        starts = matrix.indptr[first : last + 1]
+        part = slice(starts[0], starts[-1])
+        rows = sparse.csr_matrix(
+            (matrix.data[part].astype(wide), matrix.indices[part], starts - starts[0]),
+            shape=(last - first, matrix.shape[1]),
+        )
+        # one column at a time: its sums stay in the processor, where they are long double
+        for there, column in zip(out.T, columns.T, strict=True):
+            there[first:last] = rows @ column
+    return out.reshape(x.shape)
+
 
 #: Error (2-norm, entries of the solution up to 1) above which a matrix counts as singular if
 #: refinement does not mend it.  Rounding puts a null vector of length about 1 into the answer

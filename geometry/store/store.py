@@ -22,8 +22,7 @@ from typing import Any, TypeVar
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import NotWritten, special, written_whole
-from tactgen.geometry.store.sources import source_digest
-from tactgen.geometry.store.values import fingerprint, from_bytes, to_bytes
+from tactgen.geometry.store.values import fingerprint, from_bytes, source_digest, to_bytes
 
 T = TypeVar("T")
 

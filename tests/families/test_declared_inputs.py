@@ -10,8 +10,8 @@ from tactgen.geometry.device.profile import Profile
 from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models import rocking as states
-from tactgen.validation.models.rocking import held_head, in_state
+from tactgen.validation.models import backbone as states
+from tactgen.validation.models.backbone import held_head, in_state
 from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
 from tactgen.validation.studies.whatif.questions import question
 

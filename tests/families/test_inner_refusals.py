@@ -7,7 +7,7 @@ from types import SimpleNamespace as Stub
 import numpy as np
 import pytest
 
-from tactgen.fem.elements.nedelec import ElementTetEdge2
+from tactgen.fem.elements.skfem_mesh import ElementTetEdge2
 from tactgen.fem.magnetics.two_orders import two_orders
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.bimorph.pieces import Piece
@@ -17,7 +17,7 @@ from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.tetwild import conform
 from tactgen.geometry.meshing.tetwild import conform as snapping
-from tactgen.geometry.store import sources
+from tactgen.geometry.store import values as sources
 from tactgen.tmm.beam import modes, port_quantities
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.generator.positions import resting_places
@@ -28,9 +28,9 @@ from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
 from tactgen.tmm.reluctance import flux_ladder
 from tactgen.validation.evidence.peers import sfepy
 from tactgen.validation.models import backbone
-from tactgen.validation.models import rocking as deflection
-from tactgen.validation.models import rocking as held_head
-from tactgen.validation.models.display.spread import spread
+from tactgen.validation.models import backbone as deflection
+from tactgen.validation.models import backbone as held_head
+from tactgen.validation.models.display.field import spread
 from tactgen.validation.scene import frequencies
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show import browser

@@ -14,7 +14,7 @@ from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.fem.solvers.newton import Factors, minimise
 from tactgen.geometry.bimorph.tets import _refuse_too_thin
 from tactgen.geometry.errors import InputError, MeshError
-from tactgen.geometry.meshing.mesh_check import check_areas, check_volumes
+from tactgen.geometry.meshing.mesh import check_areas, check_volumes
 from tactgen.geometry.store.values import from_bytes, storable, to_bytes
 from tactgen.tmm.generator.transient import step as newton
 from tactgen.validation.command_line.streams import _plainly

@@ -5,7 +5,7 @@ import pytest
 from skfem import Basis, BilinearForm, ElementQuadP, ElementTetP2, ElementVector, MeshQuad, MeshTet
 from skfem.helpers import ddot, dot, grad, sym_grad
 
-from tactgen.fem.elements.nedelec import ElementTetEdge2
+from tactgen.fem.elements.skfem_mesh import ElementTetEdge2
 from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.fem.magnetics.problem_3d import with_sorted_corners
 from tactgen.fem.piezo.system import materials

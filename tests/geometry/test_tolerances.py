@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from tactgen.geometry.tolerances import has_tolerance, read_tolerance
 from tactgen.geometry.units import Unit
+from tactgen.validation.scene.tolerances import has_tolerance, read_tolerance
 
 LENGTH = Unit("m", "length", "0.2 mm", above=0.0, limits=(1e-9, 1.0), shown="mm", per_si=1e3)
 Q = Unit("", "quality factor", "60", above=0.0, limits=(0.1, 1e9))

@@ -58,7 +58,7 @@ def make_plain(leave_unlaid):
     def make(patch):
         from tactgen.validation.report import study
         from tactgen.validation.show import export as files  # slow to import, as the next
-        from tactgen.validation.show import pictures
+        from tactgen.validation.show import figures as pictures
 
         leave_unlaid(patch)
         patch.setattr(files, "scene_solids", lambda _: {})
@@ -127,7 +127,7 @@ def rough_fields():
     Within it, in a store of its own whose keys do not know: for tests of what runs and is shown.
     """
     from tactgen.fem.magnetics import axisymmetric as actuator
-    from tactgen.fem.magnetics import axisymmetric_path as walk
+    from tactgen.fem.magnetics import axisymmetric as walk
     from tactgen.validation.models.reluctance import field
 
     @contextmanager
@@ -170,7 +170,7 @@ def made_up_stress(monkeypatch):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Write a report's figures blank, for tests of its words: drawing takes most of its time."""
-    from tactgen.validation.show import pictures
+    from tactgen.validation.show import figures as pictures
 
     blank_figures(monkeypatch)
     monkeypatch.setattr(pictures, "solids_picture", lambda _: b"")

@@ -14,11 +14,14 @@ from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.bimorph.ends import Ends, Law, Springs, TipLoad
 from tactgen.geometry.device.parameters import Load, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.finger import FINGER_RANGE, SkinPad, finger_impedance, finger_stiffness
 from tactgen.tmm.ports.measured_load import (
+    FINGER_RANGE,
     Dictionary,
     MeasuredLaw,
     PassiveFit,
+    SkinPad,
+    finger_impedance,
+    finger_stiffness,
     measured_law,
     outside,
     passive_fit,

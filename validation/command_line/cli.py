@@ -16,8 +16,11 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.ending import said_of_the_end, unwound_when_told_to_end
-from tactgen.validation.command_line.explanations import explained
+from tactgen.validation.command_line.ending import (
+    explained,
+    said_of_the_end,
+    unwound_when_told_to_end,
+)
 from tactgen.validation.command_line.streams import drop_output, say, usable_streams
 
 if TYPE_CHECKING:

@@ -116,7 +116,7 @@ def under_accuracy(statement: Statement) -> tuple[Statement, Choice | None]:
     """Statement with the models that its accuracy chooses, if no model is named."""
     if not statement.by_accuracy:
         return statement, None
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.studies.whatif.request import under_contract
 
     with announcer() as announce:

@@ -1,6 +1,6 @@
 """Inputs of analyses: what a scene's stages read, the keys of results, and keys without effect.
 
-All of it follows from the entries of :mod:`validation.catalogue.inputs`.
+All of it follows from the entries of :mod:`validation.catalogue.models`.
 """
 
 from __future__ import annotations
@@ -16,14 +16,18 @@ from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.units import Unit
 from tactgen.validation.catalogue.detection import threshold_of
-from tactgen.validation.catalogue.inputs import (
+from tactgen.validation.catalogue.models import (
     CONDITIONS,
     HELD,
     HELD_WITH_CURRENT,
+    MODELS,
     PROFILED,
     SETTINGS,
+    gives,
+    models_of,
+    reading,
+    stage_reads,
 )
-from tactgen.validation.catalogue.models import MODELS, gives, models_of, reading, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene, scene_keys

@@ -12,9 +12,8 @@ from tactgen.validation.catalogue.models import MAPS, MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import Actuator
 from tactgen.validation.engine.answers import quantity_json
-from tactgen.validation.engine.costs import record
 from tactgen.validation.engine.model import Model, make_model
-from tactgen.validation.engine.plan import Plan, Step, make_plan, stages_for
+from tactgen.validation.engine.plan import Plan, Step, make_plan, record, stages_for
 from tactgen.validation.engine.reading import read
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.stages import Stages

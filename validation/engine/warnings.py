@@ -9,8 +9,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import outside_known_range
-from tactgen.tmm.ports.finger import FINGER_RANGE
-from tactgen.tmm.ports.measured_load import MeasuredLaw
+from tactgen.tmm.ports.measured_load import FINGER_RANGE, MeasuredLaw
 from tactgen.tmm.ports.readout import Readout
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives, ranked

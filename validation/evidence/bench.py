@@ -13,7 +13,7 @@ from typing import Any
 from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering
-from tactgen.validation.show.console import console
+from tactgen.validation.show.browser import console
 from tactgen.validation.show.figures import ORANGE, panels, plain_numbers, svg
 
 #: Modules of the parts; each has ``run(quick, announce) -> Bench``.

@@ -14,8 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from tactgen.geometry.arrays import Ints, Numbers
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import Mesh

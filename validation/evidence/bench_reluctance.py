@@ -170,8 +170,7 @@ def map_seconds(gaps: int, currents: int) -> float:
 
 def solid_of(name: str, scale: float) -> dict[str, float]:
     """TEAM problem 20 by one potential, and the processor time (s) from mesh to force."""
-    from tactgen.fem.magnetics.scalar_potential import ScalarPotential
-    from tactgen.fem.magnetics.vector_potential import VectorPotential
+    from tactgen.fem.magnetics.problem_3d import ScalarPotential, VectorPotential
 
     potential: Potential = VectorPotential if name == "A" else ScalarPotential
     seconds, found = least_time(lambda: next(pole_forces(potential, scale, (_SATURATED,))))

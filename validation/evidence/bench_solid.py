@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
-from tactgen.validation.engine.error_bars import BRICK_FACTOR
+from tactgen.validation.engine.results import BRICK_FACTOR
 from tactgen.validation.evidence import bench_jobs
 from tactgen.validation.evidence.bench import Bench, Point, Target, Timing, front, time_at_error
 from tactgen.validation.evidence.bench_jobs import BRICKS, j1, job

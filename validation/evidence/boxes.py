@@ -1,6 +1,6 @@
 """Any box made of boxes, held, loaded and charged anywhere, on the bricks that `solid` uses.
 
-What is solved is :func:`fem.piezo.brick_matrices.brick_matrices`, the assembly that the
+What is solved is :func:`fem.piezo.bricks.brick_matrices`, the assembly that the
 model `solid` delivers; only what holds and loads the body is general here, so that problems
 with published answers can be stated in a few lines: a case is a value, not a script.
 
@@ -19,7 +19,7 @@ import numpy as np
 from scipy import sparse
 
 from tactgen.fem.elements.line_basis import line_matrices
-from tactgen.fem.piezo.brick_matrices import brick_matrices
+from tactgen.fem.piezo.bricks import brick_matrices
 from tactgen.fem.piezo.system import Material
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Bools, Floats, Numbers, Sparse

@@ -12,13 +12,12 @@ import numpy as np
 
 from tactgen.fem.piezo.bricks import assemble_bricks
 from tactgen.fem.piezo.krylov import reduce_to_ports
+from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.modes import natural_modes
-from tactgen.fem.piezo.motions import Motion
 from tactgen.fem.piezo.ports import ports_from_blocks
 from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.bricks import Bricks
+from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.bimorph.pieces import beam_pieces
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.tmm.beam.modes import bending_frequencies

@@ -25,7 +25,7 @@ from tactgen.geometry.formats import engineering
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam.span import error_bound
 from tactgen.validation.evidence.coverage import judged_once
-from tactgen.validation.show.console import console
+from tactgen.validation.show.browser import console
 from tactgen.validation.show.figures import ORANGE, new_figure, panels, svg
 
 #: Relative error that is asked for.

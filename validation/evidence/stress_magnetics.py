@@ -17,9 +17,7 @@ from tactgen.fem.magnetics.axisymmetric import FieldErrors, FieldPoint, solve_ma
 from tactgen.fem.magnetics.axisymmetric_field import MagneticField, solve_field
 from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.fem.magnetics.problem_3d import MagneticField as SolidField
-from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
-from tactgen.fem.magnetics.scalar_potential import ScalarPotential
-from tactgen.fem.magnetics.vector_potential import VectorPotential
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, VectorPotential, sample
 from tactgen.geometry.device.parameters import Device, Sleeve, Steel
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.formats import engineering

@@ -18,14 +18,13 @@ from tactgen.fem.piezo.ports import direct_multiport, static_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.bricks import Axis, Bricks
+from tactgen.geometry.bimorph.bricks import LEVELS, Axis, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Bimorph, Device, Glue, Shim
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
-from tactgen.validation.engine.error_bars import BRICK_FACTOR, least_difference
+from tactgen.validation.engine.results import BRICK_FACTOR, least_difference
 from tactgen.validation.evidence.stress import Asked, Family, Stress, table
 
 _TWO_LEVELS = 1.25

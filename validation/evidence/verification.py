@@ -18,9 +18,16 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept, recalled
 from tactgen.geometry.store.values import storable
 from tactgen.validation.engine.results import Estimate
-from tactgen.validation.evidence.case import Case, Check, Outcome, judged, value_of
+from tactgen.validation.evidence.case import (
+    PROBLEMS,
+    Case,
+    Check,
+    Outcome,
+    Problem,
+    judged,
+    value_of,
+)
 from tactgen.validation.evidence.fineness import Kind, on_level
-from tactgen.validation.evidence.problems import PROBLEMS, Problem
 
 Verdict = Literal["pass", "explained", "fail", "skipped"]
 #: All verdicts, in the order in which they are counted.

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.store import kept
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.generator.small_signal import RockingHead
+from tactgen.tmm.beam import transfer_matrix
+from tactgen.tmm.generator.positions import History, axial_forces, resting_place
+from tactgen.tmm.generator.small_signal import RockingHead, rocking_head
 from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
 from tactgen.tmm.harmonic_balance.continuation import (
     Branch,
@@ -20,7 +24,16 @@ from tactgen.tmm.harmonic_balance.continuation import (
     peaks,
     steady_orbit,
 )
-from tactgen.tmm.harmonic_balance.steady import Resolution, resolved, unstable_exponents
+from tactgen.tmm.harmonic_balance.steady import (
+    Resolution,
+    equilibrium,
+    resolved,
+    unstable_exponents,
+)
+from tactgen.tmm.ports.elements import ends_of
+from tactgen.validation.engine.inputs import values_read
+from tactgen.validation.models.five_port import five_port
+from tactgen.validation.scene.scene import Scene
 
 #: Harmonics are added until those left out would move less than this share.
 RESOLUTION = Resolution(missing=1e-3, least=5, most=60)
@@ -205,3 +218,207 @@ def _stable(head: RockingHead, branch: Branch) -> Bools:
         for i in range(first, last + 1):
             stable[i] = (count(first) if alike else count(i)) == 0
     return stable
+
+
+State = Literal["not activated", "held"]
+#: Current (A) and history of the two states in which the paper measured.
+COILS: dict[State, tuple[float, History]] = {
+    "not activated": (0.0, "rising"),
+    "held": (50e-3, "falling"),
+}
+#: What a scene says of them.
+STATES: dict[State, tuple[str, ...]] = {
+    state: (f"coil.current={1e3 * current:g}mA", f"coil.history={history}")
+    for state, (current, history) in COILS.items()
+}
+
+
+def in_state(scene: Scene, state: State) -> Scene:
+    """Scene in one of these states."""
+    current, history = COILS[state]
+    coil = scene.coil.model_copy(update={"current": current, "history": history})
+    return scene.model_copy(update={"coil": coil})
+
+
+def held_head(scene: Scene, model: str = "tmm") -> RockingHead:
+    """Bimorph on the head that a stop carries.
+
+    Raises InputError if the support is no contact, or the rod touches no stop.
+    """
+    if scene.support.kind != "contact":
+        raise InputError(
+            f"support.kind = {scene.support.kind} in scene {scene.name} is linear, so that nothing "
+            "depends on amplitude; --set support.kind=contact holds the bimorph by the rod's head "
+            "on its stop"
+        )
+    device, current = scene.device, abs(scene.coil.current)
+    pull = scene.pull if current else None
+    forces = axial_forces(device, pull, scene.load.normal_force)
+    place = resting_place(forces, current, scene.coil.history)
+    if place.kind == "floating":
+        raise InputError(
+            f"coil.current = {1e3 * scene.coil.current:g} mA leaves the rod between its stops, "
+            "where no contact holds the head; use 0 mA, or one that pulls it down"
+        )
+    free = scene.support.model_copy(update={"kind": "spring"})
+    tip = ends_of(free, scene.load).tip
+    return rocking_head(five_port(scene, model), tip, forces, place, current, _bimorph_mass(scene))
+
+
+def _bimorph_mass(scene: Scene) -> float:
+    row = transfer_matrix.sections(scene.device, scene.support, scene.beam, lossy=False)
+    return float(sum(getattr(section, "m", 0.0) * length for section, length in row))
+
+
+#: Far beyond the moment that tips the head the contact is nearly a kink; harmonics left out may
+#: move this share there.
+_RESOLUTION = Resolution(missing=3e-3, least=5, most=60)
+#: Frequencies, evenly spaced, to which a line is fitted.
+_FITTED = 300
+
+
+@storable
+@dataclass(frozen=True)
+class LoadedDeflection:
+    """First harmonic of the tip under load over frequency, in the order in which it was met."""
+
+    frequencies: Floats  #: (n,) Hz
+    displacement: Complex  #: (n,) complex m
+    ended: str  #: Why it ends inside the band; empty if it does not
+
+    @property
+    def fitted_slope(self) -> float:
+        """Slope (m/Hz) of the line fitted to its magnitude at evenly spaced frequencies."""
+        at = np.linspace(self.frequencies[0], self.frequencies[-1], _FITTED)
+        sizes = np.interp(at, self.frequencies, np.abs(self.displacement))
+        return float(np.polyfit(at, sizes, 1)[0])
+
+
+def loaded_deflection(
+    head: RockingHead,
+    voltage: float,
+    band: tuple[float, float],
+    announce: Callable[[str], None] = lambda _: None,
+) -> LoadedDeflection:
+    """Response to a large voltage (V) over a band (Hz).
+
+    The voltage is raised at the lower end, then the frequency.
+
+    Raises InputError if the response cannot be followed up to that voltage.
+    """
+    raised = _raised(head, band[0], voltage)
+    announce(f"deflection at {voltage:g} V")
+    low, high = (2.0 * np.pi * f for f in band)
+    start = replace(raised[-1], omega=low)
+    branch = follow(head.oscillator, start, "omega", low, high, resolution=_RESOLUTION)
+    return LoadedDeflection(
+        frequencies=np.array([o.frequency for o in branch.orbits]),
+        displacement=np.array([_tip(head, o) for o in branch.orbits]),
+        ended=branch.ended,
+    )
+
+
+def voltage_for(head: RockingHead, frequency: float, displacement: float, most: float) -> float:
+    """Lowest voltage (V) at which the tip's first harmonic reaches a displacement (m).
+
+    Straight between the points of the branch, which are a few percent apart at most.
+
+    Raises InputError if it is not reached up to `most`, or the response cannot be followed so far.
+    """
+    orbits = _raised(head, frequency, most)
+    sizes = np.abs([_tip(head, o) for o in orbits])
+    after = int(np.argmax(sizes >= displacement))
+    if sizes[after] < displacement:
+        raise InputError(
+            f"{1e6 * displacement:g} um at {frequency:g} Hz is not reached with {most:g} V; ask "
+            "for less"
+        )
+    before = after - 1
+    levels = [orbits[i].level for i in (before, after)]
+    return float(np.interp(displacement, sizes[before : after + 1], levels))
+
+
+def _tip(head: RockingHead, orbit: Orbit) -> complex:
+    return complex(head.response(orbit).motion["w_tip"][1])
+
+
+def _raised(head: RockingHead, frequency: float, voltage: float) -> tuple[Orbit, ...]:
+    """Orbits from rest up to a voltage."""
+    rest = equilibrium(head.oscillator).with_harmonics(_RESOLUTION.least)
+    start = replace(rest, omega=2.0 * np.pi * frequency)
+    branch = follow(head.oscillator, start, "level", 0.0, voltage, resolution=_RESOLUTION)
+    if branch.ended or branch.orbits[-1].level < voltage:
+        raise InputError(
+            f"at {frequency:g} Hz the response cannot be followed up to {voltage:g} V "
+            f"({branch.ended or 'it leads back to rest'}); ask for less"
+        )
+    return branch.orbits
+
+
+#: Scene keys and groups that the answers depend on.
+_READS = (
+    "bimorph", "piezo", "shim", "glue", "beam", "rod", "coil", "sleeve", "steel.curve", "gap",
+    "spring", "contact", "guide", "support.kind", "load", "drive", "models",
+)  # fmt: skip
+
+
+@storable
+@dataclass(frozen=True)
+class RockingState:
+    """One state at growing amplitude."""
+
+    state: str  #: ``not activated`` or ``held``
+    contact_force: float  #: What presses the head on its stop (N), nan if there is no such state
+    curves: tuple[Curve, ...]  #: Free tip, by growing voltage
+    #: Under the scene's load at the drive voltage; None where the tip is free anyway
+    deflection: LoadedDeflection | None
+    refused: str = ""  #: Why something of it is missing; empty if nothing is
+
+
+def rocking_states(
+    scene: Scene, voltages: Sequence[float], announce: Callable[[str], None] = lambda _: None
+) -> tuple[RockingState, ...]:
+    """Both states of a scene on the rod's contact, by the transfer-matrix model.
+
+    Kept in the store: each takes about half a minute.
+
+    Parameters
+    ----------
+    voltages : sequence of float
+        Of the free tip's curves (V).
+    """
+    found = []
+    for state in COILS:
+        made = in_state(scene, state)
+        inputs = (values_read(made, _READS), _band(made), tuple(voltages))
+
+        def work(made: Scene = made, state: State = state) -> RockingState:
+            return _state(made, state, voltages, announce)
+
+        found.append(kept("amplitude", inputs, (__name__,), work, announce=announce))
+    return tuple(found)
+
+
+def _state(
+    scene: Scene, state: State, voltages: Sequence[float], announce: Callable[[str], None]
+) -> RockingState:
+    free = scene.model_copy(update={"load": scene.load.model_copy(update={"kind": "none"})})
+    curves: tuple[Curve, ...] = ()
+    deflection = None
+    force = float("nan")
+    try:
+        head = held_head(free)
+        force = head.place.contact_force
+        announce(f"amplitude, {state}")
+        curves = backbone(head, voltages, _band(scene), announce).curves
+        if scene.load.kind != "none":
+            volts = abs(scene.drive.voltage)
+            deflection = loaded_deflection(held_head(scene), volts, _band(scene), announce)
+    except InputError as error:
+        return RockingState(state, force, curves, deflection, str(error))
+    return RockingState(state, force, curves, deflection)
+
+
+def _band(scene: Scene) -> tuple[float, float]:
+    positive = [f for f in scene.frequency if f > 0.0]
+    return min(positive), max(positive)

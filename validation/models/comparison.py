@@ -20,8 +20,8 @@ from tactgen.tmm.ports.readout import ModalReadout
 from tactgen.validation.catalogue.models import MODELS, ModelRow, gives, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.catalogue.row import Actuator, QuantityRow
-from tactgen.validation.engine.costs import recorded
 from tactgen.validation.engine.model import model_class
+from tactgen.validation.engine.plan import recorded
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.difference import Cause

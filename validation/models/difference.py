@@ -184,7 +184,7 @@ class SolidCase:
     def assembled(self) -> SolidSystem:
         """Lossless system."""
         from tactgen.fem.piezo.solid import assemble
-        from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
+        from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 
         device = self.scene.device
         bricks = bimorph_bricks(device, LEVELS[self.level], self.held)

@@ -53,7 +53,7 @@ def _beam(scene: Scene, _: str) -> FivePort:
 
 def _solid(scene: Scene, model: str) -> FivePort:
     from tactgen.fem.piezo.reduction_files import reduced_solid
-    from tactgen.validation.models.bimorph.cad import mesh_pair
+    from tactgen.validation.models.bimorph.solid import mesh_pair
 
     # any support: the ports know none
     free = scene.model_copy(

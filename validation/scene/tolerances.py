@@ -1,11 +1,12 @@
 """The tolerances that a scene states with its numbers, taken apart from them.
 
-A scene may write a number with its tolerance (:mod:`geometry.tolerances`).  What is solved
+A scene may write a number with its tolerance (:mod:`validation.scene.tolerances`).  What is solved
 reads the number alone; the tolerance travels beside it.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -14,8 +15,116 @@ from pydantic.fields import FieldInfo
 from tactgen.geometry.device.declaration import Parameters
 from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.tolerances import has_tolerance, read_tolerance
-from tactgen.geometry.units import Unit, quoted
+from tactgen.geometry.units import NUMBER, Unit, quoted
+
+#: Longest text that is looked at: no number with a tolerance is longer.
+_LONGEST = 200
+_UNIT = r"[^\s\d.,;=\[\]{}±][^,;=\[\]{}±]*?"
+_SIGN = r"(?:±|\+/-|\+-)"
+_PLUS_MINUS = re.compile(
+    rf"\s*(?P<value>{NUMBER})\s*(?P<unit>{_UNIT})?\s*{_SIGN}\s*"
+    rf"(?P<half>{NUMBER})\s*(?P<own>%|{_UNIT})?\s*",
+    re.IGNORECASE | re.ASCII,
+)
+_RANGE = re.compile(
+    rf"\s*(?P<value>{NUMBER})\s*(?P<unit>{_UNIT})?\s*"
+    rf"\(\s*(?P<low>{NUMBER})\s*(?P<low_unit>{_UNIT})?\s*\.\.\s*"
+    rf"(?P<high>{NUMBER})\s*(?P<high_unit>{_UNIT})?\s*\)\s*(?!\))(?P<after>{_UNIT})?\s*",
+    re.IGNORECASE | re.ASCII,
+)
+
+
+@dataclass(frozen=True)
+class Toleranced:
+    """A number with the range in which it may lie."""
+
+    value: str  #: The number without its tolerance, as it would be written
+    #: Ends of the range, SI units
+    low: float
+    high: float
+    words: str  #: The tolerance as people write it after the value
+    relative: bool = False  #: Whether it is a share of the value
+
+
+def has_tolerance(text: str) -> bool:
+    """Whether a text is meant as a number with a tolerance."""
+    return len(text) <= _LONGEST and re.search(rf"{_SIGN}|\(.*\.\.", text) is not None
+
+
+def read_tolerance(text: str, unit: Unit) -> Toleranced:
+    """What a number with a tolerance says.
+
+    A unit that stands once holds for all numbers.
+
+    Raises ValueError with a sentence that names the remedy, to follow the text.
+    """
+    found = _PLUS_MINUS.fullmatch(text)
+    if found:
+        return _plus_minus(found, unit)
+    found = _RANGE.fullmatch(text)
+    if found:
+        return _range(found, unit)
+    raise ValueError(f"has a tolerance that cannot be read; write for example {_examples(unit)}")
+
+
+def _examples(unit: Unit) -> str:
+    number, _, name = unit.example.partition(" ")
+    return f'"{unit.example} ± 5 %" or "{number} (LOW..HIGH) {name}'.rstrip() + '"'
+
+
+def _written(number: str, name: str | None) -> str:
+    return f"{number} {name or ''}".strip()
+
+
+def _plus_minus(found: re.Match[str], unit: Unit) -> Toleranced:
+    name, own = found["unit"], found["own"]
+    share = own == "%"
+    name = name or (None if share else own)
+    text = _written(found["value"], name)
+    value = unit.parse(text)
+    if share:
+        half = abs(value) * float(found["half"]) / 100.0
+        if not value:
+            raise ValueError("has a tolerance in percent of 0; write it as an amount")
+    else:
+        own = own or name
+        # a difference: of a temperature in degC, degrees
+        half = unit.parse(_written(found["half"], own)) - unit.parse(_written("0", own))
+    if half < 0.0 or found["half"].startswith("-"):
+        raise ValueError("has a negative tolerance; write the amount without a sign after ±")
+    words = f"± {_written(found['half'], '%' if share else own)}"
+    return _inside(Toleranced(text, value - half, value + half, words, share), value, unit)
+
+
+def _range(found: re.Match[str], unit: Unit) -> Toleranced:
+    name = found["unit"] or found["after"] or found["high_unit"]
+    high_unit = found["high_unit"] or name
+    low_unit = found["low_unit"] or high_unit
+    text = _written(found["value"], name)
+    low, high = _written(found["low"], low_unit), _written(found["high"], high_unit)
+    ends = unit.parse(low), unit.parse(high)
+    value = unit.parse(text)
+    if not ends[0] <= value <= ends[1]:
+        raise ValueError(
+            f"has a range from {unit.show(ends[0])} to {unit.show(ends[1])} in which "
+            f"{unit.show(value)} does not lie; write the smaller end first, around the value"
+        )
+    return _inside(Toleranced(text, *ends, f"({low}..{high})"), value, unit)
+
+
+def _inside(found: Toleranced, value: float, unit: Unit) -> Toleranced:
+    """`found` if both ends are possible; a value that is not says so by itself."""
+    unit.check(value)
+    for end in (found.low, found.high):
+        try:
+            unit.check(end)
+        except ValueError as error:
+            words = str(error).partition("; write")[0]
+            raise ValueError(
+                f"has a tolerance that reaches {quoted(unit.show(end))}, which {words}; narrow it"
+            ) from None
+    return found
+
 
 #: What says how something is solved, not what is built or done.
 _SETTINGS = ("accuracy", "mesh")

@@ -5,10 +5,16 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tactgen.geometry.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
 
 #: Names that Chromium goes by, the first found is taken.
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
@@ -107,3 +113,10 @@ def _leaves(pdf: bytes, node: int) -> list[int]:
 def _body(pdf: bytes, number: int) -> bytes:
     found = re.search(rb"(?:^|\n)" + _OBJECT % number, pdf, re.DOTALL)
     return found[1] if found else b""
+
+
+def console(wide: int) -> Console:
+    """Standard output: as wide as the terminal, of so many columns where it is none."""
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else wide)

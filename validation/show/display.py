@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
+from tactgen.validation.show.figures import Assembled, off_screen
 from tactgen.validation.show.page import Still, asset, document, inline
-from tactgen.validation.show.pictures import Assembled, off_screen
 from tactgen.validation.show.stills import typeface
 
 if TYPE_CHECKING:
@@ -30,9 +30,9 @@ from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.stages import Stages
-from tactgen.validation.models.display.crosstalk import display_ports
+from tactgen.validation.models.display.field import display_ports
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.show.pictures import assembly_picture
+from tactgen.validation.show.figures import assembly_picture
 from tactgen.validation.show.stills import check_ffmpeg, save_film
 
 

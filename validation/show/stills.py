@@ -17,7 +17,7 @@ import numpy as np
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.meshing.mesh import Surface, surface_of
 from tactgen.validation.show.fields.result import FieldResult, State, at_phase
-from tactgen.validation.show.pictures import off_screen
+from tactgen.validation.show.figures import off_screen
 from tactgen.validation.show.shading import (
     COLOURS,
     MAGNITUDE,

@@ -24,7 +24,7 @@ from tactgen.validation.show.fields.result import FieldResult, State
 from tactgen.validation.show.shading import Shade, shades_of, words_of
 
 if TYPE_CHECKING:
-    from tactgen.validation.show.fields.over_length import LengthRange
+    from tactgen.validation.show.fields.lengths import LengthRange
     from tactgen.validation.show.page import Still
 import html
 

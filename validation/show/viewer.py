@@ -13,7 +13,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.formats import share, with_bar
 from tactgen.geometry.meshing.mesh import Mesh, Surface, surface_of
-from tactgen.validation.show.fields.over_length import LengthRange, ModeOverLength
+from tactgen.validation.show.fields.lengths import LengthRange, ModeOverLength
 from tactgen.validation.show.fields.result import Array, FieldResult, State
 from tactgen.validation.show.shading import (
     COLOURS,

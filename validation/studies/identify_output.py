@@ -24,8 +24,8 @@ from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import FILE_KEYS
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, svg
 from tactgen.validation.studies.curve_fit import curve_model
-from tactgen.validation.studies.fit_parameters import FittedParameter
 from tactgen.validation.studies.identify import Assumption, Identification
+from tactgen.validation.studies.measured_data import FittedParameter
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

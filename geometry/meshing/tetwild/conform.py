@@ -27,18 +27,16 @@ from tactgen.geometry.cad.tessellation import Cylinder, Plane, Tessellation
 from tactgen.geometry.device.layout import MM
 from tactgen.geometry.meshing.mesh import (
     Mesh,
-    edges_of_triangles,
-    jacobian_coefficients,
-    smallest_dihedral_angles,
-    tet_volumes,
-    unique_edges,
-)
-from tactgen.geometry.meshing.mesh_check import (
     check_areas,
     check_conformity,
     check_shape,
     check_volumes,
+    edges_of_triangles,
     is_poor,
+    jacobian_coefficients,
+    smallest_dihedral_angles,
+    tet_volumes,
+    unique_edges,
 )
 from tactgen.geometry.meshing.tetwild.mesher import UNSTRETCHED, Stretching
 

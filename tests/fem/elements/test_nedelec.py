@@ -5,7 +5,7 @@ import pytest
 from skfem import Basis, ElementTetP1, InteriorFacetBasis, MeshTet
 from skfem.element import ElementTetN1
 
-from tactgen.fem.elements.nedelec import ElementTetEdge2
+from tactgen.fem.elements.skfem_mesh import ElementTetEdge2
 
 POINTS = np.random.default_rng(1).dirichlet(np.ones(4), 40).T[:3]
 

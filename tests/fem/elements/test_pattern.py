@@ -5,11 +5,8 @@ import pytest
 from skfem import Basis, BilinearForm, ElementTetP2, LinearForm
 from skfem.helpers import dot, mul
 
-from tactgen.fem.elements.nedelec import ElementTetEdge2
-from tactgen.fem.elements.skfem_mesh import tet_rule
-from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
-from tactgen.fem.magnetics.scalar_potential import gradient_kernel
-from tactgen.fem.magnetics.vector_potential import VectorPotential
+from tactgen.fem.elements.skfem_mesh import ElementTetEdge2, tet_rule
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, VectorPotential, gradient_kernel, sample
 from tactgen.validation.evidence.cases.ball import sphere_mesh
 
 RULE = tet_rule()

@@ -5,8 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tactgen.fem.magnetics.axisymmetric import FieldErrors, solve_point
-from tactgen.fem.magnetics.axisymmetric_path import FieldPath, _weights
+from tactgen.fem.magnetics.axisymmetric import FieldErrors, FieldPath, _weights, solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 

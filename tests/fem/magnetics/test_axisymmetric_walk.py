@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.magnetics import axisymmetric_path as walk
-from tactgen.fem.magnetics.axisymmetric import FieldErrors, solve_point
-from tactgen.fem.magnetics.axisymmetric_path import FieldPath, FieldWalk
+from tactgen.fem.magnetics import axisymmetric as walk
+from tactgen.fem.magnetics.axisymmetric import FieldErrors, FieldPath, FieldWalk, solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 

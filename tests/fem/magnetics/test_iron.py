@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.magnetics import iron
+from tactgen.fem.magnetics import axisymmetric_space as iron
 from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
 
 #: Cells by material; the others are vacuum.

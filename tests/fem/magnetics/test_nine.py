@@ -14,7 +14,7 @@ from tactgen.fem.magnetics.array_3d import (
     vertical_forces,
 )
 from tactgen.fem.magnetics.axisymmetric import solve_point
-from tactgen.fem.magnetics.scalar_potential import ScalarPotential
+from tactgen.fem.magnetics.problem_3d import ScalarPotential
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.reluctance.sector_tets import PLACES, Cell
 

@@ -15,9 +15,7 @@ from tactgen.fem.magnetics.actuator_3d import (
 )
 from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.fem.magnetics.force_3d import eggshell_force, harmonic_weight, virtual_work_force
-from tactgen.fem.magnetics.problem_3d import sample
-from tactgen.fem.magnetics.scalar_potential import ScalarPotential
-from tactgen.fem.magnetics.vector_potential import VectorPotential
+from tactgen.fem.magnetics.problem_3d import ScalarPotential, VectorPotential, sample
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import jacobian_coefficients

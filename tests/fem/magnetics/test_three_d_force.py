@@ -11,9 +11,7 @@ from tactgen.fem.magnetics.force_3d import (
     moved,
     virtual_work_force,
 )
-from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
-from tactgen.fem.magnetics.scalar_potential import ScalarPotential
-from tactgen.fem.magnetics.vector_potential import VectorPotential
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, VectorPotential, sample
 from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import tet_volumes

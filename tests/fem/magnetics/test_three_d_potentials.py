@@ -7,10 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from tactgen.fem.magnetics.iron import coenergy_density, energy_density
-from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
-from tactgen.fem.magnetics.scalar_potential import ScalarPotential
-from tactgen.fem.magnetics.vector_potential import VectorPotential
+from tactgen.fem.magnetics.axisymmetric_space import coenergy_density, energy_density
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, VectorPotential, sample
 from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
@@ -262,7 +260,7 @@ def test_half_of_the_device_gives_what_a_quarter_gives(potential):
 
 def test_gauge_term_leaves_the_field_alone(coarse, saturated, monkeypatch):
     """A hundred times the added mass changes no digit of the co-energy that Newton settles."""
-    monkeypatch.setattr("tactgen.fem.magnetics.vector_potential._GAUGE", 1e-2)
+    monkeypatch.setattr("tactgen.fem.magnetics.problem_3d._GAUGE", 1e-2)
     problem = saturated[0].solid
     stiff = VectorPotential(problem).solve(5000.0)
     assert stiff.coenergy == pytest.approx(saturated[0].coenergy, rel=1e-11)

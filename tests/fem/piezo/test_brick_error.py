@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 from tactgen.fem.piezo.brick_error import BrickSurplus
-from tactgen.fem.piezo.brick_matrices import brick_matrices
-from tactgen.fem.piezo.bricks import assemble_bricks
+from tactgen.fem.piezo.bricks import assemble_bricks, brick_matrices
 from tactgen.fem.piezo.krylov import reduce_to_ports
 from tactgen.fem.piezo.modal_reduction import modal_model
 from tactgen.fem.piezo.modes import eigenpairs, natural_modes
 from tactgen.fem.piezo.ports import static_multiport, static_multiports
 from tactgen.fem.piezo.system import materials
-from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.tmm.ports.elements import attach

@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.fem.piezo.bricks import assemble_bricks, elimination_order
 from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.device.parameters import Bimorph, Device
 
 BIMORPHS = ({}, {"tab_length": 1e-3}, {"bare_below": 1e-3, "glue_thickness": 20e-6})

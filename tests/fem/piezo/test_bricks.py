@@ -6,15 +6,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tactgen.fem.piezo.brick_matrices import brick_matrices
-from tactgen.fem.piezo.bricks import assemble_bricks, nodal_mass
+from tactgen.fem.piezo.bricks import assemble_bricks, brick_matrices, nodal_mass
 from tactgen.fem.piezo.modes import natural_modes
 from tactgen.fem.piezo.ports import static_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.symmetry import lumped
 from tactgen.fem.piezo.system import materials
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.bricks import Axis
+from tactgen.geometry.bimorph.bricks import LEVELS, Axis, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 

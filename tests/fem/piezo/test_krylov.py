@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from tactgen.fem.piezo import projection
+from tactgen.fem.piezo import krylov as projection
 from tactgen.fem.piezo.krylov import port_error, reduce_to_ports
 from tactgen.fem.piezo.port_model import _GRID, extremes, motions, standard_ends
 from tactgen.fem.piezo.ports import direct_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Device, Load, Piezo, Support
 from tactgen.tmm.ports.elements import attach, ends_of

@@ -10,7 +10,7 @@ from tactgen.fem.piezo import reduction_files as port_cache
 from tactgen.fem.piezo.krylov import reduce_to_ports
 from tactgen.fem.piezo.reduction_files import made_from, read_ports, reduced_solid, write_ports
 from tactgen.fem.piezo.solid import assemble
-from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.device.parameters import Bimorph, Device, Piezo
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.scene import load_scene

@@ -13,10 +13,11 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from tactgen.fem.piezo.solid import assemble
-from tactgen.fem.solvers import linear_solver, pardiso, sparse_rows
+from tactgen.fem.solvers import linear_solver, pardiso
+from tactgen.fem.solvers import linear_solver as sparse_rows
 from tactgen.fem.solvers.linear_solver import Factor, SolverError, factorise, refined_solution
 from tactgen.fem.solvers.pardiso import nested_dissection
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.device.parameters import Device
 
 without_mkl = linear_solver.available_solver().startswith("SuperLU")

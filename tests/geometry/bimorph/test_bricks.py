@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.bricks import lobatto_points
+from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, bimorph_bricks, lobatto_points
 from tactgen.geometry.device.parameters import Bimorph, Device
 
 VARIANTS = (

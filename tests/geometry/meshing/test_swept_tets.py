@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.meshing.mesh import TET_EDGES, jacobian_coefficients
-from tactgen.geometry.meshing.mesh_check import check_conformity
+from tactgen.geometry.meshing.mesh import TET_EDGES, check_conformity, jacobian_coefficients
 from tactgen.geometry.meshing.structured_tets import swept_tetrahedra
 
 R = np.array([0.0, 0.3, 0.5, 0.51, 1.0])

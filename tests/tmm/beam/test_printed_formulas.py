@@ -20,7 +20,7 @@ from tactgen.tmm.beam.printed_formulas import (
 )
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import dynamic_stiffness
-from tactgen.tmm.ports.finger import finger_impedance
+from tactgen.tmm.ports.measured_load import finger_impedance
 from tactgen.validation.evidence.cases import exact_beam as reference
 
 DEVICE = Device()

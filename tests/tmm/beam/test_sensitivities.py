@@ -18,7 +18,7 @@ from tactgen.tmm.beam import parametric
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
 from tactgen.tmm.beam.sensitivities import derivatives, logarithmic_sensitivities, values
-from tactgen.tmm.ports.finger import finger_spring_damper
+from tactgen.tmm.ports.measured_load import finger_spring_damper
 from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.catalogue.quantities import QUANTITIES

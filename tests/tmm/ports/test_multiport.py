@@ -14,7 +14,7 @@ from tactgen.tmm.beam import lumped
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.printed_formulas import printed_section
 from tactgen.tmm.ports.elements import attach, ends_of
-from tactgen.tmm.ports.finger import finger_stiffness
+from tactgen.tmm.ports.measured_load import finger_stiffness
 from tactgen.tmm.ports.multiport import (
     BIMORPH,
     balanced,

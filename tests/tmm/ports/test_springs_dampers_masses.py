@@ -8,8 +8,14 @@ from tactgen.geometry.device.load_table import LoadTable
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports import elements as springs_dampers_masses
 from tactgen.tmm.ports.elements import chain_of, finger_chain, tip_stiffness
-from tactgen.tmm.ports.finger import FINGER_RANGE, finger_impedance, finger_stiffness
-from tactgen.tmm.ports.measured_load import MeasuredLaw, PassiveFit, continued
+from tactgen.tmm.ports.measured_load import (
+    FINGER_RANGE,
+    MeasuredLaw,
+    PassiveFit,
+    continued,
+    finger_impedance,
+    finger_stiffness,
+)
 
 F = np.geomspace(0.1, 1e5, 61)
 

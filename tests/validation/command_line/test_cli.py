@@ -232,7 +232,7 @@ def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
 
     monkeypatch.setattr("tactgen.geometry.meshing.mesh_files.write_mesh", fail)
     monkeypatch.setattr(
-        "tactgen.validation.models.bimorph.cad.mesh_pair",
+        "tactgen.validation.models.bimorph.solid.mesh_pair",
         lambda _: SimpleNamespace(meshes=(SimpleNamespace(faces={}),) * 2),
     )
     monkeypatch.setattr(

@@ -3,8 +3,8 @@
 import io
 import re
 
-from tactgen.validation.command_line import progress
-from tactgen.validation.command_line.progress import announcer
+from tactgen.validation.command_line import streams as progress
+from tactgen.validation.command_line.streams import announcer
 
 
 class Terminal(io.StringIO):

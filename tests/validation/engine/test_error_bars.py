@@ -5,8 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing, bimorph_bricks
-from tactgen.validation.engine.error_bars import (
+from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
+from tactgen.validation.engine.results import (
     LEAST_HALVED,
     SAFETY,
     SURPLUS_FACTOR,

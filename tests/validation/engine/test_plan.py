@@ -5,9 +5,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.costs import Prospect, total
 from tactgen.validation.engine.inputs import stage_key
-from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.plan import Prospect, make_plan, total
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.reluctance import field

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.geometry.store.sources import source_digest
 from tactgen.geometry.store.store import holdings
+from tactgen.geometry.store.values import source_digest
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.catalogue.models import gives, stage_code, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES

@@ -6,13 +6,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from tactgen.validation.book.book import SUBJECTS, Page
-from tactgen.validation.book.figures import Convergence, scatter
+from tactgen.validation.book.book import SUBJECTS, Convergence, Page, scatter
 from tactgen.validation.book.orders import DIVISIONS, KINDS
 from tactgen.validation.evidence import verification
-from tactgen.validation.evidence.case import judged
+from tactgen.validation.evidence.case import PROBLEMS, judged
 from tactgen.validation.evidence.cases import beams, elastic
-from tactgen.validation.evidence.problems import PROBLEMS
 from tactgen.validation.evidence.verification import GROUPS, Verified, verify
 
 FEW = tuple(case for case in beams.CASES if case.id in ("SMITS", "VM148"))

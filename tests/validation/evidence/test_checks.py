@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tactgen.geometry.bimorph import bimorph_bricks
+from tactgen.geometry.bimorph import bricks as bimorph_bricks
 from tactgen.validation.evidence.case import run_check
 from tactgen.validation.evidence.cases import actuator as square_law
 from tactgen.validation.evidence.cases import bimorph as bimorph_measurements

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from tactgen.validation.book import figures as convergence
-from tactgen.validation.book.figures import Curve
+from tactgen.validation.book import book as convergence
+from tactgen.validation.book.book import Curve
 from tactgen.validation.evidence.case import Answer, Refinement, case, judged
 from tactgen.validation.evidence.fineness import DEGREE
 from tactgen.validation.evidence.verification import Division, Verified

@@ -9,7 +9,7 @@ import pytest
 
 from tactgen.fem.piezo.bricks import assemble_bricks
 from tactgen.fem.piezo.ports import direct_multiport
-from tactgen.geometry.bimorph.bimorph_bricks import bimorph_bricks
+from tactgen.geometry.bimorph.bricks import bimorph_bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import CELLS

@@ -24,7 +24,7 @@ from tactgen.geometry.meshing.tetwild.mesher import (
     sizing_for,
 )
 from tactgen.geometry.store.values import fingerprint
-from tactgen.validation.engine.error_bars import SAFETY, two_mesh_factor
+from tactgen.validation.engine.results import SAFETY, two_mesh_factor
 from tactgen.validation.models.bimorph import adaptive_meshes
 from tactgen.validation.models.bimorph.adaptive_meshes import (
     AdaptedPair,

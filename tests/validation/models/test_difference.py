@@ -5,7 +5,7 @@ import random
 
 import pytest
 
-from tactgen.geometry.bimorph import bimorph_bricks
+from tactgen.geometry.bimorph import bricks as bimorph_bricks
 from tactgen.geometry.device.parameters import Device, Piezo
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.sections import energy_shear_correction, laminate_section

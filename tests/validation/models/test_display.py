@@ -11,8 +11,7 @@ from tactgen.validation.engine.inputs import scene_warnings
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.display.crosstalk import display_ports
-from tactgen.validation.models.display.spread import first_frequency
+from tactgen.validation.models.display.field import display_ports, first_frequency
 from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.scene import load_scene
 

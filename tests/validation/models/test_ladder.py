@@ -8,7 +8,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.engine.costs import record, recorded
+from tactgen.validation.engine.plan import record, recorded
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid

@@ -10,16 +10,16 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.evidence.cases import amplitude as amplitude_measurements
-from tactgen.validation.models import rocking as states
-from tactgen.validation.models.bimorph import cad as meshes
-from tactgen.validation.models.five_port import five_port
-from tactgen.validation.models.rocking import (
+from tactgen.validation.models import backbone as states
+from tactgen.validation.models.backbone import (
     STATES,
     LoadedDeflection,
     held_head,
     loaded_deflection,
     voltage_for,
 )
+from tactgen.validation.models.bimorph import solid as meshes
+from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.scene import load_scene
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.piezo.bricks import assemble_bricks
-from tactgen.geometry.bimorph.bimorph_bricks import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.validation.engine.model import Modes
 from tactgen.validation.models.bimorph import lowest_modes, solid
 from tactgen.validation.scene.scene import load_scene

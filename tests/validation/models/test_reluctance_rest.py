@@ -13,7 +13,7 @@ from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import switching
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.reluctance.rest import resting_state
+from tactgen.validation.models.reluctance.switching import resting_state
 from tactgen.validation.scene.scene import load_scene
 
 NAMES = ("rod_position", "finger_force", "contact_force", "resting_positions")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.magnetics import axisymmetric as actuator
-from tactgen.fem.magnetics import axisymmetric_path as walk
+from tactgen.fem.magnetics import axisymmetric as walk
 from tactgen.fem.magnetics.axisymmetric import FieldErrors, FieldPoint
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene

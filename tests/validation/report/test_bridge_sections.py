@@ -5,7 +5,7 @@ import re
 import pytest
 from pages import page_text
 
-from tactgen.geometry.bimorph import bimorph_bricks
+from tactgen.geometry.bimorph import bricks as bimorph_bricks
 from tactgen.validation.report.page import templates
 from tactgen.validation.report.sections.bridge import (
     bridge_section,

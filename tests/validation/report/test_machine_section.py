@@ -7,7 +7,7 @@ from pages import blank_figures
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.rocking import STATES, rocking_states
+from tactgen.validation.models.backbone import STATES, rocking_states
 from tactgen.validation.report.page import summary, templates
 from tactgen.validation.report.request import check_report
 from tactgen.validation.report.sections import large_motion

@@ -272,7 +272,6 @@ def test_lateral_report_imports_nothing_magnetic(loaded):
     assert not lateral & {
         "tactgen.fem.magnetics.axisymmetric", "tactgen.fem.magnetics.axisymmetric_field",
         "tactgen.tmm.reluctance.network", "tactgen.validation.evidence.cases.reluctance",
-        "tactgen.validation.report.sections.reluctance_figures",
         "tactgen.validation.report.sections.reluctance",
     }  # fmt: skip
 

@@ -17,7 +17,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering, percent, prefixed, share, signed, with_bar
 from tactgen.validation import report
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.models.bimorph.cad import cells_of, mesh_pair
+from tactgen.validation.models.bimorph.solid import cells_of, mesh_pair
 from tactgen.validation.report.page import _with_pages, print_report, write_report
 from tactgen.validation.report.sections import length as length_section
 from tactgen.validation.report.sections.bimorph_figures import response_values

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from tactgen.validation.show.console import console
+from tactgen.validation.show.browser import console
 
 
 @pytest.mark.parametrize(("terminal", "width"), [(True, 61), (False, 170)])

@@ -8,8 +8,12 @@ from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.fields.gather import Request, gather
-from tactgen.validation.show.fields.lengths import _Lattice, _turned_like, length_range
-from tactgen.validation.show.fields.over_length import lagrange_weights
+from tactgen.validation.show.fields.lengths import (
+    _Lattice,
+    _turned_like,
+    lagrange_weights,
+    length_range,
+)
 
 ENDS = 15e-3, 25e-3
 

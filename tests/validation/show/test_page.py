@@ -14,8 +14,12 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.browser import find_browser, run_browser
 from tactgen.validation.show.fields.gather import Request, gather
-from tactgen.validation.show.fields.lengths import length_range
-from tactgen.validation.show.fields.over_length import LengthRange, ModeOverLength, lagrange_weights
+from tactgen.validation.show.fields.lengths import (
+    LengthRange,
+    ModeOverLength,
+    lagrange_weights,
+    length_range,
+)
 from tactgen.validation.show.fields.result import at_phase
 from tactgen.validation.show.page import Still, page
 from tactgen.validation.show.shading import SHADES, enlargement, shades_of

@@ -10,7 +10,7 @@ from tactgen.fem.piezo import reduction_files as kept_reductions
 from tactgen.fem.piezo import state_space as state_space_file
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.ports import write_port_files
+from tactgen.validation.show.export import write_port_files
 
 
 @pytest.mark.usefixtures("own_store", "coarse_bricks")
@@ -48,7 +48,7 @@ def test_the_state_space_is_of_the_scenes_band_and_wiring(
     given = []
     reduced = SimpleNamespace(fine=Made(np.ones((3, 3))))
     monkeypatch.setattr(
-        "tactgen.validation.models.bimorph.cad.mesh_pair",
+        "tactgen.validation.models.bimorph.solid.mesh_pair",
         lambda scene: SimpleNamespace(meshes=("fine", "coarse")),
     )
     monkeypatch.setattr(

@@ -1,6 +1,6 @@
 """Whatever a picture may show has words."""
 
-from tactgen.fem.piezo.motions import Motion
+from tactgen.fem.piezo.modal_model import Motion
 from tactgen.validation.catalogue.models import models_of
 from tactgen.validation.show import shading
 

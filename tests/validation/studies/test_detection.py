@@ -163,7 +163,7 @@ def test_the_curves_hold_their_extremes(study):
 
 def test_load_factor_gives_the_papers_displacement(study):
     """With the load multiplied by the stated factor, |w| per volt is the paper's."""
-    from tactgen.tmm.ports.finger import finger_spring_damper
+    from tactgen.tmm.ports.measured_load import finger_spring_damper
 
     for moved in study.moved:
         c, d = (float(v[0]) for v in finger_spring_damper(np.array([moved.frequency])))

@@ -12,10 +12,9 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.nearby import with_values
 from tactgen.validation.scene.scene import FILE_KEYS, load_scene
 from tactgen.validation.studies.curve_fit import Misfit, curve_model
-from tactgen.validation.studies.fit_parameters import fit_parameter
 from tactgen.validation.studies.identify import identify
 from tactgen.validation.studies.identify_output import file_from
-from tactgen.validation.studies.measured_data import MeasuredCurve
+from tactgen.validation.studies.measured_data import MeasuredCurve, fit_parameter
 
 PROTOTYPE, ORIGINS = load_scene("prototype")
 TRUTH = {"c_s": 0.24, "d_s": 4.46e-6, "c_sl": 3e6, "theta": 1e-12, "rho_p": 7900.0}

@@ -13,6 +13,13 @@ from tactgen.validation.command_line.streams import say
 if TYPE_CHECKING:
     from tactgen.geometry.units import Unit
     from tactgen.validation.scene.scene import Scene
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from tactgen.validation.models.comparison import Choice
+    from tactgen.validation.scene.scene import Scene
+
 
 #: What argparse hands out for adding commands (its type is private).
 Commands = Any
@@ -144,3 +151,20 @@ def values_of(
     spaced = np.geomspace if spacing == "log" else np.linspace
     values: list[float] = spaced(one(parts[0]), one(parts[1]), int(count)).tolist()
     return values
+
+
+def under_contract(
+    scene: Scene, origins: Mapping[str, str], announce: Callable[[str], None]
+) -> tuple[Scene, Choice | None]:
+    """Scene with the models that the accuracy asks for, and why.
+
+    Unchanged, and None, where models are named or no accuracy is.
+
+    Raises InputError if no model is known to meet the accuracy.
+    """
+    if "accuracy" not in origins or "models" in origins:
+        return scene, None
+    from tactgen.validation.models.comparison import choose
+
+    choice = choose(scene, scene.quantities, announce)
+    return scene.model_copy(update={"models": choice.models}), choice

@@ -22,8 +22,7 @@ from tactgen.validation.command_line.study_options import (
 )
 
 if TYPE_CHECKING:
-    from tactgen.validation.engine.costs import Prospect
-    from tactgen.validation.engine.plan import Plan
+    from tactgen.validation.engine.plan import Plan, Prospect
 
 
 def add(commands: Commands) -> None:
@@ -46,10 +45,9 @@ def run(options: argparse.Namespace) -> int:
     if options.vary or options.sample is not None:
         return _of_study(options)
     _refuse_unused(options)
-    from tactgen.validation.command_line.contract import under_contract
-    from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.engine.costs import stage_prospects
-    from tactgen.validation.engine.plan import make_plan
+    from tactgen.validation.command_line.commands.common import under_contract
+    from tactgen.validation.command_line.streams import announcer
+    from tactgen.validation.engine.plan import make_plan, stage_prospects
     from tactgen.validation.engine.solve import plan_json
     from tactgen.validation.scene.scene import load_scene
 
@@ -76,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
     """Print what runs, with what it cost when it last ran here, and what is skipped, and why."""
-    from tactgen.validation.engine.costs import total
+    from tactgen.validation.engine.plan import total
 
     print(f"scene {scene}")
     print("runs:")
@@ -99,8 +97,8 @@ def _refuse_unused(options: argparse.Namespace) -> None:
 
 def _of_study(options: argparse.Namespace) -> int:
     """Show what each model would do in a study: kept, interpolated, or solved."""
-    from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.studies.whatif.study_plan import plan_study
+    from tactgen.validation.command_line.streams import announcer
+    from tactgen.validation.studies.whatif.run import plan_study
 
     statement, choice = under_accuracy(stated(options))
     with announcer() as announce:

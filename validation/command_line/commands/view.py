@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
         return _show_run(options)
     options.scene = PAPER if options.scene is None else options.scene
     _refuse_unused(options)
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.show.view import Look, harmonic_frequencies, view

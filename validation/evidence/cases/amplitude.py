@@ -12,13 +12,14 @@ from tactgen.tmm.harmonic_balance.balance import Orbit
 from tactgen.tmm.harmonic_balance.continuation import Branch, folds, peaks
 from tactgen.validation.evidence.case import Check
 from tactgen.validation.evidence.cases import oscillators
-from tactgen.validation.models.backbone import response_branch, speed
-from tactgen.validation.models.rocking import (
+from tactgen.validation.models.backbone import (
     STATES,
     LoadedDeflection,
     State,
     held_head,
     loaded_deflection,
+    response_branch,
+    speed,
     voltage_for,
 )
 from tactgen.validation.scene.scene import load_scene

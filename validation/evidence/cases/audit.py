@@ -34,7 +34,7 @@ from tactgen.tmm.beam.printed_formulas import (
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.sections import section as section_constants
 from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
-from tactgen.tmm.ports.finger import finger_impedance
+from tactgen.tmm.ports.measured_load import finger_impedance
 from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.scene.scene import Scene
 

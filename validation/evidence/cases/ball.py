@@ -16,9 +16,13 @@ from functools import partial
 
 import numpy as np
 
-from tactgen.fem.magnetics.problem_3d import MagneticSolid, SampledSolid, sample
-from tactgen.fem.magnetics.scalar_potential import ScalarPotential
-from tactgen.fem.magnetics.vector_potential import VectorPotential
+from tactgen.fem.magnetics.problem_3d import (
+    MagneticSolid,
+    SampledSolid,
+    ScalarPotential,
+    VectorPotential,
+    sample,
+)
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.meshing.mesh import Mesh, unique_edges

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactgen.tmm.ports.finger import finger_spring_damper
+from tactgen.tmm.ports.measured_load import finger_spring_damper
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.evidence.case import Check

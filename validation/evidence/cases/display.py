@@ -18,8 +18,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.evidence.case import Check
 from tactgen.validation.evidence.fineness import cached
-from tactgen.validation.models.display.crosstalk import display_ports
-from tactgen.validation.models.display.spread import with_device
+from tactgen.validation.models.display.field import display_ports, with_device
 from tactgen.validation.scene.scene import Scene, load_scene
 
 _PAPER = "paper section 2: a pitch of 2.4 mm, 45 mm high"

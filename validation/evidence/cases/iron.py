@@ -16,8 +16,7 @@ from tactgen.fem.magnetics.axisymmetric_field import MagneticField, solve_field
 from tactgen.fem.magnetics.axisymmetric_force import virtual_work_force
 from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.fem.magnetics.problem_3d import MagneticField as SolidField
-from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
-from tactgen.fem.magnetics.scalar_potential import ScalarPotential
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, sample
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device, Spring
 from tactgen.geometry.device.steel_law import MU0, linear

@@ -67,9 +67,12 @@ def _source(points: Floats) -> Floats:
 @cache
 def cube_error(potential: Literal["A", "phi"], cells: Cells, divisions: int) -> float:
     """Relative error of B, in the mean square, in the steel of TEAM problem 20."""
-    from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
-    from tactgen.fem.magnetics.scalar_potential import ScalarPotential
-    from tactgen.fem.magnetics.vector_potential import VectorPotential
+    from tactgen.fem.magnetics.problem_3d import (
+        MagneticSolid,
+        ScalarPotential,
+        VectorPotential,
+        sample,
+    )
 
     mesh = cube(cells, divisions)
     solid = sample(MagneticSolid(mesh, {"all": TEAM20}, _source, flux_normal=tuple(mesh.faces)))

@@ -14,7 +14,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.case import Check
-from tactgen.validation.models.rocking import STATES, State
+from tactgen.validation.models.backbone import STATES, State
 from tactgen.validation.scene.scene import load_scene
 
 #: What the scene is in both states: the pad, and a sixteenth of the 50 g on each tip.

@@ -41,8 +41,7 @@ STATES = ((0.13, 0.2e-3), (0.05, 0.1e-3), (0.02, 0.02e-3), (0.195, 0.25e-3))
 
 
 def _potential(name: str) -> Potential:
-    from tactgen.fem.magnetics.scalar_potential import ScalarPotential
-    from tactgen.fem.magnetics.vector_potential import VectorPotential
+    from tactgen.fem.magnetics.problem_3d import ScalarPotential, VectorPotential
 
     return VectorPotential if name == "A" else ScalarPotential
 

@@ -105,8 +105,7 @@ _FLUX_TABLE = "TEAM problem 20, table 4 of COMPEL 14 (1995) 57"
 
 @cached
 def _states(potential: str) -> dict[float, tuple[PoleForce, FluxDensities]]:
-    from tactgen.fem.magnetics.scalar_potential import ScalarPotential
-    from tactgen.fem.magnetics.vector_potential import VectorPotential
+    from tactgen.fem.magnetics.problem_3d import ScalarPotential, VectorPotential
 
     of: Potential = VectorPotential if potential == "A" else ScalarPotential
     states = pole_states(of, size(1.0), tuple(MEASURED_FORCE))

@@ -11,8 +11,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.pieces import CentreLine
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.engine.error_bars import SAFETY, observed_factor
 from tactgen.validation.engine.model import Modes, Refined
+from tactgen.validation.engine.results import SAFETY, observed_factor
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
 
 if TYPE_CHECKING:

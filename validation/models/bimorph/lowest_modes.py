@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tactgen.fem.piezo.modal_model import BareMode, ModalModel
-from tactgen.fem.piezo.motions import Motion
+from tactgen.fem.piezo.modal_model import BareMode, ModalModel, Motion
 from tactgen.fem.solvers.pardiso import side_by_side
 from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.store.values import storable
-from tactgen.validation.engine.error_bars import cancelling, least_difference
 from tactgen.validation.engine.model import Modes
+from tactgen.validation.engine.results import cancelling, least_difference
 
 if TYPE_CHECKING:
     from tactgen.fem.piezo.system import SolidSystem, Surplus

@@ -4,23 +4,28 @@ from __future__ import annotations
 
 import importlib
 from abc import abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import astuple, dataclass
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.pieces import CentreLine
+from tactgen.geometry.bimorph.pieces import CentreLine, beam_pieces
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.elements import tip_stiffness
+from tactgen.tmm.beam import lumped, transfer_matrix
+from tactgen.tmm.beam import port_quantities as shapes
+from tactgen.tmm.beam.modes import NaturalFrequencies, natural_frequencies
+from tactgen.tmm.beam.mounted_beam import uniform_response
+from tactgen.tmm.beam.scattering import Element
+from tactgen.tmm.ports.elements import attach, tip_stiffness
 from tactgen.tmm.ports.measured_load import OF_THE_TABLE, MeasuredLaw
-from tactgen.tmm.ports.multiport import Multiport
+from tactgen.tmm.ports.multiport import Multiport, Response, respond
 from tactgen.validation.catalogue.models import MAPS
 from tactgen.validation.catalogue.row import Need
 from tactgen.validation.engine.model import Model, Modes, Refined
-from tactgen.validation.engine.results import Estimate
+from tactgen.validation.engine.results import SAFETY, Estimate
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.difference import end_share
 from tactgen.validation.scene.scene import Scene
@@ -94,7 +99,7 @@ class BimorphModel(Model):
 
     def _crosstalk(self) -> Any:
         """What one unit moves at the others, all of them on this bimorph."""
-        from tactgen.validation.models.display.crosstalk import crosstalk
+        from tactgen.validation.models.display.field import crosstalk
 
         return self.run("crosstalk", lambda: crosstalk(self.scene, self.ports()))
 
@@ -144,7 +149,7 @@ class BeamTheoryModel(BimorphModel):
         return self._spread() if need == "spread" else super().answer(need)
 
     def _spread(self) -> Any:
-        from tactgen.validation.models.display.spread import first_frequency, spread
+        from tactgen.validation.models.display.field import first_frequency, spread
 
         def first(scene: Scene) -> Estimate:
             return first_frequency(type(self)(scene, self.stages)._modes(open_circuit=False))
@@ -183,3 +188,148 @@ class BeamTheoryModel(BimorphModel):
     @abstractmethod
     def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Lossless modes in one circuit."""
+
+
+#: Ratio of a size at both ends of a segment from which on its order is not that of a smooth
+#: taper: (ratio − 1)⁴ is then no longer small.
+_STEEP = 1.5
+
+T = TypeVar("T")
+
+
+class RowModel(BeamTheoryModel):
+    """Closed forms for a row of beams, in which tapers are divided into segments."""
+
+    _METHOD: str
+    #: Order in which a taper's error falls with its segments' length.
+    _ORDER: int
+    #: Gives the model over its ports, of the row divided into segments.
+    _solved: ClassVar[Callable[..., Multiport]]
+
+    def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
+        s = self.scene
+        return self._judged(
+            lambda n: self._solved(
+                s.device, s.support, s.beam, frequencies, lossy=lossy, segments=n
+            )
+        )
+
+    def _lossless_row(self, segments: int) -> list[Element]:
+        return self._row(lossy=False, segments=segments)
+
+    def _row(self, *, lossy: bool, segments: int = transfer_matrix.SEGMENTS) -> list[Element]:
+        s = self.scene
+        return transfer_matrix.sections(s.device, s.support, s.beam, lossy=lossy, segments=segments)
+
+    def _judged(self, read: Callable[[int], T], method: str = "") -> Refined[T]:
+        """What `read` gives for a number of segments, judged by half as many."""
+        method = method or self._METHOD
+        fine = read(transfer_matrix.SEGMENTS)
+        if not transfer_matrix.is_tapered(self.scene.device, self.scene.support):
+            return Refined(fine, (), method)
+        coarse = read(transfer_matrix.SEGMENTS // 2)
+        order = 1 if self._steep else self._ORDER
+        taper = f"half as many segments of the taper, order {order}, safety factor {SAFETY}"
+        factor = SAFETY / (2.0**order - 1.0)
+        return Refined(fine, ((coarse, factor),), f"{method}; {taper}")
+
+    @property
+    def _steep(self) -> bool:
+        """Whether some coarse segment ends much thinner or narrower than it begins.
+
+        Where a taper runs out, what goes with 1/thickness is resolved by ever shorter parts
+        of the last segment, and the error falls only with its length.
+        """
+        pieces = beam_pieces(self.scene.device, self.scene.support)
+        sizes = [np.array([astuple(end) for end in p.ends]) for p in pieces if p.ends]
+        share = 1.0 / (transfer_matrix.SEGMENTS // 2)
+        ratios = (both.max(axis=0) / both.min(axis=0) for both in sizes)
+        return any((1.0 + share * (ratio - 1.0) > _STEEP).any() for ratio in ratios)
+
+
+class LumpedModel(RowModel):
+    """Closed-form statics with a consistent mass matrix."""
+
+    name = "lumped"
+    _METHOD = "rounding of closed forms; the model's own error is not included"
+    _ORDER = 2  # the mass of a segment's cubic shapes; the statics are of order 4
+    _solved = staticmethod(lumped.multiport)
+
+    def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
+        """Centre line of the first mode."""
+        row, ends = self._row(lossy=False), self.scene.ends
+        *motion, charge = lumped.first_mode(row, ends, open_circuit=open_circuit)
+        frequency = float(self.modes(open_circuit=open_circuit).fine.frequencies[0])
+        return [shapes.static_line(row, np.array(motion), charge, frequency)]
+
+    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
+        """Static line between the ends as the ports move them."""
+        port = self._multiport(np.array([frequency]), lossy=lossy).fine
+        ends = self.scene.ends if lossy else self.scene.ends.lossless
+        found = respond(attach(port, ends), {"voltage": voltage})
+        names = ("w_base", "psi_base", "w_tip", "psi_tip")
+        ports = [found.motion[name][0] if name in found.motion else 0.0 for name in names]
+        charge = complex(found.effort["voltage"][0])
+        row = self._row(lossy=lossy)
+        return shapes.static_line(row, np.array([*ports, voltage]), charge, frequency)
+
+    def circuit(self, *, open_circuit: bool = False) -> lumped.EquivalentCircuit:
+        """First mode as a one-mode circuit (parallel wiring)."""
+        return self._circuit(transfer_matrix.SEGMENTS, open_circuit=open_circuit)
+
+    def _circuit(self, segments: int, *, open_circuit: bool) -> lumped.EquivalentCircuit:
+        row = self._lossless_row(segments)
+        return lumped.equivalent_circuit(row, self.scene.ends, open_circuit=open_circuit)
+
+    def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        def mode(segments: int) -> Modes:
+            circuit = self._circuit(segments, open_circuit=open_circuit)
+            return Modes(np.array([circuit.short_circuit_frequency]), ("bending_x",))
+
+        return self._judged(mode)
+
+
+class TmmModel(RowModel):
+    """Exact Timoshenko beams in a row."""
+
+    name = "tmm"
+    _METHOD = "rounding: machine epsilon times the condition number of the port equations"
+    _ORDER = 4
+    _solved = staticmethod(transfer_matrix.multiport)
+
+    def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
+        """Centre lines of the modes."""
+        s = self.scene
+        return shapes.mode_lines(self._row(lossy=False), s.ends, s.modes, open_circuit=open_circuit)
+
+    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
+        """Centre line at a frequency and a voltage across each layer."""
+        ends = self.scene.ends if lossy else self.scene.ends.lossless
+        return shapes.driven_line(self._row(lossy=lossy), ends, frequency, voltage)
+
+    def closed_form(self, ends: Ends) -> Refined[Response] | None:
+        """Response of one uniform beam, right also at the poles of D(Ω)."""
+        s = self.scene
+        row = transfer_matrix.sections(s.device, s.support, s.beam, lossy=True)
+        series = s.bimorph.wiring == "series"
+        found = uniform_response(row, ends, self.frequencies, series=series)
+        if found is None:
+            return None
+        method = "bound from the condition number of the closed form"
+        return Refined(found.response, (), method, found.error)
+
+    def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
+        s = self.scene
+
+        def found(segments: int) -> NaturalFrequencies:
+            row = self._lossless_row(segments)
+            return natural_frequencies(row, s.ends, s.modes, open_circuit=open_circuit)
+
+        def modes(of: NaturalFrequencies) -> Modes:
+            return Modes(of.frequencies, ("bending_x",) * of.frequencies.size)
+
+        method = "counted (Wittrick-Williams), rounding from a second evaluation in other units"
+        judged = self._judged(found, method)
+        coarser = tuple((modes(of), factor) for of, factor in judged.coarser)
+        rounding = float(judged.fine.rounding.max())
+        return Refined(modes(judged.fine), coarser, judged.method, rounding)

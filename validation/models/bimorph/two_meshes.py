@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactgen.fem.piezo.motions import Motion
+from tactgen.fem.piezo.modal_model import Motion
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.engine.error_bars import SAFETY, least_difference
 from tactgen.validation.engine.model import Modes, Refined
+from tactgen.validation.engine.results import SAFETY, least_difference
 from tactgen.validation.models.bimorph.lowest_modes import (
     MeshModes,
     all_modes,

@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
 
+import numpy as np
+
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.device.parameters import Device, Display
+from tactgen.geometry.display.bill import bill_of_parts
+from tactgen.geometry.display.layout import drawn_units, unit_names
+from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.values import storable
+from tactgen.tmm.display.array import board, joined, sheet, tip_motions, unit_ports
+from tactgen.tmm.ports.multiport import Multiport, in_series
+from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.scene.scene import Scene
 
@@ -101,3 +113,273 @@ def _of_nine(
     """Pull by both potentials; of what is out of balance each of `share` units has one."""
     half = 0.5 * abs(pair[0] - pair[1])
     return Estimate(0.5 * sum(pair), max(half, 0.5 * abs(sum(unbalanced)) / share))
+
+
+#: Rounding of an entry of a bimorph's matrix: closed forms of some ten operations; and how often
+#: it is drawn with other signs.
+_ROUNDING, _DRAWS = 16.0 * np.finfo(float).eps, 3
+
+
+@dataclass(frozen=True)
+class MechanicalCrosstalk:
+    """The display with one unit driven: the one next to the middle, towards r1c1."""
+
+    scene: Scene  #: Display, skin, contact and the tips' load are read
+    ports: Refined[Multiport]  #: One bimorph by its model, parallel wiring; all units are this one
+    bare: bool = False  #: Whether the tips are without skin, their loads apart
+
+    @property
+    def method(self) -> str:
+        """How the error bars come about."""
+        return f"of the bimorph's ports: {self.ports.method}; board and skin are model form"
+
+    @property
+    def driven(self) -> tuple[int, int]:
+        """Row and column of the driven unit, from 0."""
+        display = self.scene.display
+        return (display.rows - 1) // 2, (display.columns - 1) // 2
+
+    def beside(self) -> Estimate:
+        """Motion of the next unit along x over the driven one's; nan without one."""
+        row, column = self.driven
+        return self._of_unit(row, column + 1)
+
+    def behind(self) -> Estimate:
+        """Motion of the next unit along y over the driven one's; nan without one."""
+        row, column = self.driven
+        return self._of_unit(row + 1, column)
+
+    def largest(self) -> Estimate:
+        """Largest motion of any other unit over the driven one's, (n,) real."""
+        return self._judged(
+            lambda ratios: np.abs(np.delete(ratios, self._at(*self.driven), axis=1)).max(
+                axis=1, initial=0.0
+            )
+        )
+
+    def by_board(self) -> Estimate:
+        """:meth:`largest` with no skin on the tips: what the board alone passes on."""
+        return replace(self, bare=True).largest()
+
+    def ratios(self) -> Complex:
+        """Tips' motions (n, units) over the driven one's."""
+        return self._levels[0]
+
+    def _of_unit(self, row: int, column: int) -> Estimate:
+        display = self.scene.display
+        if row >= display.rows or column >= display.columns:
+            nothing = np.full(len(self.scene.frequency), np.nan)
+            return Estimate(nothing, nothing)
+        at = self._at(row, column)
+        return self._judged(lambda ratios: ratios[:, at])
+
+    def _at(self, row: int, column: int) -> int:
+        return row * self.scene.display.columns + column
+
+    def _judged(self, of: Callable[[Complex], Complex | Floats]) -> Estimate:
+        fine, *coarser = self._levels
+        value = of(fine)
+        bar = self._rounding + np.abs(value) * self.ports.rounding
+        for level, (_, factor) in zip(coarser, self.ports.coarser, strict=True):
+            bar = bar + factor * np.abs(value - of(level))
+        return Estimate(value, np.asarray(bar, dtype=float))
+
+    @cached_property
+    def _levels(self) -> tuple[Complex, ...]:
+        every = (self.ports.fine, *(coarser for coarser, _ in self.ports.coarser))
+        return tuple(self._solved(port)[1] for port in every)
+
+    @cached_property
+    def _rounding(self) -> Floats:
+        """How far any ratio (n,) goes when the bimorph's matrix moves by its rounding, absolute.
+
+        A condition number of the whole does not see what its parts lost when they were joined.
+        """
+        fine, chance = self.ports.fine, np.random.default_rng(0)
+        found = np.zeros(len(fine.frequencies))
+        for _ in range(_DRAWS):
+            signs = np.triu(chance.choice((-1.0, 1.0), fine.stiffness.shape[1:]))
+            moved = 1.0 + _ROUNDING * (signs + np.triu(signs, 1).T)
+            _, ratios = self._solved(replace(fine, stiffness=fine.stiffness * moved))
+            found = np.maximum(found, np.abs(ratios - self._levels[0]).max(axis=1))
+        return found
+
+    def _solved(self, bimorph: Multiport) -> tuple[Multiport, Complex]:
+        whole = display_ports(self.scene, bimorph, bare=self.bare)
+        units = unit_names(self.scene.display)
+        at = self._at(*self.driven)
+        motions = tip_motions(whole, units[at], units)
+        return whole, motions / motions[:, at, None]
+
+
+def crosstalk(scene: Scene, ports: Refined[Multiport]) -> MechanicalCrosstalk:
+    """Display with one unit driven, solved on all of the ports' levels."""
+    found = MechanicalCrosstalk(scene, ports)
+    found.ratios()
+    return found
+
+
+def display_ports(scene: Scene, bimorph: Multiport, *, bare: bool = False) -> Multiport:
+    """Whole display over each unit's tip and voltage, all units alike.
+
+    Skin lies on the tips where something loads them, unless they are to be `bare`.
+    """
+    device, display, f = scene.device, scene.display, bimorph.frequencies
+    if scene.bimorph.wiring == "series":
+        bimorph = in_series(bimorph)
+    assert scene.rest is not None, "units stand on their contacts"
+    unit = unit_ports(bimorph, device, scene.rest[0], scene.ends.tip)
+    units = unit_names(display)
+    masses = {line.name: line.mass for line in bill_of_parts(device, display)}
+    on = board(device, display, f, units, masses["upper_board"])
+    covered = scene.load.kind != "none" and scene.skin.thickness > 0.0 and not bare
+    over = sheet(scene.skin, display, f, units) if covered else None
+    return joined(dict.fromkeys(units, unit), on, over)
+
+
+#: First frequency of a scene with its error bar (Hz), by some model.
+FirstFrequency = Callable[[Scene], Estimate]
+#: How the bars come about.
+_METHOD = "of each unit's first natural frequency, by the model's own bars"
+#: Least preload that a screw leaves, as a share of the nominal one: with none the head is loose.
+_LOOSE = 0.02
+#: Relative distance from the target at which a search ends, and most of its steps.
+_CLOSE, _MOST = 1e-6, 12
+#: Slope of log f over log preload with which a search starts: f² goes with the contact's
+#: stiffness, that with the preload, less what the beam bends itself.
+_EXPONENT = 0.4
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The units as drawn, and after their screws were turned."""
+
+    units: tuple[str, ...]  #: Names, row by row
+    frequencies: tuple[Estimate, ...]  #: Of each unit as drawn (Hz)
+    turns: tuple[float, ...]  #: Of each screw, positive tightens
+    turns_bar: float  #: What the bars of the frequencies leave open in turns
+    tuned: tuple[Estimate, ...]  #: After turning (Hz)
+    #: Of the nominal unit with its screw as far out and in as it goes (Hz)
+    lowest: Estimate
+    highest: Estimate
+    method: str  #: How the bars come about
+
+    def as_drawn(self) -> Estimate:
+        """Frequencies of all units as drawn."""
+        return self._listed(
+            [f.value for f in self.frequencies], [f.error for f in self.frequencies]
+        )
+
+    def screws(self) -> Estimate:
+        """Turns of all screws."""
+        return self._listed(list(self.turns), [self.turns_bar] * len(self.turns))
+
+    def apart(self) -> Estimate:
+        """How far the highest frequency is from the lowest, as drawn."""
+        return _range(self.frequencies)
+
+    def left_apart(self) -> Estimate:
+        """Same after turning."""
+        return _range(self.tuned)
+
+    def reach(self) -> Estimate:
+        """What a screw can do to the nominal unit's frequency, from end to end."""
+        return Estimate(
+            self.highest.value - self.lowest.value, self.highest.error + self.lowest.error
+        )
+
+    def _listed(self, values: list[float], bars: list[float]) -> Estimate:
+        return Estimate(np.array(values), np.array(bars), classes=self.units)
+
+
+def _range(found: tuple[Estimate, ...]) -> Estimate:
+    high, low = (pick(found, key=lambda f: f.value) for pick in (max, min))
+    return Estimate(high.value - low.value, high.error + low.error)
+
+
+def screw_travel(display: Display) -> float:
+    """How far a grub screw goes either way within the ground plate (m)."""
+    return float(display.plate_thickness - display.screw_length)
+
+
+def first_frequency(modes: Refined[Modes]) -> Estimate:
+    """First frequency of modes with the bar that they are judged by."""
+    value = float(modes.fine.frequencies[0])
+    rounding = np.atleast_1d(np.asarray(modes.rounding))[0]
+    bar = abs(value) * (1e-13 + float(rounding))
+    for coarser, factor in modes.coarser:
+        bar += factor * abs(value - float(coarser.frequencies[0]))
+    return Estimate(value, bar)
+
+
+def spread(scene: Scene, of: FirstFrequency) -> Spread:
+    """What the scatter does to the units of a scene, and what the screws undo of it.
+
+    Raises InputError if a screw would leave no preload at all.
+    """
+    device, display = scene.device, scene.display
+    rate, step = device.spring.stiffness, display.screw_pitch
+    travel = rate * screw_travel(display)
+    if not rate > 0.0:
+        raise InputError(
+            "spring.stiffness = 0 N/m lets no screw change the preload; give the spring a stiffness"
+        )
+    drawn = drawn_units(device, display, scene.scatter)
+    scenes = [with_device(scene, unit) for unit in drawn]
+    found = tuple(of(unit) for unit in scenes)
+    target = float(np.median([f.value for f in found]))
+    set_to = [
+        _tuned(unit, of, alone, target, travel) for unit, alone in zip(scenes, found, strict=True)
+    ]
+    tuned = tuple(after for _, after in set_to)
+    turns = tuple(
+        (force - unit.spring.preload) / (rate * step)
+        for unit, (force, _) in zip(scenes, set_to, strict=True)
+    )
+    lowest, highest = (
+        of(_pressed(scene, force)) for force in _limits(scene.spring.preload, travel)
+    )
+    widest = max(f.error / f.value for f in found)
+    bar = (2.0 * widest + _CLOSE) / _EXPONENT * device.spring.preload / (rate * step)
+    return Spread(
+        unit_names(display), found, turns, bar, tuned, lowest, highest,
+        _METHOD,
+    )  # fmt: skip
+
+
+def with_device(scene: Scene, device: Device) -> Scene:
+    """Scene with another device."""
+    return scene.model_copy(update={name: getattr(device, name) for name in Device.model_fields})
+
+
+def _pressed(scene: Scene, preload: float) -> Scene:
+    spring = scene.spring.model_copy(update={"preload": preload})
+    return scene.model_copy(update={"spring": spring})
+
+
+def _limits(preload: float, travel: float) -> tuple[float, float]:
+    return max(preload - travel, _LOOSE * preload), preload + travel
+
+
+def _tuned(
+    scene: Scene, of: FirstFrequency, drawn: Estimate, target: float, travel: float
+) -> tuple[float, Estimate]:
+    """Preload (N) that brings a unit to a frequency, or as near as its screw goes.
+
+    With what it then vibrates at.  Secants of log f over log preload, which is nearly straight.
+    """
+    if abs(drawn.value / target - 1.0) < _CLOSE:
+        return scene.spring.preload, drawn
+    low, high = np.log(_limits(scene.spring.preload, travel))
+    before = float(np.log(scene.spring.preload)), float(np.log(drawn.value / target))
+    here, found = before[0] - before[1] / _EXPONENT, drawn
+    for _ in range(_MOST):
+        here = float(np.clip(here, low, high))
+        found = of(_pressed(scene, float(np.exp(here))))
+        short = float(np.log(found.value / target))
+        stuck = (here == low and short > 0.0) or (here == high and short < 0.0)
+        if abs(short) < _CLOSE or stuck or here == before[0]:
+            break
+        slope = (short - before[1]) / (here - before[0])
+        before, here = (here, short), here - short / slope
+    return float(np.exp(here)), found

@@ -16,8 +16,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
-from tactgen.validation.catalogue.inputs import STROKE
-from tactgen.validation.catalogue.models import MODELS, stage_code
+from tactgen.validation.catalogue.models import MODELS, STROKE, stage_code
 from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.display.field import by_field  # its result may be in the store
@@ -102,7 +101,7 @@ class AxisymmetricModel(_FieldModel):
         return axisymmetric_point(self._solved(current, gap))
 
     def _solver(self) -> Solver:
-        from tactgen.fem.magnetics.axisymmetric_path import FieldWalk
+        from tactgen.fem.magnetics.axisymmetric import FieldWalk
 
         device = self.scene.device
         walk = FieldWalk(finenesses(REFINEMENTS, self.scene.accuracy), self.scene.accuracy)

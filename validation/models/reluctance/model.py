@@ -22,11 +22,13 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout, Need
 from tactgen.validation.engine.model import Model
 from tactgen.validation.engine.results import Estimate
-from tactgen.validation.models.reluctance.rest import RestingState, position_bar, resting_state
 from tactgen.validation.models.reluctance.switching import (
     MagneticPoint,
+    RestingState,
     Solver,
     SwitchingCurrents,
+    position_bar,
+    resting_state,
     switching_currents,
 )
 from tactgen.validation.scene.files import leaves

@@ -12,7 +12,7 @@ from tactgen.validation.catalogue.quantities import (
 )
 from tactgen.validation.evidence import stress as stress_output
 from tactgen.validation.evidence.cases import audit
-from tactgen.validation.models.bimorph.rows import LumpedModel
+from tactgen.validation.models.bimorph.model import LumpedModel
 from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections import length as length_section
@@ -24,9 +24,9 @@ from tactgen.validation.report.sections.bridge import (
     holding_section,
     material_section,
 )
-from tactgen.validation.report.sections.drive_limits import drive_limits_section
 from tactgen.validation.report.sections.load import load_section
 from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.sections.voltage import drive_limits_section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.nearby import is_papers_bimorph
 

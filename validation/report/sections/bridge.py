@@ -159,7 +159,7 @@ def material_section(study: Study) -> Context | None:
     """What the assumed constants of the full tensor are worth."""
     if study.quick or not study.asks_field or study.scene.piezo.d31 == 0.0:
         return None
-    from tactgen.validation.models.bimorph.material_effects import material_effects
+    from tactgen.validation.models.bimorph.tab import material_effects
 
     scene = study.scene
     if scene.support.kind == "rod":

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.engine.plan import asks_display
+from tactgen.validation.engine.results import this_origin
 from tactgen.validation.report.sections import gallery
-from tactgen.validation.report.sections.credibility import credibility_section
 from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.sections.uncertainty import credibility_section
 from tactgen.validation.report.study import INVARIANT_TOLERANCE, Study
 
 #: What is looked up rather than read.

@@ -16,8 +16,14 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.backbone import Backbone, Curve
-from tactgen.validation.models.rocking import COILS, RockingState, in_state, rocking_states
+from tactgen.validation.models.backbone import (
+    COILS,
+    Backbone,
+    Curve,
+    RockingState,
+    in_state,
+    rocking_states,
+)
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.study import Study
 from tactgen.validation.scene.nearby import is_papers_bimorph
@@ -221,7 +227,7 @@ def _time(study: Study) -> Context:
     """Run of the paper's Fig 16, as a film and as pictures for paper."""
     from tactgen.validation.evidence.cases.motion import SOURCES
     from tactgen.validation.models.generator.transient import phases
-    from tactgen.validation.show.run_film import still_of_run
+    from tactgen.validation.show.run_page import still_of_run
     from tactgen.validation.studies.simulate import film_of, time_plot
 
     scene = study.scene

@@ -9,8 +9,13 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.load_table import LoadTable
 from tactgen.tmm.ports.elements import tip_stiffness
-from tactgen.tmm.ports.finger import FINGER_RANGE, finger_form, finger_impedance
-from tactgen.tmm.ports.measured_load import MeasuredLaw, continued
+from tactgen.tmm.ports.measured_load import (
+    FINGER_RANGE,
+    MeasuredLaw,
+    continued,
+    finger_form,
+    finger_impedance,
+)
 from tactgen.validation.catalogue.quantities import LOAD_FORCE, LOAD_POWER
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.sections.section import Context

@@ -146,7 +146,7 @@ def _fields(model: Model, detail: Detail) -> Fields:
     if isinstance(model, TwoMeshModel):
         return SolidFields(model, detail)
     assert isinstance(model, BeamTheoryModel)
-    from tactgen.validation.show.fields.beam_fields import RowFields
+    from tactgen.validation.show.fields.moving import RowFields
 
     return RowFields(model)
 

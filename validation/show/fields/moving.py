@@ -8,13 +8,21 @@ import numpy as np
 
 from tactgen.fem.beam import BeamMatrices
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.pieces import beam_pieces, block_cells, row_shape
+from tactgen.geometry.bimorph.pieces import (
+    CentreLine,
+    RowShape,
+    beam_pieces,
+    block_cells,
+    row_shape,
+)
 from tactgen.geometry.device.layout import MM, Ring, moving_rings
 from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.tmm.generator.transient.machine import BimorphModes
+from tactgen.validation.models.bimorph.model import BeamTheoryModel
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.fields.result import MODE_SIZE, Array, FieldResult, State
+from tactgen.validation.show.fields.solid_fields import Found
 
 #: Points around a ring.
 _AROUND = 33
@@ -160,3 +168,48 @@ def _carried(at: Floats, displacement: Array, points: Floats) -> Array:
     out[:, 0] -= turned * points[:, 2]
     out[:, 2] += turned * points[:, 0]
     return np.asarray(out)
+
+
+class RowFields:
+    """The states of a beam theory: displacement and potential, at points of one mesh."""
+
+    def __init__(self, model: BeamTheoryModel) -> None:
+        self._model = model
+        scene = model.scene
+        rod = scene.support.kind == "rod"
+        base = scene.device.ceramic_base if rod else scene.bimorph.tab_length
+        lines = model.mode_lines(open_circuit=False)
+        pieces = beam_pieces(scene.device, scene.support)
+        top = base + scene.bimorph.length
+        self._shape: RowShape = row_shape(pieces, scene.bimorph, lines[0].z, top)
+        self._short = lines
+
+    @property
+    def mesh(self) -> Mesh:
+        """The points and cells."""
+        return self._shape.mesh
+
+    def modes(self, count: int, *, open_circuit: bool) -> list[tuple[str, Found]]:
+        """Class and fields of the lowest `count` modes, ascending."""
+        lines = self._model.mode_lines(open_circuit=True) if open_circuit else self._short
+        out = []
+        for line in lines[:count]:
+            values = self._shape.values(line)
+            size = float(np.linalg.norm(values[:, :3], axis=1).max())
+            out.append(("bending_x", self._found(line, MODE_SIZE / size)))
+        return out
+
+    def static(self, voltage: float) -> Found:
+        """Lossless fields at rest under a voltage (V) across each layer."""
+        fields, tip, charge = self._found(self._model.driven_line(0.0, voltage, lossy=False))
+        real = {name: np.real(values) for name, values in fields.items()}
+        return real, tip.real, charge.real
+
+    def harmonic(self, frequency: float, voltage: float) -> Found:
+        """Fields with losses at a frequency (Hz) and voltage (V) across each layer."""
+        return self._found(self._model.driven_line(frequency, voltage, lossy=True))
+
+    def _found(self, line: CentreLine, factor: float = 1.0) -> Found:
+        values = factor * self._shape.values(line)
+        fields = {"displacement": values[:, :3], "potential": values[:, 3]}
+        return fields, factor * line.tip, factor * line.charge

@@ -10,8 +10,8 @@ from typing import Literal, Protocol
 import numpy as np
 from scipy.spatial import cKDTree
 
+from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.modes import SolidState, driven_state, mode_states
-from tactgen.fem.piezo.motions import Motion
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import Material, SolidSystem, materials
 from tactgen.geometry.arrays import Floats, Ints, Numbers

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.sources import source_digest
 from tactgen.geometry.store.store import kept, recalled
+from tactgen.geometry.store.values import source_digest
 from tactgen.validation.catalogue.models import MODELS, gives, models_of, reading
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.inputs import values_read

@@ -7,12 +7,13 @@ from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import (
     TET_FACES,
+    check_conformity,
+    check_shape,
     jacobian_coefficients,
     smallest_dihedral_angles,
     tet_volumes,
     unique_edges,
 )
-from tactgen.geometry.meshing.mesh_check import check_conformity, check_shape
 from tactgen.geometry.meshing.tetwild import conform as conforming
 from tactgen.geometry.meshing.tetwild.conform import NamedFace, bent_middles, conform, relaxed
 from tactgen.geometry.meshing.tetwild.mesher import _cubes_to_tets

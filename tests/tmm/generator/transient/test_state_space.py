@@ -9,8 +9,8 @@ from tactgen.tmm.generator.small_signal import axial_poles
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.generator.small_signal import rod_of
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show import ports as machine_state_space
-from tactgen.validation.show.ports import scene_state_space
+from tactgen.validation.show import export as machine_state_space
+from tactgen.validation.show.export import scene_state_space
 
 FREQUENCIES = (1.0, 30.0, 500.0, 8000.0)
 HELD = ("load.kind=none", "coil.current=50mA", "coil.history=falling",

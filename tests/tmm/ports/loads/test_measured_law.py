@@ -6,8 +6,14 @@ import pytest
 from tactgen.geometry.bimorph.ends import Ends, TipLoad
 from tactgen.geometry.device.load_table import LoadTable
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.finger import finger_form, finger_impedance
-from tactgen.tmm.ports.measured_load import MeasuredLaw, continued, disturbed, passive_fit
+from tactgen.tmm.ports.measured_load import (
+    MeasuredLaw,
+    continued,
+    disturbed,
+    finger_form,
+    finger_impedance,
+    passive_fit,
+)
 
 BAND = np.geomspace(10.0, 1000.0, 40)
 

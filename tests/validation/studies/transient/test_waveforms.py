@@ -24,7 +24,7 @@ from tactgen.tmm.generator.transient.waveform import (
 from tactgen.validation.evidence.cases.iron import IdealGap
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed
+from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
 
 
 @pytest.mark.parametrize(

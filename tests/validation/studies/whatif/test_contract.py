@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
+from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import whatif

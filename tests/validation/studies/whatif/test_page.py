@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
+from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import page as pages

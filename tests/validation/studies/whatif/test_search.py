@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
+from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.validation.command_line import cli
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid

@@ -4,13 +4,12 @@ import json
 
 import pytest
 
-from tactgen.geometry.bimorph.bimorph_bricks import BrickMeshing
+from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif.run import run_study
+from tactgen.validation.studies.whatif.run import plan_study, run_study
 from tactgen.validation.studies.whatif.statement import Statement
-from tactgen.validation.studies.whatif.study_plan import plan_study
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),

@@ -37,8 +37,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit code is 1 if a part's bars are too narrow, not if they are wide."""
     from tactgen.geometry.files import writable_folder
-    from tactgen.validation.command_line.progress import announcer
-    from tactgen.validation.command_line.streams import name_files
+    from tactgen.validation.command_line.streams import announcer, name_files
     from tactgen.validation.evidence.coverage import PARTS, run_parts, table, write
     from tactgen.validation.scene.files import choices
 

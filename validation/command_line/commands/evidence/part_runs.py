@@ -54,7 +54,7 @@ def run_and_show(
     Files come first: nobody may be there to read what is printed.
     """
     from tactgen.geometry.files import writable_folder
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.scene.files import choices
 
     names = choices(",".join(options.only or known), tuple(known), "part", "--only")

@@ -31,7 +31,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command; the exit code is 1 if a check fails."""
     from tactgen.geometry.files import writable_folder
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.evidence.verification import GROUPS, verify
     from tactgen.validation.scene.files import choices
 

@@ -51,10 +51,9 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.geometry.units import VOLTAGE
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.inputs import scene_warnings
-    from tactgen.validation.models.backbone import backbone
-    from tactgen.validation.models.rocking import held_head
+    from tactgen.validation.models.backbone import backbone, held_head
 
     scene, origins = lateral_scene(options.scene, options.overrides, "backbone")
     voltages = [abs(scene.drive.voltage)]

@@ -33,7 +33,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command; a difference is no error, so the exit code is 0."""
     from tactgen.geometry.files import writable_folder
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.show.export import scene_solids
     from tactgen.validation.studies.whatif.compare import (
         answer_differences,

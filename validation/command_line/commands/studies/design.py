@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _search(options: argparse.Namespace) -> int:
     """Search the values of any keys."""
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.scene.nearby import value_of
     from tactgen.validation.scene.scene import checked_scene, scene_values
     from tactgen.validation.studies.whatif.request import chosen
@@ -133,7 +133,7 @@ def _length_design(options: argparse.Namespace) -> int:
     import numpy as np
 
     from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.engine.warnings import field_warnings
     from tactgen.validation.studies.design import CURVES, design

@@ -46,7 +46,7 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.solve import solve
     from tactgen.validation.models.reluctance.model import MagneticModel, rod_loop
     from tactgen.validation.scene.scene import load_scene

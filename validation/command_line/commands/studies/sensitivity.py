@@ -67,7 +67,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.catalogue.models import models_of
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.engine.warnings import (
         field_warnings,

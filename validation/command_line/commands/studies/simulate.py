@@ -52,10 +52,10 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.tmm.generator.transient.waveform import Sources
     from tactgen.tmm.reluctance.coenergy_fit import read_map
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.models.generator.transient import run_scene, support_warnings
     from tactgen.validation.scene.scene import load_scene
-    from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed
+    from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
 
     _check_files(options)
     scene, _ = load_scene(options.scene, options.overrides)
@@ -207,7 +207,7 @@ def _write(
     if options.plot:
         write_text(Path(options.plot), time_plot(result))
     if options.fields or options.gif or options.mp4:
-        from tactgen.validation.show.run_film import write_run_film, write_run_steps
+        from tactgen.validation.show.run_page import write_run_film, write_run_steps
 
         if options.fields:
             announce("time steps for ParaView")
@@ -217,7 +217,7 @@ def _write(
 
 
 def _until(text: str) -> float:
-    from tactgen.validation.studies.waveforms import SECONDS
+    from tactgen.validation.studies.simulate import SECONDS
 
     try:
         value = SECONDS.parse(text.strip())

@@ -94,7 +94,7 @@ example:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.geometry.files import writable_folder
-    from tactgen.validation.command_line.progress import announcer
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.studies.whatif.run import run_study
     from tactgen.validation.studies.whatif.statement import write_statement
     from tactgen.validation.studies.whatif.verdict import parse_aims, verdict
