@@ -132,7 +132,7 @@ class Column(NamedTuple):
 
 
 def heading(text: str) -> Heading:
-    """What a heading says; no name if it cannot be read."""
+    """Name and unit of a column heading; no name if unreadable."""
     parts = _HEADING.fullmatch(text)
     if parts is None:
         return Heading("", "")

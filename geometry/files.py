@@ -63,7 +63,7 @@ def read_text(path: str | Path) -> str:
 
 
 def special(path: Path) -> str:
-    """What stands at a path that no file may replace, such as a device; "" if nothing."""
+    """Kind of a path that no file may replace, such as a device; "" if none."""
     try:
         return _no_file(path.stat().st_mode)
     except (OSError, ValueError):
@@ -71,7 +71,7 @@ def special(path: Path) -> str:
 
 
 def _no_file(mode: int) -> str:
-    """What it is instead, of something that is no regular file."""
+    """Name of the kind of something that is no regular file."""
     if stat.S_ISDIR(mode):
         return "it is a folder"
     return "" if stat.S_ISREG(mode) else "it is a pipe or a device, not a file"
@@ -113,7 +113,7 @@ def written_whole(path: str | Path) -> Iterator[Path]:
 
 
 def _own_prefix() -> str:
-    """How the names of this machine's drafts begin; a folder may be many machines'."""
+    """Prefix of this machine's draft files."""
     return f".tactgen-{hashlib.sha256(platform.node().encode()).hexdigest()[:8]}-"
 
 

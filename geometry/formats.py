@@ -1,4 +1,4 @@
-"""How numbers are written for people: engineering units, digits that the error bar allows."""
+"""Number formats: engineering units, digits that the error allows."""
 
 from __future__ import annotations
 

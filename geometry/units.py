@@ -63,7 +63,7 @@ class SI(float):
 
 
 class OutOfRange(ValueError):
-    """What is wrong with an SI number, to follow it in a sentence; `shown` is it with its unit."""
+    """Error in an SI number, to follow it in a sentence; `shown` is it with its unit."""
 
     def __init__(self, what: str, shown: str) -> None:
         super().__init__(what)
@@ -146,7 +146,7 @@ class Unit:
             raise
 
     def parse(self, text: str, *, bare: bool = False) -> float:
-        """What a text says in SI units; `bare` takes a number without a unit for SI.
+        """SI value of a text; `bare` takes a number without a unit for SI.
 
         Raises ValueError with a sentence that names the remedy.
         """

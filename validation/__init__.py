@@ -1,4 +1,4 @@
-"""What people ask: scenes, plans, cross-checks, reports, pictures, the command line.
+"""Scenes, plans, cross-checks, reports, pictures and the command line.
 
 The only package that may import all others.
 """

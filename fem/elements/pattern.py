@@ -69,7 +69,7 @@ class Pattern:
         return sparse.csr_matrix((entries, self._columns, self._starts), shape=shape)
 
     def part(self, cells: Ints) -> Pattern:
-        """Same pattern for the matrices of some of the cells alone; kept."""
+        """Pattern of some of the cells alone, cached."""
         key = cells.tobytes()
         if key not in self._parts:
             self._parts[key] = self._part(cells)

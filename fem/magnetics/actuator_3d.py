@@ -52,7 +52,7 @@ _SCATTER = 0.02
 @storable
 @dataclass(frozen=True)
 class SolidValues:
-    """What one potential gives; fields as in :class:`SolidPoint`, the force by each shell."""
+    """Solution by one potential; fields as in :class:`SolidPoint`, force by shell."""
 
     flux_linkage: float
     coenergy: float
@@ -108,7 +108,7 @@ class SolidPoint:
 
     @property
     def errors(self) -> FieldErrors:
-        """How far the values may be from the exact field of the same model.
+        """Estimated errors against the exact field of the same model.
 
         Half the difference of the potentials; never less than the co-energy's, relatively.  Of
         the force that is too much: its two values mostly lie on either side of the true one, and

@@ -188,7 +188,7 @@ def solve_map(
 def field_point(
     model: TwoOrders, pair: Pair, *, keep: bool = False, any_grid: bool = False
 ) -> FieldPoint:
-    """What a solved field says, with error bars; `keep` keeps the field itself.
+    """Field values at a point with errors; `keep` keeps the field itself.
 
     Raises InputError if the grid is too coarse for error bars, unless `any_grid`.
     """

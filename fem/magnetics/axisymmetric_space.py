@@ -133,7 +133,7 @@ class ReferenceCell:
         return np.asarray(both.reshape(both.shape[0], -1))
 
     def of_functions(self, chosen: Sequence[int]) -> ReferenceCell:
-        """Same with some of the functions only."""
+        """Restriction to some of the functions."""
         tables = (table[:, chosen] for table in (self.shape, self.slope_r, self.slope_z))
         return ReferenceCell(self.across, self.levels, self.weights, *tables)
 
@@ -195,7 +195,7 @@ class Discretisation:
 
     @cached_property
     def vacuum_entries(self) -> Floats:
-        """What cells without iron give to the Hessian, whatever the field, as stored entries."""
+        """Constant Hessian entries of cells without iron."""
         empty = np.setdiff1d(np.arange(self.cell_dofs.shape[0]), self.iron_cells)
         reference, widths = self.reference, np.diff(self.grid.r)[:, None]
         radii = self.grid.r[:-1, None] + widths * reference.across
@@ -267,12 +267,12 @@ class Discretisation:
         return np.asarray(np.concatenate(parts, axis=1) @ self.reference.products)
 
     def on(self, grid: Grid) -> Discretisation:
-        """Same functions on a grid of the same cells, whose lines lie elsewhere."""
+        """The same space on a grid with moved lines."""
         return replace(self, grid=grid, **_tables(grid, self.reference))
 
 
 def _tables(grid: Grid, reference: ReferenceCell) -> dict[str, Any]:
-    """What of a discretisation depends on where the lines are."""
+    """Geometry-dependent part of a discretisation."""
     widths, heights = np.diff(grid.r), np.diff(grid.z)
     radii = grid.r[:-1, None] + widths[:, None] * reference.across
     section = widths[:, None] * heights
@@ -395,7 +395,7 @@ def lowered(fine: Discretisation) -> tuple[Discretisation, Ints]:
 
 
 def functions_of_order(fine: Discretisation, order: int) -> tuple[list[int], Ints, Ints]:
-    """Which of a cell's functions are of an order, their unknowns, and those in `fine`."""
+    """Cell functions of one order, their unknowns, and those in `fine`."""
     place = {mode: i for i, mode in enumerate(_modes(fine.order))}
     local = [place[mode] for mode in _modes(order)]
     kept, cell_dofs = np.unique(fine.cell_dofs[:, local], return_inverse=True)
@@ -403,7 +403,7 @@ def functions_of_order(fine: Discretisation, order: int) -> tuple[list[int], Int
 
 
 def _modes(order: int) -> list[tuple[int, ...]]:
-    """What tells the functions of a cell apart, in scikit-fem's order."""
+    """Mode numbers of a cell's functions, in scikit-fem's order."""
     inner = range(2, order + 1)
     corners = [(corner,) for corner in range(4)]
     sides = [(side, degree) for side in range(4) for degree in inner]

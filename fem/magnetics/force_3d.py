@@ -44,7 +44,7 @@ _PARALLEL = 1e-9
 
 @dataclass(frozen=True)
 class MotionWeight:
-    """How far each point goes along when the body moves by 1."""
+    """Virtual displacement of each point for a unit motion of the body."""
 
     nodal: Floats  #: (n_points,) At the points of the mesh
     gradient: Floats  #: (n_cells, n_points, 3) Gradient (1/m) at the quadrature points

@@ -46,7 +46,7 @@ SourceField = Callable[[Floats], Floats]
 
 @dataclass(frozen=True)
 class MagneticSolid:
-    """What is to be solved.
+    """Magnetic problem of a solid model.
 
     Attributes
     ----------

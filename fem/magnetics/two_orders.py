@@ -27,7 +27,7 @@ _FINE, _COARSE = 1e-8, 1e-6
 
 @dataclass(frozen=True)
 class TwoOrders:
-    """What is shared by all currents of one device at one gap.
+    """Discretisation shared by all currents at one gap.
 
     `nested` are the unknowns of `fine` that are those of `coarse`.
     """

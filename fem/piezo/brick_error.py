@@ -1,4 +1,4 @@
-"""What bricks of high order miss: their residual against polynomials of one degree more.
+"""Hierarchical error of bricks: residual against polynomials of one degree more.
 
 A solution x of a(x, v) = f(v) on bricks leaves a residual r(w) = f(w) − a(x, w) against the
 products of polynomials that the same bricks of one degree more have besides.  With the stiffness
@@ -89,7 +89,7 @@ class BrickSurplus:
         )
 
     def of(self, motion: Motion) -> MotionSurplus:
-        """What one class of motion lacks."""
+        """Hierarchical error of one class of motion."""
         unknowns, more = (
             quarter_unknowns(bricks, motion, self._unit) for bricks in (self._bricks, self._richer)
         )

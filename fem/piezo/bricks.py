@@ -211,7 +211,7 @@ class _Layer:
         )
 
     def of_pairs(self, at: Ints) -> _Layer:
-        """What there is of some pairs over y and z."""
+        """Selected pairs over y and z."""
         return replace(self, gram=self.gram[at], areas=self.areas[at])
 
     def reaches(self, pair: int) -> bool:
@@ -351,7 +351,7 @@ class _Quarter:
 def quarter_unknowns(
     bricks: Bricks, motion: Motion, unit: float, *, uniform_field: bool = False
 ) -> Unknowns:
-    """What is free in one class of motion, and what base and electrodes prescribe.
+    """Free and prescribed unknowns of one class of motion.
 
     Over (u_x, u_y, u_z, φ) node by node, z fastest; `unit` is that of the potential (V).
     """

@@ -107,7 +107,7 @@ def _narrow(left: Floats, parts: list[Sparse], right: Floats) -> Wide:
 
 
 def _wide(left: Floats, parts: list[Sparse], right: Floats) -> Wide:
-    """Same of a symmetric matrix, the real part in long double.
+    """Product with a symmetric matrix, real part in long double.
 
     A bimorph bends ten million times more easily than its elements stretch, so the energy of
     bending is what is left of large terms; a peak magnifies what is lost by Q once more.

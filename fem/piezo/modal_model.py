@@ -157,7 +157,7 @@ class ModalModel:
         return found
 
     def opened(self, ends: Ends) -> tuple[float, float]:
-        """What functions that the mesh lacks make of Ω² of open to short circuit, relative.
+        """Relative error of Ω² open over short circuit, from the estimator space.
 
         Of the first mode that bends in x: the change, and the most that it can be with as much
         missing of either factor of its products (Cauchy, Schwarz).  Needs :attr:`surplus`.

@@ -96,7 +96,7 @@ def _alone(system: SolidSystem, charge: Numbers) -> tuple[Floats, Floats]:
 
 
 def _lacking(surplus: Surplus, shapes: Floats, field: Floats) -> Floats:
-    """What :class:`ModalModel` keeps of functions that the solid lacks."""
+    """Estimator-space part of :class:`ModalModel`."""
     size = shapes.shape[1]
     states = np.zeros((shapes.shape[0] + 1, size + 1))
     states[:-1, :-1], states[-1, -1] = shapes, 1.0

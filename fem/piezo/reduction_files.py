@@ -143,5 +143,5 @@ def reduced_solid(
 
 
 def made_from(device: Device, mesh: Mesh | Bricks) -> str:
-    """What stands for the solid: tensors, poling, all that is in the mesh."""
+    """Inputs that identify a solid: tensors, poling, mesh."""
     return fingerprint(materials(device, mesh.regions, device.piezo.ceramic(), lossy=True), mesh)

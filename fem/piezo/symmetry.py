@@ -77,7 +77,7 @@ SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Which of the (n, 4) values, at nodes or of functions, are unknowns, and what ports prescribe.
+    """Free unknowns among (n, 4) nodal values, and those prescribed by ports.
 
     `ports` (4 n, 3) gives the values, in the units of the unknowns, per unit of w_base,
     ψ_base and U.
@@ -109,7 +109,7 @@ class Unknowns:
         return np.concatenate([moved.ravel()[self.index], [1.0, 0.0, 0.0]])
 
     def expansion(self, source: Ints, sign: Floats, lines: Lines | None = None) -> Expansion:
-        """How (u_x, u_y, u_z, φ) at the nodes of the whole body follow from the unknowns.
+        """Expansion of the unknowns to (u_x, u_y, u_z, φ) at all nodes.
 
         Parameters
         ----------

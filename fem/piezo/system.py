@@ -33,7 +33,7 @@ _FACTOR = "_held_factor"
 
 
 class Expanding(Protocol):
-    """What gives all values at nodes by its product with unknowns."""
+    """Matrix that expands unknowns to all nodal values."""
 
     def __matmul__(self, y: Numbers, /) -> Numbers:
         """Values (4 n_nodes, …) of unknowns (n, …)."""
@@ -45,7 +45,7 @@ class Surplus(Protocol):
 
     @property
     def tip(self) -> Floats:
-        """What they add to the tip's displacement and rotation (w, 2)."""
+        """Contribution to the tip's displacement and rotation (w, 2)."""
         ...
 
     def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:

@@ -50,7 +50,7 @@ class SkfemBody:
 
     @cached_property
     def pattern(self) -> BlockPattern:
-        """Which nodes share a cell."""
+        """Sparsity pattern of nodes that share a cell."""
         return BlockPattern(self.basis.element_dofs.T, self.basis.N)
 
     @cached_property
@@ -93,7 +93,7 @@ class SkfemBody:
         return np.asarray(pairs @ tensor.transpose(1, 3, 0, 2).reshape(9, 16))
 
     def _straight_stiffness(self, cells: Ints, tensor: Numbers) -> Numbers:
-        """Same of straight tetrahedra: one Gram matrix, of the reference element."""
+        """Stiffness of straight tetrahedra from one reference Gram matrix."""
         mapping = self.basis.mapping
         # slopes of quadratics are linear: order 2 is exact
         _, slopes, weights = self._reference(2)
@@ -165,7 +165,7 @@ class SkfemBody:
         return np.argsort(self.turns[nodes], kind="stable")
 
     def _unknowns(self, motion: Motion) -> Unknowns:
-        """What is free, and what base and electrodes prescribe."""
+        """Free unknowns, and those prescribed by base and electrodes."""
         x, base = self.basis.doflocs[0], self._on_faces("base")
         piezo = np.zeros(self.basis.N, dtype=bool)
         for region, material in self.known.items():

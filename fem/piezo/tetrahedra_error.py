@@ -1,4 +1,4 @@
-"""How far tetrahedra are from the answer, goal by goal, and which elements are to blame.
+"""Goal-oriented error estimate of tetrahedra, and its share by element.
 
 A goal is a product of two solutions of one symmetric system: tip motion per voltage is the
 response to U tested with the response to F_tip, compliance and capacitance are each response
@@ -50,7 +50,7 @@ class CubicSurplus:
 def cubic_surplus(
     device: Device, mesh: Mesh, system: SolidSystem, fields: Floats, inertia: Floats, force: Floats
 ) -> CubicSurplus:
-    """What the fields lack.
+    """Hierarchical error estimate with cubic functions.
 
     Parameters
     ----------

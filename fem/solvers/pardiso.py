@@ -55,12 +55,12 @@ def thread_count() -> int | None:
 
 
 def solver_threads() -> int:
-    """How many threads a call of the sparse solver may take here; 0 leaves it to MKL."""
+    """Threads of a sparse-solver call; 0 leaves it to MKL."""
     return 1 if _beside_others() else thread_count() or 0
 
 
 def side_by_side(work: Callable[[S], T], jobs: Iterable[S]) -> list[T]:
-    """What is worked out for each job, several at a time, in the order of the jobs.
+    """Results of jobs run side by side, in their order.
 
     For jobs of which nearly all is done by libraries that let other threads run.  Each has one
     thread of the sparse solver, so that together they take no more than the setting allows.

@@ -312,7 +312,7 @@ _LEAST_GRAIN = 0.1
 
 @dataclass(frozen=True)
 class BrickMeshing:
-    """How finely the bimorph is divided."""
+    """Mesh settings of the bimorph's bricks."""
 
     degree: tuple[int, int, int]  #: (int, int, int) Degree of the polynomials along x, y and z
     #: Intervals of a piezo layer from its inner to its outer face, as shares of it

@@ -1,4 +1,4 @@
-"""What holds the bimorph's base and loads its tip: one frozen value that every model reads."""
+"""Boundary conditions of the bimorph: support at the base, load at the tip."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Law: TypeAlias = Callable[[Floats], Complex]
 
 @dataclass(frozen=True)
 class Springs:
-    """What holds a base that is not clamped, as a stiffness c + jΩ d − Ω² θ."""
+    """Elastic support of the base, a stiffness c + jΩ d − Ω² θ."""
 
     lateral_stiffness: float  #: N/m
     rotational_stiffness: float  #: N m/rad
@@ -24,7 +24,7 @@ class Springs:
 
 @dataclass(frozen=True)
 class TipLoad:
-    """What the tip moves laterally, as a stiffness c + jΩ d − Ω² m (N/m, N s/m, kg)."""
+    """Lateral tip load, a stiffness c + jΩ d − Ω² m (N/m, N s/m, kg)."""
 
     stiffness: float = 0.0
     damping: float = 0.0
@@ -59,7 +59,7 @@ class Ends:
 
     @property
     def rigid_motions(self) -> int:
-        """How many of the two rigid motions no spring resists: each spring stops one."""
+        """Number of rigid-body motions that no spring resists."""
         if self.base is None:
             return 0
         springs = (
@@ -70,7 +70,7 @@ class Ends:
         return max(0, 2 - sum(stiffness > 0.0 for stiffness in springs))
 
     def with_inertia(self, factor: Any) -> Ends:
-        """Same with all masses times `factor`, a number or (n,)."""
+        """Scaled copy: all masses times `factor`, a number or (n,)."""
         base, tip = self.base, self.tip
         if base is not None:
             base = replace(base, rotational_inertia=base.rotational_inertia * factor)

@@ -84,7 +84,7 @@ _THINNEST = 2e-4
 
 @dataclass(frozen=True)
 class TetMeshing:
-    """How to mesh.
+    """Mesh settings.
 
     Attributes
     ----------

@@ -157,7 +157,7 @@ def fuse(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
 
 
 def quartered(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
-    """What of each solid lies at x ≥ 0 and y ≥ 0, without those that are elsewhere."""
+    """Quarter of each solid at x ≥ 0 and y ≥ 0; empty ones are left out."""
     import cadquery as cq
 
     boxes = [solid.BoundingBox() for solid in solids.values()]

@@ -1,4 +1,4 @@
-"""What Python packages need of the system: libraries that they do not bring along, and room.
+"""System libraries and memory that Python packages need.
 
 Looked for before the import that would otherwise fail with a traceback, or crash.
 """

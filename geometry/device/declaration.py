@@ -1,4 +1,4 @@
-"""How a parameter is declared: its default, source and range, in groups that cannot change."""
+"""Declaration of parameters: default, unit, source and range, in frozen groups."""
 
 from __future__ import annotations
 

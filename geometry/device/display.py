@@ -17,7 +17,7 @@ _SEED = Annotated[int, BeforeValidator(WholeNumber(0, 999_999_999, "1"))]
 
 
 class Display(Parameters):
-    """How many generators stand where, and what carries them.
+    """Array of generators and the boards that carry them.
 
     Rows follow each other along y, columns along x, the direction in which the tips move.
     """
@@ -139,7 +139,7 @@ class Display(Parameters):
 
 
 class Skin(Parameters):
-    """What lies on the tips and ties them together, besides what loads each of them."""
+    """Skin that couples the tips, besides the load of each."""
 
     thickness: u.LengthOrZero = field(
         1e-3, "assumed: epidermis and the upper dermis of a fingertip", "of the sheet; 0: no sheet",
@@ -158,7 +158,7 @@ class Skin(Parameters):
 
 
 class Scatter(Parameters):
-    """How much generators differ: relative standard deviations, drawn anew for each unit."""
+    """Unit-to-unit scatter: relative standard deviations."""
 
     seed: _SEED = field(1, "assumed: any number", "which draw; the same seed, the same units")
     length: u.RelativeScatter = field(

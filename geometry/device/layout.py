@@ -203,7 +203,7 @@ def _coil_ring(device: Device) -> Ring:
 
 
 def moving_rings(device: Device) -> dict[str, tuple[Ring, ...]]:
-    """What moves with the rod, turned bodies as rings: the rod without slot, the coil.
+    """Moving bodies as rings: the rod without slot, the coil.
 
     z = 0 at the rod's top face.  A slot is filled again by glue and tab, lighter than steel.
     """

@@ -34,7 +34,7 @@ _PRINTED = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class LoadTable:
-    """What was measured; a table read once is one value, equal to itself alone."""
+    """Measured load: impedance over frequency."""
 
     source: str  #: What messages call it
     frequencies: Floats  #: (n,) Hz, ascending
@@ -95,7 +95,7 @@ def read_load_table(path: Path) -> LoadTable:
 
 
 def _complex(table: Table, source: str) -> tuple[str, Complex]:
-    """Which of the two it is, and its values."""
+    """Kind of table (impedance or stiffness) and its complex values."""
     columns = table.columns
     names = set(columns) - {"frequency"}
     for kind, unit in _KINDS.items():

@@ -71,7 +71,7 @@ class Spread(NamedTuple):
 
 
 class Own(NamedTuple):
-    """How far a number of which only the kind is known may lie from what is said of it."""
+    """Assumed spread of a number of which only the kind is known."""
 
     kind: str
     share: float

@@ -1,4 +1,4 @@
-"""How the device is held, loaded and driven, and what only some models ask besides."""
+"""Support, load, drive and model settings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _FITTED = Own("support", 0.2)
 
 
 class Support(Parameters):
-    """What holds the lower end of the lateral actuator (paper eqs 6-8)."""
+    """Support of the lateral actuator's lower end (paper eqs 6-8)."""
 
     kind: Literal["spring", "clamped", "rod", "contact"] = field(
         "spring",
@@ -32,7 +32,7 @@ class Support(Parameters):
 
 
 class Load(Parameters):
-    """What the tip pushes against."""
+    """Load at the tip."""
 
     kind: Literal["none", "finger", "mass", "spring_damper", "table", "pad"] = field(
         "finger",
@@ -118,7 +118,7 @@ class Drive(Parameters):
 
 
 class Limits(Parameters):
-    """What bimorph, amplifier and coil stand; no model reads them, warnings and limits do."""
+    """Strength and drive limits of bimorph, amplifier and coil."""
 
     ceramic_strength: u.Stress = field(
         28e6,
@@ -159,7 +159,7 @@ class Limits(Parameters):
 
 
 class Beam(Parameters):
-    """What only the one-dimensional models need."""
+    """Settings of the one-dimensional models."""
 
     shear_correction: u.PositiveNumber = field(
         5.0 / 6.0,
@@ -199,7 +199,7 @@ class Spring(Parameters):
 
 
 class Contact(Parameters):
-    """How the rod's head touches a stop: two rough surfaces, pressed together.
+    """Contact of the rod's head with a stop: two rough surfaces.
 
     Decay length and relaxation time are those of the upper stop, a circuit board; the lower one,
     the sleeve, has them times a ratio of its own.  The rest is the same for both.  The law is in
@@ -256,7 +256,7 @@ class Contact(Parameters):
 
 
 class Guide(Parameters):
-    """What acts on the rod besides its stops: the sleeve's bore, the spring's ends, the air.
+    """Guide of the rod: bore, spring ends, air.
 
     Its two springs act beyond the play that `clearance` leaves.  The law is in
     tmm.generator.contact.  The magnetic gap around the flange, sleeve.inner_radius less

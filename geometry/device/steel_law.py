@@ -1,4 +1,4 @@
-"""What the iron does: its magnetisation curve H(B), with the energy of the same curve.
+"""Magnetisation curve H(B) of the iron, with its energy.
 
 Reads top to bottom like the interpolation: the monotone cubic through the table, its
 slope, its exact integral, its inverse, the curves.  No hysteresis, no remanence, no
@@ -121,7 +121,7 @@ class MagnetisationCurve:
         return float(np.max(self.flux_density[1:] / self.field[1:]) / MU0)
 
     def volume_beyond(self, b: Floats, volumes: Floats) -> float:
-        """How much of `volumes` (m³) has `b` (T) beyond a table that ends early."""
+        """Volume (m³) with `b` (T) beyond the end of a short table."""
         return float(volumes[b > self.flux_density[-1]].sum()) if self.ends_early else 0.0
 
     def flux_density_at(self, h: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""What the coil is wound of: wire, resistance, current density, how fast it heats.
+"""Winding: wire, resistance, current density, heating rate.
 
 Follows from the window, the number of turns and the fill factor; no magnetic field.
 """
@@ -47,7 +47,7 @@ class Winding:
         return self.resistance * current**2
 
     def heating_rate(self, current: float) -> float:
-        """How fast the wire warms if it gives off no heat: ρ J²/(c ρ_m) (K/s)."""
+        """Adiabatic heating rate of the wire: ρ J²/(c ρ_m) (K/s)."""
         return self.resistivity * self.current_density(current) ** 2 / HEAT_CAPACITY
 
 

@@ -152,7 +152,7 @@ class Wiring:
 
 
 def wiring(device: Device, display: Display) -> Wiring:
-    """What the boards have room for and what the display needs."""
+    """Wiring: leads needed and room on the boards."""
     thick = device.bimorph.thickness + 2.0 * display.slot_clearance
     channel = display.pitch - thick if display.columns > 1 else 0.5 * (display.width - thick)
     step = display.trace_width + display.trace_spacing

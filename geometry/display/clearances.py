@@ -1,4 +1,4 @@
-"""How far the display's parts are from each other, in closed form, and what does not fit."""
+"""Clearances between the display's parts, in closed form."""
 
 from __future__ import annotations
 

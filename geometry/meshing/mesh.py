@@ -70,7 +70,7 @@ _EDGES = {
 
 @dataclass(frozen=True)
 class Surface:
-    """What is seen of a mesh, by the mesh's own points."""
+    """Surface of a mesh, by the mesh's own points."""
 
     triangles: Ints  #: (n, 3) Seen from outside
     region_of_triangle: Ints  #: (n,) Index into the mesh's regions
@@ -301,5 +301,5 @@ def check_shape(points: Floats, tets: Ints) -> None:
 
 
 def is_poor(points: Floats, tets: Ints) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Which tetrahedra (n, 4) are flat; those inside out have the same angles."""
+    """Mask (n,) of flat tetrahedra; inverted ones have the same angles."""
     return np.asarray(smallest_dihedral_angles(points[tets]) < SMALLEST_ANGLE)

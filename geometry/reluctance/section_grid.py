@@ -109,7 +109,7 @@ class Grid:
 
     @property
     def iron_velocity(self) -> Floats:
-        """How far z lines go with the iron edges alone, (nz + 1,), linear between those."""
+        """Motion of z lines with the iron edges, (nz + 1,), linear between."""
         places = {float(self.z[0]): 0.0, float(self.z[-1]): 0.0}
         for region in self.regions:
             if region.curve is not None:
@@ -118,7 +118,7 @@ class Grid:
         return np.interp(self.z, marks, [places[mark] for mark in marks])
 
     def fitted(self, regions: tuple[Region, ...]) -> Grid | None:
-        """Same grid for the same regions of other sizes, at other heights.
+        """Grid fitted to regions of other sizes and heights.
 
         Each line goes with the edge that lies on it.  None where a line would have to follow
         two edges, an edge would pass another, or a cell would become too wide or too high.

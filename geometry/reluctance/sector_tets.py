@@ -32,7 +32,7 @@ _APART = 1e-9
 
 @dataclass(frozen=True)
 class Sector:
-    """How the actuator is cut and divided."""
+    """Mesh settings of the actuator's sector."""
 
     #: Fineness of the half section, see :func:`geometry.reluctance.section_grid.graded_grid`
     refinement: float = 1.4
@@ -93,7 +93,7 @@ _DENSER = 1.5
 
 @dataclass(frozen=True)
 class Cell:
-    """How a cell is divided."""
+    """Division of a cell into tetrahedra."""
 
     #: Fineness of the half section, see :func:`geometry.reluctance.section_grid.graded_grid`
     refinement: float = 0.7

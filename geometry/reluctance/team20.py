@@ -61,7 +61,7 @@ _REGIONS = ("pole", "yoke", "coil", "shell", "air")
 
 @dataclass(frozen=True)
 class Team20Meshing:
-    """How finely a quarter of the problem is divided."""
+    """Mesh settings of a quarter of the problem."""
 
     #: Factor on all interval lengths and on their growth away from the steel's edges
     scale: float = 1.0

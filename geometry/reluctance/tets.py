@@ -59,7 +59,7 @@ _ON_WALL = 1e-9
 
 @dataclass(frozen=True)
 class ActuatorMeshing:
-    """How to mesh."""
+    """Mesh settings."""
 
     size: float = 1.3  #: Factor on all edge lengths; at 1 they are 0.3 of the working gap in it
     growth: float = 0.7  #: Growth of the edge length per distance from there

@@ -56,7 +56,7 @@ def kept(
     serves: Callable[[T], bool] = lambda _: True,
     announce: Callable[[str], None] = lambda _: None,
 ) -> T:
-    """What `work` gives, from the store if it is there.
+    """Result of `work`, cached in the store.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def recalled(
     made_of: tuple[str, ...],
     serves: Callable[[T], bool] = lambda _: True,
 ) -> T | None:
-    """What :func:`kept` would find in the store, None if it would have to be computed."""
+    """Cached result of :func:`kept`, or None."""
     found = _recalled(_place(kind, inputs, made_of), serves)
     return found[0] if found is not None else None
 
@@ -306,14 +306,14 @@ def size_limit() -> int:
 
 @dataclass(frozen=True)
 class Holding:
-    """How many entries of a kind the store holds, and their bytes."""
+    """Number and bytes of stored entries of a kind."""
 
     entries: int
     size: int
 
 
 def holdings() -> dict[str, Holding]:
-    """What the store holds, by kind."""
+    """Contents of the store by kind."""
     found: dict[str, Holding] = {}
     for path, state in _entries():
         kind = path.name.rpartition("-")[0] or path.name.removesuffix(SUFFIX)

@@ -120,7 +120,7 @@ def _built(tree: Any, arrays: list[NDArray[Any]]) -> Any:
 
 
 def fingerprint(*values: object) -> str:
-    """What stands for values and nothing else: a hash of all that is in them.
+    """Hash of the content of values.
 
     Of dataclasses (any), tuples, lists, dicts, text, numbers and arrays.
 

@@ -243,7 +243,7 @@ def _at(mounted: _Mounted, mask: Bools) -> _Mounted:
 
 
 def _wide(mounted: _Mounted) -> _Mounted:
-    """Same numbers in extended precision."""
+    """Values in extended precision."""
     return _each(mounted, lambda v: v.astype(EXTENDED))
 
 

@@ -236,7 +236,7 @@ def _pieces(actuator: Actuator, values: Values) -> list[Piece]:
 
 
 def _slopes(actuator: Actuator, key: str) -> Floats | None:
-    """How all dimensions of the pieces change with a parameter, (pieces, 8).
+    """Derivatives (pieces, 8) of the pieces' dimensions by a parameter.
 
     None if pieces appear or vanish.
     """

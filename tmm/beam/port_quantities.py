@@ -28,7 +28,7 @@ from tactgen.tmm.ports.readout import ELECTRICAL, Readout
 
 
 def evaluate(actuator: Actuator, read: Readout, values: Values, frequencies: Floats) -> Complex:
-    """What is read at every point, (n,); static quantities have no imaginary part."""
+    """Quantity at every point, (n,); static ones have no imaginary part."""
     frequencies = np.asarray(frequencies, dtype=float)
     at = np.zeros_like(frequencies) if read.static else frequencies
     voltage = actuator.with_values(values).drive.voltage
@@ -139,7 +139,7 @@ class DrivenCeramic:
 def driven_ceramic(
     device: Device, beam: Beam, ends: Ends, frequencies: Floats, response: Response
 ) -> DrivenCeramic:
-    """What the ceramic carries, from the tip's motion and the charge at 1 V as wired.
+    """Stress state of the ceramic, from the tip's motion and the charge at 1 V.
 
     Parameters
     ----------

@@ -61,7 +61,7 @@ def section(
 
 
 def without_electrode(active: Section) -> Section:
-    """Same layers where the ceramic's faces carry no charge.
+    """Section without electrodes: no charge on the ceramic's faces.
 
     With D₃ through each layer zero (no charge on its faces, none inside, none flowing
     along) bending raises a voltage, K ψ' + C U = 0, that stiffens.  As everywhere in the

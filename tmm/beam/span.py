@@ -272,7 +272,7 @@ def span(beam: Section, length: Any, omega: Any, kind: type[S]) -> tuple[S, S, F
 def extended_span(
     beam: Section, length: Complex, omega: Complex, kind: type[S]
 ) -> tuple[S, S, Floats]:
-    """Same in extended precision; all constants are (n,) arrays like Ω.
+    """Span in extended precision; all constants are (n,) arrays like Ω.
 
     Rounding errors are here of the order of `EXTENDED_EPS` times the sizes, whatever |λ|, and
     the roundings returned have no meaning.
@@ -342,7 +342,7 @@ def _by_series(w: _Waves, kind: type[S]) -> tuple[S, S, Floats]:
 
 @cache
 def _series_factors(real: np.dtype[Any]) -> Floats:
-    """What multiplies H_0, H_1, … in ¼ g[s,t], ½ Σ g_n H_n, Σ h_n H_n, ½ h[s,t]."""
+    """Factors of H_0, H_1, … in ¼ g[s,t], ½ Σ g_n H_n, Σ h_n H_n, ½ h[s,t]."""
     terms = 10 if real == np.float64 else 17
     even = [real.type(1)]  # 1/(2n)!, in the working precision
     for n in range(1, terms):

@@ -82,7 +82,7 @@ def is_tapered(device: Device, support: Support) -> bool:
 def elements(
     piece: Piece, device: Device, beam: Beam, *, lossy: bool, segments: int
 ) -> list[Element]:
-    """What one piece consists of: a joint, a prismatic beam or the segments of a taper."""
+    """Elements of one piece: a joint, a prismatic beam or the segments of a taper."""
     if piece.section == "bond":
         return [(bonded_tab(piece, device, beam, lossy=lossy), 0.0)]
     if piece.tapered:

@@ -243,7 +243,7 @@ class Stops:
     def moving(
         self, lift: Floats, tilt: Floats, rate: Floats
     ) -> tuple[Floats, Floats, Floats, Floats]:
-        """What the stops do at n instants to a head that moves.
+        """Stop forces on a moving head at n instants.
 
         Parameters
         ----------
@@ -285,7 +285,7 @@ class Stops:
         return lift < -0.5 * self.stroke
 
     def loads(self, lift: Floats | float, tilt: Floats | float = 0.0) -> tuple[Floats, Floats]:
-        """What the upper and the lower stop carry (N), both positive."""
+        """Loads of the upper and the lower stop (N), both positive."""
         return self.upper.load(lift, tilt), self.lower.load(self._lowered(lift), tilt)
 
     def _lowered(self, lift: Floats | float) -> Floats:
@@ -341,12 +341,12 @@ class Play:
 
 
 def lateral_guide(device: Device) -> Play:
-    """What holds the rod laterally."""
+    """Lateral guide of the rod."""
     return Play(device.guide.lateral_stiffness, 0.5 * device.guide.clearance)
 
 
 def tilt_guide(device: Device) -> Play:
-    """What holds the rod against tilting."""
+    """Tilt guide of the rod."""
     guide = device.guide
     return Play(guide.rotational_stiffness, guide.clearance / guide.guided_length)
 

@@ -69,7 +69,7 @@ class RestingPlace:
 
 @dataclass(frozen=True)
 class AxialForces:
-    """What acts on the rod along its axis."""
+    """Axial forces on the rod."""
 
     device: Device  #: Spring and gap are read
     stops: Stops  #: Both contacts
@@ -120,7 +120,7 @@ class AxialForces:
 
 
 def axial_forces(device: Device, pull: Pull | None, pressed: float = 0.0) -> AxialForces:
-    """What acts on a device's rod.
+    """Axial forces on a device's rod.
 
     Raises InputError if there is nothing between the stops.
     """
@@ -162,7 +162,7 @@ def resting_place(forces: AxialForces, current: float, history: History) -> Rest
 
 
 def settled_place(forces: AxialForces, current: float, near: RestingPlace) -> RestingPlace | None:
-    """What a place by almost the same forces becomes; None if there is none close to it.
+    """Equilibrium near one of almost the same forces; None if there is none.
 
     Close is within five times the way that what is missing there and its slope tell.
     """

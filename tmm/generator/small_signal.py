@@ -272,7 +272,7 @@ class RockingHead:
         )
 
     def contact(self, orbit: Orbit, samples: int) -> tuple[Floats, Floats]:
-        """What the stops do to the head over a period, without their damping.
+        """Undamped stop forces on the head over a period.
 
         Returns
         -------

@@ -82,7 +82,7 @@ class Orbit:
         return np.asarray(np.fft.irfft(padded, n=samples, axis=0))
 
     def with_harmonics(self, harmonics: int) -> Orbit:
-        """Same orbit with more harmonics, which are 0, or with fewer."""
+        """Orbit with more harmonics, which are 0, or with fewer."""
         spectrum = np.zeros((harmonics + 1, self.spectrum.shape[1]), dtype=complex)
         kept = min(harmonics, self.harmonics) + 1
         spectrum[:kept] = self.spectrum[:kept]
@@ -130,7 +130,7 @@ def rates(orbit: Orbit) -> Orbit:
 
 
 def law_harmonics(oscillator: Oscillator, orbit: Orbit) -> LawHarmonics:
-    """What the law does along an orbit."""
+    """Harmonics of the law along an orbit."""
     count, highest, k = samples(orbit.harmonics), 2 * orbit.harmonics, oscillator.size
     # motions and rates, then all that the law says, in one transform each
     both = np.concatenate([orbit.spectrum, rates(orbit).spectrum], axis=1)

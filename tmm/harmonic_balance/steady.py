@@ -28,7 +28,7 @@ _STEPS = 40
 
 @dataclass(frozen=True)
 class Resolution:
-    """How many harmonics are taken."""
+    """Number of harmonics, and how they are chosen."""
 
     missing: float = 1e-4  #: Share of the motion that the harmonics left out may have
     #: Fewest and most harmonics

@@ -150,7 +150,7 @@ def known_range(load: Load) -> tuple[float, float] | None:
 
 
 def outside_known_range(load: Load, frequencies: Floats) -> Bools:
-    """Which frequencies (n,) the load model does not cover."""
+    """Mask (n,) of frequencies that the load model does not cover."""
     known = known_range(load)
     if known is None:
         return np.zeros(np.shape(frequencies), dtype=bool)
@@ -158,7 +158,7 @@ def outside_known_range(load: Load, frequencies: Floats) -> Bools:
 
 
 def ends_of(support: Support, load: Load) -> Ends:
-    """What a scene's support and load are at the ports.
+    """Boundary conditions at the ports of a scene's support and load.
 
     A base in the rod is part of the row of pieces or of the solid, whose own lower end is held.
     What a contact is depends on the force that presses it: tmm.generator gives its springs.

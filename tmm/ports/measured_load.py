@@ -216,7 +216,7 @@ def _fitted_points(table: LoadTable) -> tuple[Floats, Complex]:
 
 
 def outside(band: tuple[float, float], frequencies: Floats) -> Bools:
-    """Which frequencies (n,) in Hz a band does not hold; a sweep's last may be rounded."""
+    """Mask of frequencies (n,) in Hz outside a band; a sweep's last may be rounded."""
     f = np.asarray(frequencies, dtype=float)
     return np.asarray((f < band[0] * (1.0 - 1e-9)) | (f > band[1] * (1.0 + 1e-9)))
 
@@ -238,7 +238,7 @@ def _interpolated(table: LoadTable, frequencies: Floats) -> Complex:
 
 
 def disturbed(ends: Ends) -> tuple[Ends, ...]:
-    """Same with its table off by its error, in phase and a quarter turn later.
+    """Loads with the table off by its error, in phase and a quarter turn later.
 
     None for other loads.  What is analytic in the load moves by as much either way, and what is
     a magnitude by no more than both together.

@@ -130,7 +130,7 @@ class Multiport:
         return Multiport(self.frequencies, stiffness, tuple(self.ports[i] for i in at))
 
     def renamed(self, names: Mapping[str, str]) -> Multiport:
-        """Same with other names, given as {old: new}."""
+        """Copy with ports renamed by {old: new}."""
         new = {self.index(old): name for old, name in names.items()}
         ports = (replace(p, name=new.get(i, p.name)) for i, p in enumerate(self.ports))
         return replace(self, ports=tuple(ports))
@@ -222,7 +222,7 @@ def _check_joint(one: Port, other: Port) -> None:
 
 
 def reduce(port: Multiport, keep: Iterable[str]) -> Multiport:
-    """What is seen at some ports, in that order, while no effort acts on the others."""
+    """Reduction to some ports, in that order; no effort acts on the others."""
     return eliminated(port, keep)[0]
 
 

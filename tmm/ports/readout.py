@@ -1,4 +1,4 @@
-"""How a quantity is read off a model: from its terminated ports, or from its natural frequencies.
+"""Reading of a quantity off terminated ports or natural frequencies.
 
 Declarative, so that a solved model, the parametric one with its derivatives and a fit all
 read the same formula.

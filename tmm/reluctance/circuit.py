@@ -127,7 +127,7 @@ _RINGS = 4
 
 @dataclass(frozen=True)
 class Refinements:
-    """What the network adds to the one-gap formula."""
+    """Refinements of the network over the one-gap formula."""
 
     #: No reluctance, the curve's highest permeability, or the curve itself
     iron: Literal["perfect", "linear", "saturating"] = "saturating"

@@ -183,7 +183,7 @@ def _equations(
 
 
 def _pull_size(values: Floats) -> Floats:
-    """What a pull (c, m) counts relative to: itself, or a tenth of a lower current's.
+    """Scale of a force (c, m): itself, or a tenth of a lower current's.
 
     It grows with the current until the steel is saturated; then it may fall, through zero.
     """
@@ -206,7 +206,7 @@ def _positive_least_squares(rows: Floats, targets: Floats) -> Floats:
 
 
 def _kept(samples: Samples) -> tuple[Ints, Ints]:
-    """Which currents and gaps are left when every second goes.
+    """Currents and gaps left when every second is dropped.
 
     The first current above zero goes, so that the stretch down to zero is judged too; other ends
     stay.
@@ -233,7 +233,7 @@ def _picked(samples: Samples, i: Ints, g: Ints) -> Samples:
 
 
 def _miss(found: CoenergyMap, samples: Samples) -> MapError:
-    """How far a map misses samples."""
+    """Misfit of a map at samples."""
     said = found.sampled(samples.current, samples.gap)
     return MapError(
         largest_share(said.flux_linkage - samples.flux_linkage, samples.flux_linkage),

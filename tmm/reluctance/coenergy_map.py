@@ -85,7 +85,7 @@ _ROUNDING = 1e-9
 @storable
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """What a model says on a grid of c currents and m gaps."""
+    """Samples of a model on a grid of c currents and m gaps."""
 
     current: Floats  #: (c,) In the winding (A), increasing
     gap: Floats  #: (m,) Working gap (m), increasing
@@ -178,7 +178,7 @@ class CoenergyMap:
         return -self._surface(current, gap, 0, 2)
 
     def sampled(self, currents: Floats, gaps: Floats) -> Samples:
-        """What the map says on a grid of currents (c,) and gaps (m,)."""
+        """Map values on a grid of currents (c,) and gaps (m,)."""
         i, g = np.asarray(currents, dtype=float)[:, None], np.asarray(gaps, dtype=float)[None]
         return Samples(
             current=i[:, 0],

@@ -58,7 +58,7 @@ class Ladder:
 
 @dataclass(frozen=True)
 class LadderSolution:
-    """What the circuit does at c currents and m gaps; arrays (c, m), fluxes (c, m, n)."""
+    """Circuit solution at c currents and m gaps; arrays (c, m), fluxes (c, m, n)."""
 
     flux: Floats  #: Of each cell (Wb)
     coenergy: Floats  #: W' (J)

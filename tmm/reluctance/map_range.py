@@ -1,4 +1,4 @@
-"""Which currents and gaps a co-energy map of the normal actuator must cover.
+"""Range of currents and gaps of the normal actuator's co-energy map.
 
 Asked of the reluctance network, which costs next to nothing: other models switch at
 currents like its.

@@ -104,7 +104,7 @@ class BridgeRow:
 
 
 def network_bridge(device: Device, current: float, gap: float) -> tuple[BridgeRow, ...]:
-    """What each refinement does to force and flux linkage, one after the other."""
+    """Contribution of each network refinement to force and flux linkage."""
     at = np.array([current]), np.array([gap])
     rows: list[BridgeRow] = []
     for step, stage in _stages():
@@ -139,7 +139,7 @@ _PLACES = np.array([-2.0, -1.0, 1.0, 2.0])
 
 @dataclass(frozen=True)
 class DirectPull:
-    """What a co-energy map says, solved at each point; currents (A) above 0, gaps in m."""
+    """Co-energy solved directly at each point; currents (A) above 0, gaps in m."""
 
     device: Device
     cells: int  #: Of the network's ladder
@@ -187,7 +187,7 @@ _TO_AIR = 25.0
 
 
 def steady_temperature_rise(device: Device, current: float) -> float:
-    """How much warmer (K) than still air the actuator would stay, at the least.
+    """Least steady temperature rise (K) over still air.
 
     Free convection at its best from the sleeve's outside and the head's top; what the
     circuit board and the finger lead away is left out, and so is the wire's own rise.

@@ -1,4 +1,4 @@
-"""What the normal actuator does with its return spring: switching, places of rest, finger force.
+"""Switching, equilibria and finger force of the normal actuator on its spring.
 
 Plain functions of a co-energy map, whichever model it came from.  Static and without
 friction: the rod moves as soon as a force difference lets it.

@@ -137,7 +137,7 @@ class Convergence(NamedTuple):
 
 
 def converged(rows: Sequence[Verified]) -> Convergence:
-    """How the first of a case's rows that can be solved more coarsely converges."""
+    """Convergence of the first row of a case that has coarser levels."""
     case = rows[0].case
     if case.refinement is not None:
         return _errors(rows[0].group, case.id, case.refinement)
@@ -332,7 +332,7 @@ def _environment() -> Callable[..., str]:
 
 
 def _provenance() -> dict[str, str]:
-    """What made the book: program, commit where there is one, libraries, machine."""
+    """Provenance of the book: program, commit, libraries, machine."""
     origin = this_origin()
     return {
         "program": f"{origin.program} {origin.version}",

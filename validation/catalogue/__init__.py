@@ -1,1 +1,1 @@
-"""What can be asked for: quantities and models by name."""
+"""Quantities and models by name."""

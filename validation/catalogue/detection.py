@@ -1,4 +1,4 @@
-"""What the paper's text says of the tactile detection threshold, as data with its source.
+"""Tactile detection threshold of the paper, as data with its source.
 
 Two experiments, not to be mixed.  One subject after another on a single pin (section 2.1: 12
 subjects, 2.5 g preload): its mean is the black line of Figs 9, 15 and 17, of which the text
@@ -45,7 +45,7 @@ class ThresholdCurve:
         return self.points[0].frequency, self.points[-1].frequency
 
     def outside(self, frequencies: Floats) -> Bools:
-        """Which frequencies (n,) have no value."""
+        """Mask (n,) of frequencies without a value."""
         f = np.asarray(frequencies, dtype=float)
         low, high = self.range
         tolerance = 1e-9 * high  # a sweep's last frequency may be off by rounding

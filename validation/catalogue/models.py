@@ -317,7 +317,7 @@ def gives(model: str, quantity: str) -> bool:
 
 
 def all_given(models: Iterable[str]) -> tuple[str, ...]:
-    """What "all" quantities are: those that the models give.
+    """All quantities that the models give.
 
     Of machine and display only what is named counts, since they want a bimorph on the rod's
     contact.

@@ -51,7 +51,7 @@ def coupling_factor(short: Any, opened: Any) -> Any:
 
 
 def coupling_rounding(value: float, of: float) -> float:
-    """What relative rounding of both frequencies together does to a coupling factor.
+    """Error of a coupling factor from relative rounding of both frequencies.
 
     k² is the difference of nearly equal numbers, and k its root, also where nothing is left of it.
     """

@@ -115,13 +115,13 @@ class QuantityRow:
 
     @property
     def port_readout(self) -> Readout:
-        """How it is read off terminated ports, if it is."""
+        """Readout from terminated ports, if there is one."""
         assert isinstance(self.read, Readout), f"{self.name} is not read off terminated ports"
         return self.read
 
     @property
     def actuator(self) -> Actuator:
-        """Which actuator it is a quantity of."""
+        """Actuator that the quantity belongs to."""
         return NEEDS[self.needs[0]].actuator
 
     @property

@@ -102,7 +102,7 @@ class _Parser(argparse.ArgumentParser):
         raise InputError(f"{message}{self._nearest(message)}; see {self.prog} --help")
 
     def _nearest(self, message: str) -> str:
-        """What a misspelt command, choice or option may have meant."""
+        """Nearest command, choice or option to a misspelt one."""
         from tactgen.geometry.names import nearest
 
         chosen = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)

@@ -90,7 +90,7 @@ _COUNTED = re.compile(r"(?P<before>.*?)(?P<number>\d+) of (?P<all>\d+)(?P<after>
 
 
 class Clock:
-    """What is being done, with the time since the start, and what is left of a counted row.
+    """Progress line: activity, elapsed time, and time left of a counted list.
 
     `stages` are those of a plan, in order: which of them it is stands beside its name.
     """

@@ -46,7 +46,7 @@ def axis_options(parser: argparse.ArgumentParser) -> None:
 
 
 def stated(options: argparse.Namespace, before: Statement | None = None) -> Statement:
-    """What the options ask; where they are silent, what a study asked before."""
+    """Study definition from the options, or else from an earlier study."""
     from tactgen.validation.scene.scene import scene_values
     from tactgen.validation.studies.whatif.request import (
         asks_accuracy,

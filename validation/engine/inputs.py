@@ -172,7 +172,7 @@ def scene_warnings(
 
 
 def idle(scene: Scene, key: str) -> str:
-    """Why a key has no effect on what a scene asks, or nothing if it may have one."""
+    """Reason why a key has no effect on a scene's request, or ""."""
     because = _idle(scene, key, report=False, asked=True)
     return f"{key} = {_text(scene, key)} has no effect {because}" if because else ""
 
@@ -257,7 +257,7 @@ def _remedy(scene: Scene, condition: str) -> str:
 
 
 def _by_other_models(scene: Scene, key: str, quantities: tuple[str, ...]) -> str:
-    """Which models would read a key that none of those asked for reads."""
+    """Models that read a key which none of the requested ones reads."""
     able = [m for m in MODELS if key in keys_read(scene, _entries((m,), quantities))]
     if not able:
         nobody = "on any quantity; tactgen report shows the coil's resistance and heat"
@@ -280,7 +280,7 @@ def _weightless(load: p.Load) -> list[str]:
 
 
 def _signs(scene: Scene) -> list[str]:
-    """What looks like a size that was taken for a value."""
+    """Signs of a size that was taken for a value."""
     found = []
     if scene.piezo.d31 > 0.0:
         found.append(

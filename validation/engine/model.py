@@ -1,4 +1,4 @@
-"""What a model is, of whichever actuator: it answers what quantities are read from.
+"""Interface of a model: it provides the answers that quantities are read from.
 
 The answers to "static" and "harmonic" are Refined[Multiport], parallel wiring; to "modes_short"
 and "modes_open" Refined[Modes]; the normal actuator's hold an Estimate for each value.
@@ -88,14 +88,14 @@ class Model(ABC):
 
     @abstractmethod
     def answer(self, need: Need) -> Any:
-        """What quantities with this need are read from."""
+        """Answer that quantities of this analysis are read from."""
 
     def closed_form(self, ends: Ends) -> Refined[Response] | None:
-        """What tip and charge do at 1 V, as wired, if a closed form knows it."""
+        """Closed-form motion of the tip and charge at 1 V, if there is one."""
         return None
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
-        """What the reader of these quantities must be told."""
+        """Warnings about these quantities."""
         return ()
 
     def run(self, stage: str, work: Callable[[], T]) -> T:

@@ -152,7 +152,7 @@ class Origin:
 
 
 def this_origin() -> Origin:
-    """What computes here and now."""
+    """Program, libraries and machine of this process."""
     from tactgen.fem.solvers.linear_solver import available_solver
 
     return Origin(

@@ -33,7 +33,7 @@ from tactgen.validation.scene.scene import Scene
 
 @dataclass(frozen=True)
 class Solution:
-    """What a request gave: quantities, the plan that gave them, and warnings."""
+    """Solution of a request: quantities, plan and warnings."""
 
     scene: Scene
     quantities: tuple[Quantity, ...]
@@ -122,7 +122,7 @@ def check_request(
 def request_warnings(
     scene: Scene, models: Sequence[str], quantities: Sequence[str]
 ) -> tuple[str, ...]:
-    """What is to be warned of in a request before anything is computed.
+    """Warnings about a request before anything is computed.
 
     Raises InputError if it cannot be answered, whichever the models.
     """

@@ -68,7 +68,7 @@ class Stages:
                     self._results[name] = other._results[name]
 
     def to_travel(self) -> Stages:
-        """What another process can adopt: all costs, and the results that can be stored."""
+        """Transferable part for another process: costs and storable results."""
         stored = stage_code()
         results = {name: result for name, result in self._results.items() if name in stored}
         return Stages(self.keys, _unheard, self.seconds, self.computed, self.keeps, results)

@@ -257,7 +257,7 @@ class _Mode:
 
 @dataclass(frozen=True)
 class Surrogate:
-    """What answers for a model within ranges of a scene's numbers."""
+    """Surrogate of a model within ranges of a scene's numbers."""
 
     scene: Scene  #: One of the scenes, for what does not vary
     model: str  #: The model's name
@@ -269,14 +269,14 @@ class Surrogate:
 
     @property
     def method(self) -> str:
-        """How its errors come about, for the reader."""
+        """Description of the error estimate."""
         return (
             f"interpolated between {len(self.place)} solutions over {', '.join(self.box.ranges)}; "
             "the error is that of left-out points plus the model's own"
         )
 
     def outside(self, values: Values) -> Bools:
-        """Which points (n,) are outside the ranges, where errors grow."""
+        """Mask (n,) of points outside the ranges, where errors grow."""
         return np.asarray((np.abs(self.box.place(values)) > 1.0 + 1e-9).any(axis=1))
 
     def estimate(self, name: str, values: Values) -> Estimate:

@@ -1,4 +1,4 @@
-"""What a scene does not need is not done: modules, stages and processor time, cold and warm.
+"""Skipped work of a scene: modules, stages and processor time, cold and warm.
 
 Each scene is solved in a process of its own, with an empty store and again with the full one.
 """
@@ -144,7 +144,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
 
 
 def solved(case: Case, store: Path) -> dict[str, Any]:
-    """What a process of its own says that solves the case with this store."""
+    """Report of a process that solves the case with this store."""
     asked = {
         "scene": case.scene, "overrides": case.overrides, "picture": case.picture,
         "watched": _WATCHED,
@@ -172,7 +172,7 @@ def _timing(case: Case, path: str, found: Mapping[str, Any], cold: Mapping[str, 
 
 
 def _faults(case: Case, cold: Mapping[str, Any], warm: Mapping[str, Any]) -> list[str]:
-    """What a case did that it need not, each as a few words."""
+    """Unneeded work of a case, in words."""
     found = [
         f"{case.name} imports {name}"
         for name in case.absent

@@ -74,7 +74,7 @@ def ways(*, quick: bool) -> list[Level]:
 
 
 def own(family: str, fineness: Any) -> Solve:
-    """How one of our families solves the jobs at a fineness."""
+    """Solution of the jobs by one of our methods at a fineness."""
 
     def run(frequencies: list[float]) -> Answer:
         found: Answer = on_one_core(bench_jobs.__name__, "solve_own", family, fineness, frequencies)

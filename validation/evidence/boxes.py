@@ -289,7 +289,7 @@ def lowest_frequencies(stiffness: Sparse, mass: Sparse, count: int, shift: float
 
 
 def _dense_frequencies(box: Box, count: int, loose: int) -> Floats:
-    """Same of a small box: what has no mass, the potential, is eliminated."""
+    """Frequencies of a small box by dense matrices; the potential is eliminated."""
     from scipy.linalg import eigh
 
     stiffness, mass = (m.toarray() for m in box.reduced())

@@ -44,7 +44,7 @@ class Check:
 
     @property
     def explanation(self) -> str:
-        """Why agreement or disagreement says nothing about the models; empty where it does."""
+        """Reason why a comparison says nothing about the models; "" where it does."""
         if self.fitted:
             return f"fitted to this reference, so it is no test: {self.fitted}"
         return self.explained
@@ -76,7 +76,7 @@ def value_of(measured: float | Estimate) -> float:
 
 
 def judged(check: Check, measured: float) -> Outcome:
-    """What a measured value says about a row."""
+    """Verdict on a measured value."""
     deviation = _deviation(measured, check.reference)
     if abs(deviation) <= check.tolerance:
         status: Status = "explained" if check.fitted else "pass"

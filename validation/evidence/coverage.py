@@ -160,7 +160,7 @@ class Part:
 
 
 def judged_once(kind: str, of: tuple[object, ...], module: str, work: Callable[[], Any]) -> Any:
-    """What `work` gives, from the store if this code has judged the same before.
+    """Result of `work`, cached under the code that computed it.
 
     A run that was stopped so goes on where it was.
 

@@ -185,11 +185,11 @@ class Case:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What is judged."""
+        """Quantities compared."""
         return (*_STATIC, _SHORT, "coupling_factor", *(_HARMONIC if self.at else ()))
 
     def scene(self) -> Scene:
-        """What is solved."""
+        """Scene to be solved."""
         more = [f"mesh.level={self.level}"] if self.model == "solid" else []
         if self.at:
             scene, _ = load_scene("prototype", list(self.overrides))

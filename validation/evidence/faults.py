@@ -115,7 +115,7 @@ class Surroundings:
 
 @dataclass(frozen=True)
 class Ended:
-    """How a process ended: its code (negative for a signal), and what it said."""
+    """Exit of a process: code (negative for a signal) and output."""
 
     code: int
     out: str
@@ -221,7 +221,7 @@ _ENDS: dict[str, Callable[[bytes], bool]] = {
 
 
 def answer(command: Command, done: Ended) -> Any:
-    """What a command answered, without what its run took."""
+    """Answer of a command without its timings."""
     if not command.answer:
         return None
     found = json.loads(done.out)[command.answer]
@@ -287,7 +287,7 @@ class Trials:
     def judge(
         self, command: Command, around: Surroundings, done: Ended, codes: Sequence[int]
     ) -> str:
-        """What is wrong after a spoilt run, nothing if all is right."""
+        """Faults after a disturbed run, "" if none."""
         ours, _ = said(done)
         if done.code not in codes:
             return f"ended with {done.code}: {done.err[-200:]}"
@@ -310,7 +310,7 @@ class Trials:
         return self.compared(command, around, done)
 
     def compared(self, command: Command, around: Surroundings, done: Ended) -> str:
-        """What sets a run that did its work apart from an undisturbed one."""
+        """Differences of a run from an undisturbed one."""
         if answer(command, done) != self.right[command.name]:
             return "the answer is another"
         missing = set(self.files[command.name]) - set(_names(around.out))
@@ -375,7 +375,7 @@ def corrupted(trials: Trials, times: int) -> Points:
 
 
 def limited(what: int, sizes: Sequence[int]) -> Callable[[Trials, int], Points]:
-    """What runs commands with so much of a resource at most."""
+    """Command runner with a limited resource."""
 
     def run(trials: Trials, _: int) -> Points:
         for command, size in product(trials.commands, sizes):
@@ -505,7 +505,7 @@ def keep_rows(rows: tuple[Row, ...], *, quick: bool) -> None:
 
 
 def kept_rows() -> tuple[Row, ...]:
-    """What this very code was last found to do, of a full run if there was one."""
+    """Cached rows of this very code, of a full run if there was one."""
     for quick in (False, True):
         rows: tuple[Row, ...] | None = recalled(_KIND, (quick,), _CODE)
         if rows is not None:

@@ -1,4 +1,4 @@
-"""How finely what solves a case divides it, and the same case on coarser divisions.
+"""Mesh levels of a case, and the case on coarser levels.
 
 Every kind of model states its fineness here once, through :func:`degree`, :func:`intervals`,
 :func:`size`, :func:`segments`, :func:`steps` or :func:`level`.  So any measurement can be run again
@@ -65,7 +65,7 @@ _QUADRATIC = 2
 
 @dataclass
 class Run:
-    """What a measurement on one level said of its division."""
+    """Division that a measurement used on one level."""
 
     below: int = 0  #: How many levels coarser than the case's own; below 0 finer
     kinds: set[Kind] = field(default_factory=set)  #: How it is divided; empty if it is not

@@ -127,7 +127,7 @@ def three_frequencies(rng: np.random.Generator) -> str:
 
 
 def accepted(attempt: Callable[[], _Device]) -> _Device:
-    """What `attempt`, which samples anew each time, gives for the first device that fits.
+    """First accepted sample of `attempt`.
 
     Raises InputError if so many are refused that it must be the model's fault.
     """

@@ -1,4 +1,4 @@
-"""What a stress run brings back, as plain values for the table, the plots and the report."""
+"""Stress runs: points, rows, verdicts, tables and plots."""
 
 from __future__ import annotations
 
@@ -206,7 +206,7 @@ class Family:
 
 
 def spread(values: Iterable[float]) -> float:
-    """How far values are apart, relative to the largest; nan if one is not finite."""
+    """Spread of values relative to the largest; nan if one is not finite."""
     found = list(values)
     if not all(math.isfinite(v) for v in found):
         return math.nan
@@ -398,7 +398,7 @@ def table(part: str, families: Mapping[str, tuple[str, Judge]]) -> Families:
 
 @dataclass(frozen=True)
 class Asked:
-    """What a part is asked."""
+    """Request to a part of the run."""
 
     quick: bool  #: Whether a few points will do
     seed: int = 0  #: Of all that is drawn
@@ -429,7 +429,7 @@ PARTS = {
 
 
 def _run_of(name: str) -> Callable[[Asked], Stress]:
-    """What runs a part; only its own models are imported."""
+    """Function that runs a part; only its own models are imported."""
     module, _, function = PARTS[name].partition(".")
     run: Callable[[Asked], Stress] = getattr(
         importlib.import_module(f"{__package__}.{module}"), function

@@ -74,7 +74,7 @@ class Pair:
     form: float = 0.0  #: Relative difference that the two theories may have beside their bars
 
     def row(self, sweep: Sweep, quick: bool) -> Row:
-        """What the judged model says over a sweep."""
+        """Row of the compared model over a sweep."""
         name = f"{self.judged}: {sweep.family}"
         return driven(name, sweep, self.scene, self.add, quick, promised=PROMISED)
 

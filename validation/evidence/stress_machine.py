@@ -78,7 +78,7 @@ def slow_row(quick: bool) -> Row:
 
 
 def _network_forces(scene: Scene) -> AxialForces:
-    """What acts on the rod, the pull by the network that small motions are read off."""
+    """Axial forces on the rod, the magnetic force by the network."""
     exact = DirectPull(scene.device, CELLS_AT_REST, scene.pull.gap_limits)
     return axial_forces(scene.device, exact, scene.load.normal_force)
 

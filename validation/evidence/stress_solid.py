@@ -205,7 +205,7 @@ def _triangles_on(mesh: Mesh, place: float) -> Ints:
 
 
 def _flattening(mesh: Mesh, move: Floats) -> float:
-    """How far the nodes can move until the first tetrahedron is flat (bisection)."""
+    """Largest motion of nodes before a tetrahedron becomes flat (bisection)."""
     low, high = 0.0, 1.0
     for _ in range(40):
         middle = 0.5 * (low + high)

@@ -56,7 +56,7 @@ ON_SCENES = ("bimorph", "reluctance", "motion", "amplitude", "display")
 @storable
 @dataclass(frozen=True)
 class Division:
-    """What a row measures on one level of fineness (:mod:`validation.evidence.fineness`).
+    """Measurement of a row on one level of fineness (:mod:`validation.evidence.fineness`).
 
     Attributes
     ----------
@@ -74,12 +74,12 @@ class Division:
 
     @property
     def kind(self) -> Kind | None:
-        """How it is divided; of several ways the first by name."""
+        """Kind of division; of several the first by name."""
         return Kind(*self.kinds[0]) if self.kinds else None
 
     @property
     def words(self) -> str:
-        """What is different from the next level towards the case's own."""
+        """Difference from the next finer level, in words."""
         assert self.kind is not None
         return self.kind.coarser if self.below > 0 else self.kind.finer
 
@@ -105,12 +105,12 @@ class Verified:
 
     @property
     def seconds(self) -> float | None:
-        """How long it took."""
+        """Elapsed time (s)."""
         return None if self.found is None else self.found.seconds
 
     @property
     def covered_by(self) -> Literal["", "bar", "bar and tolerance"]:
-        """What covers the deviation; nothing where the row has no bar."""
+        """Error that covers the deviation; "" where the row has none."""
         if self.outcome is None or self.error is None:
             return ""
         nearest = _nearest(self.outcome)
@@ -214,7 +214,7 @@ def _bar(group: str, case: Case, check: Check, measured: Division) -> Bar | None
 
 
 def next_division(group: str, case: Case, check: Check) -> Division | None:
-    """What a row measures on the next coarser level.
+    """Measurement of a row on the next coarser level.
 
     Where there is none, as of linear functions that contain the answer, on the next finer one.
     """
@@ -226,7 +226,7 @@ def next_division(group: str, case: Case, check: Check) -> Division | None:
 
 
 def division(group: str, case: Case, check: Check, below: int = 0) -> Division:
-    """What a row measures so many levels coarser, from the store if the code is the same.
+    """Measurement of a row so many levels coarser, cached by code.
 
     A level that its model refuses as too coarse is none.
     """

@@ -87,7 +87,7 @@ class Backbone:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the reader of the curves must be told."""
+        """Warnings about the curves."""
         found = []
         for curve in self.curves:
             if curve.ended:
@@ -162,7 +162,7 @@ def response_branch(
 
 
 def speed(head: RockingHead) -> Callable[[Orbit], complex]:
-    """What reads the first harmonic of the tip's velocity (m/s) off an orbit."""
+    """Readout of the tip velocity's first harmonic (m/s) off an orbit."""
     return lambda o: 1j * o.omega * complex(head.response(o).motion["w_tip"][1])
 
 
@@ -202,7 +202,7 @@ def _judge(head: RockingHead, branch: Branch, at: SpecialPoint) -> Orbit | None:
 
 
 def _stable(head: RockingHead, branch: Branch) -> Bools:
-    """Which orbits are stable; between two alike that are near, all are taken for alike."""
+    """Mask of stable orbits; between two near ones that agree, all are taken as they are."""
     orbits = branch.orbits
     counts: dict[int, int | None] = {}
 

@@ -96,7 +96,7 @@ class ComparedRow:
 
     @property
     def remarks(self) -> list[str]:
-        """Why models differ beyond their error bars, each reason once."""
+        """Reasons why models differ beyond their errors."""
         named: dict[str, list[str]] = {}
         for cell in self.cells:
             if cell.why:
@@ -161,7 +161,7 @@ def _cell(
 
 
 def _without_shortcut(q: Quantity, found: Sequence[Quantity]) -> float:
-    """What a model without shortcut makes of the same theory; nan if none was asked."""
+    """Value of the same theory without shortcut; nan if not asked."""
     theory = MODELS[q.model].theory
     plain = [p for p in found if MODELS[p.model].theory == theory and not MODELS[p.model].shortcut]
     return _first(plain[0])[0] if plain else float("nan")
@@ -254,7 +254,7 @@ class Rung:
 
     @property
     def sentence(self) -> str:
-        """What is known of the model, for the reader."""
+        """Known error of the model, as a sentence."""
         cost = "cost not recorded yet" if self.seconds is None else f"about {self.seconds:.2g} s"
         verdict = "meets" if self.meets else "does not meet"
         where = f" ({self.worst})" if self.worst else ""
@@ -278,7 +278,7 @@ class Choice:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Why these models answer."""
+        """Reasons for the choice of models."""
         return tuple(
             f"accuracy {share(self.accuracy)} is asked for{_where(self.scenes)}: "
             + "; ".join(rung.sentence for rung in ladder)
@@ -345,7 +345,7 @@ def ladder(
     announce: Callable[[str], None] = lambda _: None,
     judge: str = "",
 ) -> tuple[Rung, ...]:
-    """What is known of each model's error in these quantities, cheapest first.
+    """Model hierarchy: known errors in these quantities, cheapest first.
 
     The most detailed model, `judge`, is that which can take the scene if none is given.
     """

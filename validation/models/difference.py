@@ -1,4 +1,4 @@
-"""Why models differ: their assumptions, given up one at a time, and what each is worth.
+"""Differences of models by assumption, given up one at a time.
 
 A breakdown leads from a simple model to a detailed one.  Each step solves the device without one
 assumption more; beside its effect stands what a closed form, or the simple model, predicts.
@@ -114,7 +114,7 @@ def remaining(steps: Sequence[Step]) -> list[dict[str, float]]:
 
 
 def causes(steps: Sequence[Step]) -> list[Cause]:
-    """What each step adds to (first / last − 1); the shares add up to it."""
+    """Contribution of each step to (first / last − 1)."""
     return [
         Cause(step.name, {name: before[name] - after[name] for name in after})
         for step, (before, after) in zip(steps[1:], pairwise(remaining(steps)), strict=True)
@@ -398,7 +398,7 @@ def clamp_to_rod(
 
 
 def causes_on_rod(scene: Scene, announce: Announce) -> list[Cause]:
-    """Why a beam in the rod is not the solid: on a clamp, and held by the shim and its tab.
+    """Differences of beam and solid in the rod: clamp, shim and tab.
 
     The rest of the difference is the joint's: slot, glue and head.
     """

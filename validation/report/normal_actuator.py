@@ -201,7 +201,7 @@ class NormalActuator:
 
     @property
     def seconds(self) -> dict[str, float]:
-        """What each stage of that plan cost."""
+        """Cost of each stage of that plan."""
         return self.mapped.stages.seconds | self.solution.stages.seconds
 
 

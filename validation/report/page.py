@@ -120,7 +120,7 @@ def _page(study: Study, started: float) -> str:
 
 
 def summary(study: Study) -> dict[str, Any]:
-    """What the head of the page says about the whole."""
+    """Summary at the head of the page."""
     uncertain = study.parameter_uncertainty if study.lateral else []
     moment = study.shown.get("support", {}).get("moment")
     most_detailed = [row.cells[-1] for row in study.compared]
@@ -153,14 +153,14 @@ def summary(study: Study) -> dict[str, Any]:
 
 
 def _statuses(study: Study) -> list[tuple[str, int]]:
-    """How many of the scene's checks ended in each way, the best first."""
+    """Counts of the scene's checks by verdict, best first."""
     found = [outcome.status for outcome in study.outcomes]
     order = ("pass", "explained")
     return [(status, found.count(status)) for status in order if status in found]
 
 
 def _left_out(study: Study) -> list[tuple[str, Band]]:
-    """How far beam theory is expected from the solid, where no solid was solved."""
+    """Expected error of beam theory where no solid was solved."""
     models = study.solution.models_of("bimorph")
     if not models or any(MODELS[name].theory == "solid" for name in models):
         return []

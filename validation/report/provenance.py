@@ -29,7 +29,7 @@ FORMAT = "tactgen report 1"
 
 @dataclass(frozen=True)
 class Record:
-    """What a report was computed from, and what came out."""
+    """Record of a report: inputs and results."""
 
     made_by: Origin  #: The program and the machine
     written: str  #: When, in UTC (ISO 8601)

@@ -1,4 +1,4 @@
-"""What a report asks of a scene: which quantities by which models, at which frequencies."""
+"""Request of a report: quantities, models, frequencies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the sections of a report share: the solution, and what is derived from it once."""
+"""Data shared by the sections of a report: the solution and derived values."""
 
 from __future__ import annotations
 
@@ -195,14 +195,14 @@ class Study:
 
     @cached_property
     def parameter_uncertainty(self) -> list[Uncertainty]:
-        """What the parameters' ranges do to the headline numbers."""
+        """Uncertainty of the headline numbers from the parameters' ranges."""
         from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
 
         return list(parameter_uncertainty(self.scene, announce=self.announce))
 
     @cached_property
     def causes(self) -> list[Cause] | None:
-        """Why the beam's numbers are not the solid's; in the rod not in a quick report."""
+        """Differences between beam and solid; in the rod not in a quick report."""
         from tactgen.validation.models.difference import causes, causes_on_rod
 
         if self.steps:
@@ -245,7 +245,7 @@ class Study:
 
     @cached_property
     def invariants(self) -> list[dict[str, Any]]:
-        """How reciprocal and how passive each model's five ports are over the sweep."""
+        """Reciprocity and passivity of each model's ports over the sweep."""
         found = []
         for name, model in self.solution.models_of("bimorph").items():
             if "harmonic" not in MODELS[name].gives:
@@ -286,6 +286,6 @@ class Study:
 
     @property
     def seconds(self) -> dict[str, float]:
-        """What each stage of the plan cost."""
+        """Cost of each stage of the plan."""
         apart = self.normal.seconds if self.normal else {}
         return apart | self.solution.stages.seconds

@@ -64,7 +64,7 @@ ON_COMMAND_LINE = "set on the command line"
 
 
 class MeshSettings(p.Parameters):
-    """How fine the field models are meshed, and of what magnetic3d's mesh is made."""
+    """Mesh settings of the field models."""
 
     kind: Literal["structured", "tetwild"] = Field(
         default="structured",
@@ -117,7 +117,7 @@ class Scene(p.Device):
 
     @property
     def tolerances(self) -> Mapping[str, Tolerance]:
-        """What the scene states of how far its numbers may lie from what they say, by key."""
+        """Stated tolerances by key."""
         return self._tolerances
 
     @property

@@ -52,7 +52,7 @@ def has_tolerance(text: str) -> bool:
 
 
 def read_tolerance(text: str, unit: Unit) -> Toleranced:
-    """What a number with a tolerance says.
+    """Number with its tolerance, read from a text.
 
     A unit that stands once holds for all numbers.
 
@@ -132,7 +132,7 @@ _SETTINGS = ("accuracy", "mesh")
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What a scene states of one of its numbers, and the number of which it states it (SI)."""
+    """Stated tolerance of a number, with the number (SI)."""
 
     value: float
     spread: Spread

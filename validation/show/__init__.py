@@ -1,1 +1,1 @@
-"""What is seen of a scene and written of it: fields, pages, stills, films, files."""
+"""Fields, pages, stills, films and files of a scene."""

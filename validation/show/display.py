@@ -51,7 +51,7 @@ class DrawnPart:
 
 @dataclass(frozen=True)
 class Swing:
-    """How the tips move."""
+    """Motion of the tips."""
 
     units: tuple[str, ...]  #: The generators' names, in the order of the parts' places
     driven: int  #: Which of them is driven
@@ -351,7 +351,7 @@ def drawn_parts(scene: Scene) -> tuple[DrawnPart, ...]:
 
 
 def swing(scene: Scene) -> Swing:
-    """How the tips move where one unit is driven, by transfer matrices."""
+    """Motion of the tips where one unit is driven, by transfer matrices."""
     units = unit_names(scene.display)
     row, column = (scene.display.rows - 1) // 2, (scene.display.columns - 1) // 2
     driven = row * scene.display.columns + column

@@ -1,4 +1,4 @@
-"""What all line plots share: one figure, one palette, plain numbers on axes, inline SVG.
+"""Line plots: figure, palette, axis numbers, inline SVG.
 
 Matplotlib without a display and without global state.
 """
@@ -90,7 +90,7 @@ def svg(figure: Figure) -> str:
 
 
 def _in_words(figure: Figure) -> str:
-    """What a figure shows, from what is written at its axes, for those who do not see it."""
+    """Text alternative of a figure, from its axis labels."""
     words: dict[str, None] = {}
     below = [axis.get_xlabel() for axis in figure.axes]
     for number, axis in enumerate(figure.axes):
@@ -220,7 +220,7 @@ def solids_picture(solids: dict[str, Any]) -> bytes:
 
 
 def solids_pictures(devices: Sequence[dict[str, Any]]) -> list[bytes]:
-    """Such a picture of each device, all at one scale: as many pixels a millimetre."""
+    """Pictures of devices at one scale."""
     height = max(_height(solids) for solids in devices)
     return [_solids_picture(solids, 1.12 * height) for solids in devices]
 

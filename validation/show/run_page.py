@@ -355,7 +355,7 @@ def fragment(film: Film, *, within: bool = False) -> str:
 
 
 def film_payload(film: Film) -> dict[str, Any]:
-    """What the page gets, as plain JSON values and one binary block."""
+    """Data of the page, as plain JSON values and one binary block."""
     block = Block()
     at = np.linspace(0.0, film.time[-1], min(_MOST, film.time.size))
     kept = np.minimum(np.searchsorted(film.time, at), film.time.size - 1)

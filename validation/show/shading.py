@@ -1,4 +1,4 @@
-"""What a picture can be coloured by, how far displacements are drawn, and what is said beside it.
+"""Colours, displacement scale and captions of pictures.
 
 The page, stills and films read the same rows, so that they show the same.
 """
@@ -51,7 +51,7 @@ class Shade:
     signed: bool = True  #: Whether it swings about zero
 
     def amplitude(self, state: State) -> Array | None:
-        """What swings with the phase (n,); of sizes the largest in a period; or None."""
+        """Amplitude that swings with the phase (n,); of sizes the largest; or None."""
         values = state.fields.get(self.field)
         if values is None:
             return None
@@ -95,7 +95,7 @@ SHADES: tuple[Shade, ...] = (
 
 
 def shades_of(result: FieldResult) -> tuple[Shade, ...]:
-    """What pictures of a result can be coloured by."""
+    """Fields that pictures of a result can be coloured by."""
     return tuple(shade for shade in SHADES if shade.field in result.has)
 
 
@@ -107,7 +107,7 @@ def _largest_von_mises(stress: Array) -> Floats:
 
 
 def drawn_size(points: Floats, displacement: Array) -> float:
-    """How far (m) the largest of displacements (n, 3) is drawn at points (n, 3).
+    """Drawn size (m) of the largest displacement (n, 3) at points (n, 3).
 
     Linear displacements of a twist are a stretch if drawn large, so a tip that turns about its
     own middle is turned by half a radian at most.
@@ -135,7 +135,7 @@ def enlargement(result: FieldResult, state: State) -> float:
 
 @dataclass(frozen=True)
 class Words:
-    """What is said of a state: its short name, its number, more, a title, and at what size."""
+    """Caption of a state: short name, number, more, title, size."""
 
     short: str
     number: str
@@ -145,7 +145,7 @@ class Words:
 
 
 def words_of(result: FieldResult, state: State) -> Words:
-    """What is said of a state; every number is the quantity's."""
+    """Caption of a state; every number is the quantity's."""
     name = state.name[:1].upper() + state.name[1:]
     driven = f"at {engineering(result.voltage, 'V', 3)} peak"
     if state.kind == "mode":

@@ -53,7 +53,7 @@ _MM = 1e3
 
 @dataclass(frozen=True)
 class Picture:
-    """How a still looks: its size in pixels, and what it is coloured by; None colours by part."""
+    """Style of a still: size in pixels and colour field; None colours by part."""
 
     width: int = 1200
     height: int = 640

@@ -1,4 +1,4 @@
-"""What can be seen of a scene, as files: the moving page, stills, films."""
+"""Views of a scene as files: page, stills, films."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _STILL = 480, 400
 
 @dataclass(frozen=True)
 class Look:
-    """What is wanted: models (none: the fastest solid, and TMM beside it), state and colour.
+    """Request of a view: models (none: the fastest solid, and TMM), state, colour.
 
     `lengths` (m) are the ends of the page's length slider; None leaves it out.
     """
@@ -83,7 +83,7 @@ def view(
 
 
 def looked_at(scene: Scene, look: Look, announce: Callable[[str], None]) -> list[FieldResult]:
-    """What a look shows: the fields of a scene by the models that it names, or the usual."""
+    """Fields of a scene by the models of a view."""
     found = gather(
         scene, look.models or _models(scene), Request(look.frequencies, "edges"), announce
     )

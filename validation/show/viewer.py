@@ -83,7 +83,7 @@ class Block:
 def payload(
     results: Sequence[FieldResult], ranges: Sequence[LengthRange | None] = ()
 ) -> dict[str, Any]:
-    """What the page gets, as plain JSON values.
+    """Data of the page, as plain JSON values.
 
     Parameters
     ----------

@@ -125,7 +125,7 @@ def _of_machine(scene: Scene, port: Multiport, read: AnswerReadout) -> Complex:
 
 @dataclass(frozen=True)
 class Misfit:
-    """How the distance between curve and data is counted."""
+    """Misfit between curve and data."""
 
     curve: MeasuredCurve  #: Points that count only
     #: ``relative``: every point is uncertain by the same fraction; the residual is ln(model/data),
@@ -144,7 +144,7 @@ class Misfit:
 
     @property
     def unit_of_noise(self) -> float:
-        """What a residual of 1 means: a fraction, an amount (SI), or one standard deviation."""
+        """Meaning of a residual of 1: a fraction, an amount (SI), or a deviation."""
         return float(np.median(np.abs(self.curve.values))) if self.noise == "constant" else 1.0
 
     def residuals(self, model: Complex) -> Floats:
@@ -286,7 +286,7 @@ class Fit:
         return values, edges
 
     def at_bounds(self, values: Floats, free: list[int]) -> dict[int, str]:
-        """Which free values lie at a bound that the data push them against."""
+        """Free values at a bound that the data push them against."""
         slope = self.jacobian(values).T @ self.residuals(values)
         return {
             i: edge

@@ -73,7 +73,7 @@ def stated_band(threshold: ThresholdCurve) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Aim:
-    """What is wanted of the length."""
+    """Aim of the length design."""
 
     #: The shortest length that keeps the margin, or the length of the largest margin
     kind: AimKind = "shortest"

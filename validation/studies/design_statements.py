@@ -1,4 +1,4 @@
-"""What a designed length rests on, and the design in sentences.
+"""Sensitivities of a designed length, and the design in sentences.
 
 With m(l, p) the lowest margin over the band, at a length where the margin is just reached
 ln m(l, p) = const, and the implicit function theorem gives
@@ -72,7 +72,7 @@ class Dependence:
 
 
 def dependences(result: Design, origins: dict[str, str]) -> tuple[Dependence, ...]:
-    """What the decided lengths of a design depend on, strongest first.
+    """Sensitivities of the decided lengths, strongest first.
 
     All numbers that the transfer-matrix model reads and that are not 0, a factor on the
     finger's stiffness and one on its damping, and each stated point of the threshold.
@@ -145,7 +145,7 @@ def _listed(result: Design, origins: dict[str, str]) -> Iterator[tuple[str, str,
 
 
 def sentences(result: Design) -> tuple[str, ...]:
-    """How it is driven, what length results, which keep the margin, its own, the limits."""
+    """Design in sentences: drive, length, margin, present length, limits."""
     scene = result.scene
     setting = (
         f"Driven with {scene.drive.voltage:g} V, wired in {scene.bimorph.wiring}, "
@@ -155,7 +155,7 @@ def sentences(result: Design) -> tuple[str, ...]:
 
 
 def statements(result: Design) -> tuple[str, str, str]:
-    """What length results, which lengths keep the margin, and how the scene's own stands."""
+    """Sentences on the resulting length, the intervals and the present length."""
 
     def end(length: float, at: float | None) -> str:
         return f"{_mm(length)} ({'end of the range' if at is None else f'{at:.4g} Hz decides'})"

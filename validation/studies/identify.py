@@ -69,7 +69,7 @@ def findings(estimates: Sequence[FittedParameter], stats: Statistics) -> tuple[s
 
 
 def _undetermined(e: FittedParameter) -> str:
-    """How little the curve says of a parameter; nothing if it determines it."""
+    """Sentence on an undetermined parameter; "" if determined."""
     name = e.parameter.symbol
     low, high = (e.parameter.unit.show(float(f"{end:.3g}")) for end in e.interval)
     span = float(np.exp(min(2.0 * e.half_width, 300.0)))
@@ -122,7 +122,7 @@ def _inseparable(estimates: Sequence[FittedParameter], stats: Statistics, i: int
 
 
 def _spread(half_width: float) -> str:
-    """How well something is known, from the half width of the interval of its ln."""
+    """Relative interval, from the half width of the interval of its ln."""
     if half_width < _EXACT:
         return "to rounding"
     if half_width < 0.2:
@@ -352,7 +352,7 @@ def _assumptions(
     free: list[int],
     model: CurveModel,
 ) -> tuple[Assumption, ...]:
-    """How the estimates follow assumed parameters: −J⁺ ∂r/∂ln q at the optimum.
+    """Sensitivity of the estimates to assumed parameters: −J⁺ ∂r/∂ln q at the optimum.
 
     This is implicit differentiation of the normal equations with the residuals' second
     derivatives left out, as in the covariance.  What the data do not separate shares a change
@@ -448,7 +448,7 @@ def _phase_hint(curve: MeasuredCurve, scanned: Scan) -> list[str]:
 
 
 def _inadmissible(scene: Scene) -> list[str]:
-    """Why the fitted ceramic cannot exist, if it cannot."""
+    """Reason why the fitted ceramic cannot exist, or ""."""
     try:
         scene.piezo.ceramic().check_admissible()
     except InputError as error:

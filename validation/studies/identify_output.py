@@ -126,7 +126,7 @@ def _noise_words(result: Identification) -> str:
 
 
 def _assumption_table(result: Identification, names: list[str]) -> str:
-    """How estimates follow what is assumed; of those that the curve determines."""
+    """Table of estimates' sensitivities to assumptions."""
     if all(e.opened for e in result.estimates):
         return ""
 

@@ -66,7 +66,7 @@ class MeasuredCurve:
 
     @property
     def used(self) -> Bools:
-        """Which points (n,) count."""
+        """Mask (n,) of the points used."""
         return np.asarray(self.weight > 0.0)
 
     @property

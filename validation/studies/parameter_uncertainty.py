@@ -1,4 +1,4 @@
-"""How far the headline numbers move within the stated ranges of the parameters.
+"""Uncertainty of the headline numbers from the parameters' ranges.
 
 The numerical error of a quantity says how well an equation was solved; this says how
 well the quantity is known.  By the transfer-matrix model, which gives values, derivatives and
@@ -68,7 +68,7 @@ class Target:
 
     @property
     def read(self) -> Readout | ModalReadout:
-        """How the quantity is read."""
+        """Readout of the quantity."""
         read = self.quantity.read
         assert isinstance(read, Readout | ModalReadout)
         return read
@@ -90,7 +90,7 @@ class UncertainParameter:
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """What the ranges of the parameters do to one headline number (SI)."""
+    """Uncertainty of one headline number (SI)."""
 
     target: Target
     #: The number and its numerical error
@@ -345,7 +345,7 @@ def parameter_uncertainty(
 
 
 def affordable(scene: Scene) -> int:
-    """How often a report may solve the model: segmented beams cost more."""
+    """Affordable number of evaluations; segmented beams cost more."""
     if is_tapered(scene.device, scene.support):
         return _EVALUATIONS // 8
     single = len(beam_pieces(scene.device, scene.support)) == 1

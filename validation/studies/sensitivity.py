@@ -293,7 +293,7 @@ def _check_key(key: str, reason: str) -> None:
 
 
 def _refusal(scene: Scene, key: str, *, model: str = "tmm", device: Actuator | None = None) -> str:
-    """Why a key has no sensitivity, and the remedy; with a device, of exact derivatives by tmm."""
+    """Reason why a key has no sensitivity, and the remedy, or ""."""
     out = "leave the key out"
     known = key in scene_keys()
     if device and known and ("." not in key or key.partition(".")[0] in _ELSEWHERE):
@@ -336,7 +336,7 @@ def _reads(scene: Scene, model: str, key: str) -> bool:
 
 
 def _misfit(scene: Scene, changed: Changed, key: str) -> str:
-    """Why a scene next to this one makes no device, or nothing."""
+    """Reason why a neighbouring scene makes no device, or ""."""
     value = float(value_of(scene, key))
     try:
         for share in (NEAREST, -NEAREST):
@@ -347,7 +347,7 @@ def _misfit(scene: Scene, changed: Changed, key: str) -> str:
 
 
 def tmm_kink(scene: Scene, device: Actuator, key: str) -> str:
-    """Why the transfer-matrix model is not smooth in a number that is not 0, or nothing."""
+    """Reason why the transfer-matrix model is not smooth in a number, or ""."""
     try:
         check_keys(device, [key])
     except InputError:
@@ -359,7 +359,7 @@ def tmm_kink(scene: Scene, device: Actuator, key: str) -> str:
 
 
 def left_out(scene: Scene) -> str:
-    """Which parameters that act have no exact sensitivity by tmm, and why; "" if none."""
+    """Parameters without exact sensitivity by tmm, with reasons; "" if none."""
     device = actuator(scene)
     reasons: dict[str, list[str]] = {}
     for key in scene_keys():

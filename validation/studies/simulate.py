@@ -315,7 +315,7 @@ class Written:
 
 
 def parsed(text: str, option: str, units: tuple[Unit, ...]) -> Written:
-    """What an option's text says.
+    """Value of an option's text.
 
     Parameters
     ----------

@@ -298,7 +298,7 @@ def _onto(points: Floats, surfaces: list[Surface]) -> Floats:
 
 
 def memberships(triangles: Ints, face: Ints, surface_of_face: Ints) -> tuple[Ints, Ints]:
-    """Which vertices belong to which surfaces, given triangles on CAD faces.
+    """Vertices by surface, from triangles on CAD faces.
 
     Parameters
     ----------

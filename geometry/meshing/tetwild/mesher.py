@@ -114,7 +114,7 @@ class Mesher:
             return result["points"], result["tets"].astype(np.int64)
 
     def _failed(self, time_limit: float) -> MeshError:
-        """What to say of a process that is gone; the next mesh gets a new one."""
+        """Error message of a mesher process that died; the next mesh gets a new one."""
         assert self._process is not None
         assert self._folder is not None
         code = self._process.wait()

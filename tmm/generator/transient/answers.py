@@ -1,4 +1,4 @@
-"""What springs, stops, friction and coil answer to the few coordinates that they read.
+"""Forces of springs, stops, friction and coil over a time step.
 
 Plain numbers in lists: for three coordinates and a rim of eight points that is several times
 faster than arrays, whose every operation costs as much as a dozen numbers.
@@ -23,7 +23,7 @@ NO_FIELD = CoenergyPoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Answer(NamedTuple):
-    """What acts over a step.
+    """Mean forces over a step.
 
     `forces` (m,) on the coordinates, `pushed` by each element (N), `slope` (m, m) the forces'
     derivative by the change with the sign turned, `field` after the step, `means` of the coil,
@@ -86,7 +86,7 @@ class Answers:
             self._offsets = np.concatenate([p.offsets for p in self._points])
 
     def deformations(self, near: Floats) -> tuple[list[float], ...]:
-        """Those of each element, from the coordinates (m,) that are read."""
+        """Deformation of each element, from the coordinates (m,) that are read."""
         if not self._points:
             return ()
         each = (self._directions @ near + self._offsets).tolist()
@@ -100,7 +100,7 @@ class Answers:
         current: float,
         h: float,
     ) -> Answer:
-        """What acts over a step of `h` seconds that changes the coordinates by `y` (m,).
+        """Mean forces over a step of `h` seconds with change `y` (m,).
 
         Parameters
         ----------

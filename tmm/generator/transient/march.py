@@ -50,7 +50,7 @@ Piece = tuple[float, float, list[tuple[float, float]]]
 
 
 def paired(pieces: list[Piece]) -> tuple[list[Piece], Bools]:
-    """Same pieces with neighbours of equal length as one step.
+    """Steps with neighbours of equal length joined.
 
     Also which of the times at which the given steps start or end are kept, (k,).
     """
@@ -208,7 +208,7 @@ class Marcher:
         return record.run(), np.array(shared)
 
     def _first_level(self, state: State, longest: float) -> int:
-        """How often the longest step is halved after a break, when sources may jump.
+        """Halvings of the longest step after a break, where sources may jump.
 
         A circuit answers a jump within L/R, which the first step must resolve: the implicit
         midpoint rule does not damp what it steps over.
@@ -299,7 +299,7 @@ class Marcher:
 
 
 def _bend(earlier: list[tuple[float, State]], state: State, new: State, h: float) -> float:
-    """How far the current is from the parabola through the three before it (A)."""
+    """Distance of the current from the parabola through the three before it (A)."""
     (h2, first), (h1, second) = earlier
     slope1 = (state.current - second.current) / h1
     slope2 = (second.current - first.current) / h2
@@ -364,7 +364,7 @@ def simulate(
     longest: float = math.inf,
     announce: Callable[[float], None] = lambda _: None,
 ) -> Answer:
-    """What a system does under its sources from 0 to `until` (s).
+    """Simulation of a system under its sources from 0 to `until` (s).
 
     Parameters
     ----------

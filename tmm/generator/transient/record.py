@@ -1,4 +1,4 @@
-"""What a run gave, over time, with its account of energy."""
+"""Record of a run over time, with its energy balance."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tactgen.tmm.generator.transient.system import System
 
 @dataclass(frozen=True)
 class Run:
-    """What a run gave at its times (k,)."""
+    """Results of a run at its times (k,)."""
 
     time: Floats  #: (k,) s; a time at which a source jumps appears twice
     #: (k, n) Coordinates of the system
@@ -95,7 +95,7 @@ class Record:
         )  # fmt: skip
 
     def run(self) -> Run:
-        """What was collected."""
+        """Collected run."""
         s, states = self._system, self._states
         position = np.array([state.position for state in states])
         velocity = np.array([state.velocity for state in states])
@@ -129,7 +129,7 @@ class Record:
         )  # fmt: skip
 
     def _stored(self, position: Floats) -> Floats:
-        """What springs and stops hold (k,), in J."""
+        """Energy stored in springs and stops (k,), in J."""
         whole = np.zeros(position.shape[0])
         for element in self._system.elements:
             rows = np.atleast_2d(element.direction)

@@ -49,7 +49,7 @@ class StepTooLongError(ArithmeticError):
 
 
 class Structure(NamedTuple):
-    """What the structure answers to the m coordinates that are read, over a step."""
+    """Linear response of the structure over a step, at the m coordinates read."""
 
     stiffness: Lists  #: (m, m) D, force per change over the step, symmetric and positive definite
     #: (m, m) |D|, and roundings of |D⁻¹|, below which a correction is noise
@@ -58,14 +58,14 @@ class Structure(NamedTuple):
 
 
 def structure_of(stiffness: Floats, compliance: Floats) -> Structure:
-    """What a stiffness (m, m), with its inverse, is to the iteration."""
+    """Structure from a stiffness (m, m) and its inverse."""
     return Structure(
         stiffness.tolist(), np.abs(stiffness).tolist(), (_NOISE * np.abs(compliance)).tolist()
     )
 
 
 class Before(NamedTuple):
-    """What a step starts from, of what laws and coil read."""
+    """State at the start of a step, as laws and coil read it."""
 
     near: list[float]  #: (m,) Coordinates (m or rad)
     deformations: tuple[list[float], ...]  #: Of each element (m)
@@ -84,7 +84,7 @@ def settled(
     first: list[float],
     source: tuple[float, float],
 ) -> tuple[Answer, float]:
-    """What acts over a step of `h` seconds, and the current after it.
+    """Converged forces over a step of `h` seconds, and the current after it.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ _STILL = Flow(0.0, 0.0, 0.0)
 
 
 class _Factors(NamedTuple):
-    """What a step length fixes, so that the change is linear in the state and the few forces."""
+    """Factors of one step length: the change is linear in state and few forces."""
 
     by_velocity: Floats
     by_position: Floats

@@ -1,4 +1,4 @@
-"""What moves: a linear passive structure, springs and stops that are not linear, a coil.
+"""Dynamic system: linear structure, nonlinear springs and stops, coil.
 
     M x'' + C x' + K x = f + θ U − Σ d_e f_e(δ_e, δ_e') − b F(i, g),
     δ_e = s_e + d_e·x,   g = g_0 + b·x,   λ' = v − R i,   Q = θ·x + C_p U.
@@ -48,7 +48,7 @@ class Law(Protocol):
         ...
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
-        """What acts over a step of so many seconds that changes deformations by `moved`.
+        """Mean forces over a step of so many seconds that changes deformations by `moved`.
 
         The elastic part times `moved` is the change of the energy, to rounding.
         """
@@ -82,7 +82,7 @@ class Stop:
         return np.asarray(np.maximum(force, 0.0))
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
-        """What acts over a step."""
+        """Mean forces over a step."""
         each = [self._mean(b, m, step) for b, m in zip(before, moved, strict=True)]
         forces, slopes, elastic = zip(*each, strict=True)
         return forces, slopes, elastic
@@ -135,7 +135,7 @@ class RoughPoint:
         return np.asarray(self._force(deformation / self.decay_length) * np.maximum(growth, 0.0))
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
-        """What acts over a step."""
+        """Mean forces over a step."""
         u0, load, rate = self.decay_length, self.load, self.relaxation_time / step
         forces, slopes, parts = [], [], []
         for b, m in zip(before, moved, strict=True):
@@ -190,7 +190,7 @@ class CubicSpring:
         return np.asarray(self.linear * deformation + self.cubic * np.power(deformation, 3))
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
-        """What acts over a step."""
+        """Mean forces over a step."""
         forces, slopes = [], []
         for b, m in zip(before, moved, strict=True):
             after = b + m

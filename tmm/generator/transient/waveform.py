@@ -1,4 +1,4 @@
-"""What a source does over time: constants, steps, sines, squares, chirps, sampled curves.
+"""Waveforms: constants, steps, sines, squares, chirps, sampled curves.
 
 A waveform is smooth between its breaks.  At a break it may jump, so a value is asked for with a
 time inside the piece that is meant.
@@ -222,7 +222,7 @@ class Sampled:
 
 @dataclass(frozen=True)
 class Sources:
-    """What drives: volts across the bimorph, amperes or volts in the coil."""
+    """Sources: volts across the bimorph, amperes or volts in the coil."""
 
     bimorph: Waveform = Constant(0.0)
     coil: Waveform = Constant(0.0)

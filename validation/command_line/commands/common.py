@@ -1,4 +1,4 @@
-"""What the commands share: the scene's options, and warnings on stderr."""
+"""Options and warnings shared by all commands."""
 
 from __future__ import annotations
 

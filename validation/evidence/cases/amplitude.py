@@ -85,7 +85,7 @@ def prototype_peak() -> float:
 
 
 def prototype_folds() -> float:
-    """How often its response turns back."""
+    """Number of folds of its response."""
     head = _head("prototype", "not activated", "none")
     return float(len(folds(head.oscillator, _prototype())))
 
@@ -117,7 +117,7 @@ def _peaks(state: State) -> list[Orbit]:
 
 
 def peaks_up() -> float:
-    """How many peaks the velocity of the same has, not activated."""
+    """Number of velocity peaks, not activated."""
     return float(len(_peaks("not activated")))
 
 

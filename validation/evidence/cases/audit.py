@@ -163,7 +163,7 @@ class Audit:
 
 
 def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any]:
-    """What the report shows: the audit of this scene's bimorph."""
+    """Report section: audit of this scene's bimorph."""
     announce("audit of the printed formulas")
     return {"audit": audit(scene), "audit_at": AT}
 

@@ -330,7 +330,7 @@ def _beam() -> Box:
 
 
 def _tip() -> float:
-    """How far (m) the tip's upper face has moved."""
+    """Displacement (m) of the tip's upper face."""
     return abs(statics(_beam()).mean(Where(x=18e-3, z=0.1), "x"))
 
 

@@ -308,7 +308,7 @@ def flux_density_in_core(field: MagneticField) -> Floats:
 
 
 def core_tolerance(core: MagnetisationCurve) -> float:
-    """How far B in the core may be off, relative.
+    """Relative tolerance of B in the core.
 
     The flux's error is the square of the field's, weighed by the core's permeability; the
     second term is the tolerance of Newton's method.

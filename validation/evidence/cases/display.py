@@ -107,14 +107,14 @@ def _mean(pair: tuple[float, float]) -> float:
 
 
 def _reversal(unit: str, reversed_one: str) -> float:
-    """What a unit's pull loses where others' current is reversed (N)."""
+    """Loss of a unit's force where others' current is reversed (N)."""
     nine = _nine()
     return _mean(getattr(nine["all"], unit)) - _mean(getattr(nine[reversed_one], unit))
 
 
 @cached
 def _all_four() -> float:
-    """What a unit of an endless array loses where all nearest neighbours reverse (N)."""
+    """Loss of force in an endless array where all nearest neighbours reverse (N)."""
     found = array_forces(_scene().device, _CURRENT, _GAP, _PITCH)
     return _mean(found.same) - _mean(found.alternating)
 

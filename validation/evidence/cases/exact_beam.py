@@ -42,7 +42,7 @@ def _exact(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 @dataclass(frozen=True)
 class Layers:
-    """What the bimorph is made of (SI); poled along −x, voltage across each layer."""
+    """Layers of the bimorph (SI); poled along −x, voltage across each layer."""
 
     width: Any
     piezo_thickness: Any
@@ -190,7 +190,7 @@ def _combined(row: list[tuple[int, int]], power: list[list[int]]) -> list[int]:
 
 
 def without_electrode(active: Constants) -> Constants:
-    """Same layers where the faces carry no charge: U follows from K ψ' + C U = 0."""
+    """Section without electrodes: U follows from K ψ' + C U = 0."""
     with mp.workdps(DIGITS):
         return replace(active, EI=active.EI + active.K**2 / active.C, K=mp.mpf(0), C=mp.mpf(0))
 
@@ -306,7 +306,7 @@ def natural_frequency(row: Row, ends: Ends, near: Any, *, open_circuit: bool) ->
 
 
 def offset(row: Row, ends: Ends, frequency: float, *, open_circuit: bool = False) -> float:
-    """How far (relative) a frequency lies from the root next to it."""
+    """Relative distance of a frequency from the nearest root."""
     root = natural_frequency(row, ends, frequency, open_circuit=open_circuit)
     with mp.workdps(DIGITS):
         return float(mp.mpf(frequency) / root - 1)

@@ -92,7 +92,7 @@ def ceramic(*, lossy: bool) -> Material:
 
 @dataclass(frozen=True)
 class Space:
-    """What is needed of a discretised body: its matrices, and its functions at points inside."""
+    """Discretised body: matrices, and functions at points inside."""
 
     #: (4 n, 4 n) Over (u_x, u_y, u_z, φ / unit) node by node
     stiffness: Sparse
@@ -220,7 +220,7 @@ def solid_error(cells: Cells, divisions: int, driven: bool) -> Floats:
 
 @cache
 def bricks_error(degree: int, intervals: int, driven: bool) -> Floats:
-    """Same on bricks."""
+    """Error on bricks."""
     material = ceramic(lossy=driven)
     space, unit = bricks_space(degree, intervals, material)
     return manufactured_errors(space, material, unit, FREQUENCY if driven else 0.0)

@@ -17,7 +17,7 @@ from tactgen.validation.evidence.cases.manufactured import EDGE, Cells, cube
 
 
 def cylinder(curve: MagnetisationCurve) -> Region:
-    """What carries the field: a cylinder of radius 1 m, 2 m high."""
+    """Domain of the field: a cylinder of radius 1 m, 2 m high."""
     return Region("all", (0.0, 1.0), (-1.0, 1.0), curve)
 
 

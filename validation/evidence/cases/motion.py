@@ -92,12 +92,12 @@ def pull_in_current() -> Estimate:
 
 
 def rise_time() -> float:
-    """How long the rod takes from switching off to the upper stop (s)."""
+    """Time (s) of the rod from switching off to the upper stop."""
     return _phase("pressed", after=5e-3).start - 5e-3
 
 
 def fall_time() -> float:
-    """How long the rod takes from switching on, at the start, to the lower stop (s)."""
+    """Time (s) of the rod from switching on to the lower stop."""
     return _phase("held", after=0.0).start
 
 

@@ -172,7 +172,7 @@ def _over(value: float, field: float, bar: float) -> Estimate:
 
 
 def network_over_field_straight_iron() -> Estimate:
-    """Same at the paper's point with straight iron, µr = 1000."""
+    """Ratio at the paper's point with linear iron, µr = 1000."""
     device = Device(steel=Steel(curve="linear", relative_permeability=1000.0))
     current, gap = STATES[0]
     network = network_samples(device, np.array([current]), np.array([gap]))
@@ -240,13 +240,13 @@ def network_loop_work() -> float:
 
 
 def network_map_loop_work() -> float:
-    """Same of the map made from the network."""
+    """Closed-loop work of the network's map."""
     device = Device()
     return _loop(fit(network_samples(device, *map_grid(device))).sampled, 64)
 
 
 def field_map_loop_work() -> float:
-    """Same of the map made from the axisymmetric field."""
+    """Closed-loop work of the axisymmetric field's map."""
     device = Device()
     currents, gaps = map_grid(device, 8, 8)
     rows = solve_map(device, gaps.tolist(), currents.tolist(), order=degree(3))

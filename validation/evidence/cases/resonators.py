@@ -140,7 +140,7 @@ def _bar(along: bool) -> Box:
 
 
 def _mirrored(grounded: Component) -> tuple[Held, ...]:
-    """What holds an eighth at its planes of symmetry; the potential is odd at one."""
+    """Symmetry conditions of an eighth; the potential is odd at one plane."""
     planes = {"x": Where(x=0.0), "y": Where(y=0.0), "z": Where(z=0.0)}
     held = [Held(plane, (axis,)) for axis, plane in planes.items()]  # type: ignore[arg-type]
     return (*held, Held(planes[grounded], ("phi",)))

@@ -198,7 +198,7 @@ def _deflection() -> float:
 
 
 def _rotation() -> float:
-    """That of the end face, by its motion along z, which is 0 in the middle."""
+    """Rotation of the end face, by its motion along z."""
     return -_state(1.0, 0.0).mean(Where(x=2.0 * _H, z=_L), "z").real / _H
 
 

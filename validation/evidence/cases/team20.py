@@ -33,7 +33,7 @@ DOWN = np.array([0.0, 0.0, -1.0])
 
 @dataclass(frozen=True)
 class PoleForce:
-    """What one current does: N, J, and how many unknowns it took."""
+    """Result at one current: force (N), energy (J), number of unknowns."""
 
     current: float
     force: float

@@ -67,7 +67,7 @@ class Job(TypedDict):
 
 
 class Answer(TypedDict):
-    """What a peer gives back; a sweep has no natural frequencies, and the other way round.
+    """Answer of a peer: a sweep, or natural frequencies.
 
     `deflection` is the mean of u_x over the tip face per volt (m/V), `capacitance` (F) that
     of both layers together, tip free; `natural` the short-circuit frequencies (Hz); `sweep`

@@ -146,7 +146,7 @@ class AdaptedPair(MeshPair):
 
     @property
     def method(self) -> str:
-        """How the error bars come about, for the reader."""
+        """Description of the error estimate."""
         fine, coarse = self.fine.system.size, self.coarse.system.size
         return (
             f"two adapted meshes ({fine} and {coarse} unknowns), gain in error from a "

@@ -1,4 +1,4 @@
-"""Which natural modes of the solid are the lowest, on whatever support, load and circuit.
+"""Lowest natural modes of the solid on any support, load and circuit.
 
 On bricks every class of motion is an eigenproblem of its own.  The coarser mesh, which is
 needed anyway to judge the finer one by, says which classes may hold the lowest modes and how
@@ -58,7 +58,7 @@ class MeshModes:
         )
 
     def opened(self, ends: Ends) -> float:
-        """How far off Ω² of open circuit is beside that of short circuit, relative.
+        """Relative error of Ω² open against short circuit.
 
         Of the first mode that bends in x, by what the mesh lacks.
         """
@@ -71,7 +71,7 @@ class MeshModes:
 
 
 def coarse_modes(coarse: SolidSystem, count: int) -> MeshModes:
-    """What the lowest `count` modes need on any support, on a mesh that judges another."""
+    """Lowest `count` modes on any support, on a coarser mesh."""
     return mesh_modes(coarse, dict.fromkeys(_of(coarse), count), count)
 
 
@@ -81,7 +81,7 @@ def fine_modes(
     count: int,
     lacking: Callable[[Motion], Surplus] | None = None,
 ) -> MeshModes:
-    """Same on the finer mesh, of the classes that the coarser one has found low.
+    """Modes on the finer mesh, of the classes that are low on the coarser one.
 
     With what functions that are `lacking` in each class of motion make of them.
     """
@@ -98,7 +98,7 @@ def mesh_modes(
     count: int,
     lacking: Callable[[Motion], Surplus] | None = None,
 ) -> MeshModes:
-    """What `count` bending modes in x need, and so many of other classes of motion."""
+    """Modal data of `count` bending modes in x and other classes."""
     from tactgen.fem.piezo.modal_reduction import modal_model
 
     surplus = None if lacking is None else lacking(system.motion)

@@ -43,7 +43,7 @@ class MeasuredLoad:
 
     @property
     def method(self) -> str:
-        """How the error bars come about."""
+        """Description of the error estimate."""
         return OF_THE_TABLE if isinstance(self.ends.tip, MeasuredLaw) else "rounding of a formula"
 
     @property
@@ -70,7 +70,7 @@ class BimorphModel(Model):
         self.frequencies = np.asarray(scene.frequency, dtype=float)
 
     def answer(self, need: Need) -> Any:
-        """What quantities with this need are read from."""
+        """Answer that quantities of this analysis are read from."""
         if need in ("small_signal", "machine_poles"):
             return self._machine(need)
         if need == "crosstalk":
@@ -98,7 +98,7 @@ class BimorphModel(Model):
         return SmallSignal(self.scene, self.ports(), linear)
 
     def _crosstalk(self) -> Any:
-        """What one unit moves at the others, all of them on this bimorph."""
+        """Crosstalk of one unit at the others, all on this bimorph."""
         from tactgen.validation.models.display.field import crosstalk
 
         return self.run("crosstalk", lambda: crosstalk(self.scene, self.ports()))
@@ -145,7 +145,7 @@ class BeamTheoryModel(BimorphModel):
         return (sentence,)
 
     def answer(self, need: Need) -> Any:
-        """What quantities with this need are read from; of many units, each its own beam."""
+        """Answer that quantities of this analysis are read from, unit by unit."""
         return self._spread() if need == "spread" else super().answer(need)
 
     def _spread(self) -> Any:
@@ -222,7 +222,7 @@ class RowModel(BeamTheoryModel):
         return transfer_matrix.sections(s.device, s.support, s.beam, lossy=lossy, segments=segments)
 
     def _judged(self, read: Callable[[int], T], method: str = "") -> Refined[T]:
-        """What `read` gives for a number of segments, judged by half as many."""
+        """Result of `read` with an error from half as many segments."""
         method = method or self._METHOD
         fine = read(transfer_matrix.SEGMENTS)
         if not transfer_matrix.is_tapered(self.scene.device, self.scene.support):

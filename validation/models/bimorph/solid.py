@@ -161,7 +161,7 @@ class CadModel(TwoMeshModel):
         return pair
 
     def coarse_modes(self, system: SolidSystem) -> MeshModes:
-        """What modes follow from on a mesh that judges another; found before, perhaps."""
+        """Modal data on the coarser mesh, cached."""
         ahead = (modes for of, modes in self._ahead if of is system)
         return next(ahead, None) or super().coarse_modes(system)
 

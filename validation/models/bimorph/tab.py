@@ -83,7 +83,7 @@ class SupportCompliance:
 
 
 def _arm(length: float) -> Floats:
-    """How a point `length` (m) above follows [w, ψ]."""
+    """Lever arm: motion of a point `length` (m) above [w, ψ]."""
     return np.array([[1.0, -length], [0.0, 1.0]])
 
 

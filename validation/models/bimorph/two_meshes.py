@@ -104,7 +104,7 @@ class SolidModes:
     method: str  #: How the error bars come about
 
     def stiffened(self, ends: Ends, count: int) -> tuple[Floats, Floats]:
-        """What an open circuit adds to Ω² of the lowest `count` bending modes, relative.
+        """Relative rise of Ω² by an open circuit, lowest `count` bending modes.
 
         On the finer and on the coarser mesh, (count,) each.
         """
@@ -233,7 +233,7 @@ class TwoMeshModel(BimorphModel):
         return Refined(fine, coarser, modal.method, rounding)
 
     def _beside(self, fine: Modes, *, open_circuit: bool) -> tuple[tuple[Modes, float], ...]:
-        """What judges both circuits together, by their first bending modes.
+        """Paired difference of both circuits, by their first bending modes.
 
         What moves both alike, then what moves the open one beside the other.
         """
@@ -260,11 +260,11 @@ class TwoMeshModel(BimorphModel):
         return fine, *(matched(fine, other) for other in others)
 
     def motions(self, *, open_circuit: bool) -> dict[Motion, int]:
-        """How many of the lowest modes of :meth:`modes` each class of motion has."""
+        """Number of lowest modes of :meth:`modes` by class of motion."""
         return dict(Counter(mode.motion for mode in self._lowest(open_circuit=open_circuit)[0]))
 
     def _modal(self) -> SolidModes:
-        """What modes on any support, load and circuit follow from."""
+        """Modal data for any support, load and circuit."""
 
         def work() -> SolidModes:
             pair, systems = self.mesh_pair, self.systems()
@@ -283,7 +283,7 @@ class TwoMeshModel(BimorphModel):
         return self.run("modal", work)
 
     def coarse_modes(self, system: SolidSystem) -> MeshModes:
-        """What modes on any support follow from, on a mesh that judges another."""
+        """Modal data for any support, on the coarser mesh."""
         return coarse_modes(system, self.scene.modes)
 
     def _lowest(self, *, open_circuit: bool) -> tuple[list[BareMode], list[BareMode]]:
@@ -293,7 +293,7 @@ class TwoMeshModel(BimorphModel):
         )
 
     def _rounding(self, port: Multiport) -> float:
-        """What rounding of the stiffness matrix does to the tip's static compliance."""
+        """Rounding error of the tip's static compliance."""
         compliance = np.linalg.inv(port.block("w_tip", "psi_tip").stiffness[0])[0, 0]
         return float(abs(compliance) * self.systems()[0].spurious_stiffness)
 

@@ -1,4 +1,4 @@
-"""What the normal actuators do to each other through their field, by a model of one of them."""
+"""Magnetic crosstalk of the normal actuators."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def by_network(scene: Scene) -> NeighbourField:
 
 
 def by_field(scene: Scene) -> NeighbourField:
-    """What the fields of an endless array and of nine units say."""
+    """Crosstalk by the fields of an endless array and of nine units."""
     from tactgen.fem.magnetics.array_3d import array_forces, nine_forces
 
     current = scene.display.coil_current
@@ -130,7 +130,7 @@ class MechanicalCrosstalk:
 
     @property
     def method(self) -> str:
-        """How the error bars come about."""
+        """Description of the error estimate."""
         return f"of the bimorph's ports: {self.ports.method}; board and skin are model form"
 
     @property
@@ -191,7 +191,7 @@ class MechanicalCrosstalk:
 
     @cached_property
     def _rounding(self) -> Floats:
-        """How far any ratio (n,) goes when the bimorph's matrix moves by its rounding, absolute.
+        """Absolute rounding error of any ratio (n,).
 
         A condition number of the whole does not see what its parts lost when they were joined.
         """
@@ -275,15 +275,15 @@ class Spread:
         return self._listed(list(self.turns), [self.turns_bar] * len(self.turns))
 
     def apart(self) -> Estimate:
-        """How far the highest frequency is from the lowest, as drawn."""
+        """Range of the sampled frequencies."""
         return _range(self.frequencies)
 
     def left_apart(self) -> Estimate:
-        """Same after turning."""
+        """Range after tuning."""
         return _range(self.tuned)
 
     def reach(self) -> Estimate:
-        """What a screw can do to the nominal unit's frequency, from end to end."""
+        """Tuning range of the nominal unit's frequency."""
         return Estimate(
             self.highest.value - self.lowest.value, self.highest.error + self.lowest.error
         )
@@ -298,7 +298,7 @@ def _range(found: tuple[Estimate, ...]) -> Estimate:
 
 
 def screw_travel(display: Display) -> float:
-    """How far a grub screw goes either way within the ground plate (m)."""
+    """Travel of a grub screw within the ground plate (m)."""
     return float(display.plate_thickness - display.screw_length)
 
 
@@ -313,7 +313,7 @@ def first_frequency(modes: Refined[Modes]) -> Estimate:
 
 
 def spread(scene: Scene, of: FirstFrequency) -> Spread:
-    """What the scatter does to the units of a scene, and what the screws undo of it.
+    """Scatter of the units of a scene before and after tuning by screws.
 
     Raises InputError if a screw would leave no preload at all.
     """

@@ -55,7 +55,7 @@ _PLACES = 5
 
 
 class MachinePull(Pull, Map, Protocol):
-    """What the machine reads of a co-energy map: pull and slopes at a current (A) and gap (m)."""
+    """Magnetic force and its slopes at a current (A) and gap (m)."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class HalvedMap:
 
     @property
     def gap_limits(self) -> tuple[float, float]:
-        """Those of the whole map (m)."""
+        """Gap limits of the whole map (m)."""
         return self.whole.gap_limits
 
     def force(self, current: Floats | float, gap: Floats | float) -> Floats:
@@ -266,7 +266,7 @@ class SmallSignal:
 
     @property
     def method(self) -> str:
-        """How the error bars come about."""
+        """Description of the error estimate."""
         return f"of the bimorph's ports: {self.ports.method}; of the pull: {self.linear.method}"
 
     def by_voltage(self, motion: str) -> Estimate:
@@ -306,7 +306,7 @@ class SmallSignal:
         return np.asarray(self.linear.fine.resistance + 2j * np.pi * port.frequencies * linkage)
 
     def _judged(self, of: Callable[[Multiport], Complex]) -> Estimate:
-        """What `of` reads off the machine, with the bars of bimorph's ports and map."""
+        """Quantity of the machine with errors from the ports and the map."""
         value = of(self._whole(self.ports.fine))
         rounding = rounding_of_ports(self.ports, self._unreduced, ("voltage", "current"))
         bar: Floats = np.abs(value) * (rounding + self.ports.rounding)

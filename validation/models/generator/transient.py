@@ -39,7 +39,7 @@ _HIGHEST = 20e3
 
 @dataclass(frozen=True)
 class Simulation:
-    """What a scene did."""
+    """Result of a simulated scene."""
 
     scene: Scene  #:
     machine: Machine  #:
@@ -48,12 +48,12 @@ class Simulation:
 
     @property
     def load_misfit(self) -> float:
-        """How far what stands for the load is from its law of frequency, at most (relative)."""
+        """Largest relative misfit of the time-domain load to its law of frequency."""
         return chain_of(self.scene.ends.tip).misfit
 
     @property
     def sideways(self) -> Floats:
-        """How far the rod's flange is off the sleeve's middle over time (k,), in m: w − z ψ."""
+        """Offset of the rod's flange from the sleeve's axis over time (k,), m: w − z ψ."""
         rod, gap = self.scene.device.rod, self.scene.device.gap
         top = -(rod.head_thickness + gap + rod.flange_position)
         w, psi = self.answer.run.position[:, 1], self.answer.run.position[:, 2]
@@ -82,7 +82,7 @@ def run_scene(
     pull: CoenergyMap | None = None,
     announce: Callable[[str], None] = lambda _: None,
 ) -> Simulation:
-    """What a scene's generator does from rest on its upper stop.
+    """Simulation of a scene's generator from its upper stop.
 
     Parameters
     ----------

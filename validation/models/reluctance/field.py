@@ -81,7 +81,7 @@ class _FieldModel(MagneticModel):
         return fit(replace(samples, device=self._described()))
 
     def _geometry(self) -> dict[str, Any]:
-        """What the field at a current and gap depends on beside these, for the store."""
+        """Inputs of the field besides current and gap, for the store."""
         own = MODELS[self.name].stages["map"]
         return values_read(self.scene, (key for key in own if key not in MAP_RANGE))
 
@@ -143,7 +143,7 @@ class AxisymmetricModel(_FieldModel):
         return self._fitted(kept(SAMPLES, self.samples_inputs(), code, work, announce=announce))
 
     def samples_inputs(self) -> tuple[object, ...]:
-        """What the samples of the map depend on, as they are kept by."""
+        """Inputs of the map's samples, for the store."""
         from tactgen.tmm.reluctance.map_range import map_grid
 
         currents, gaps = map_grid(self.scene.device, shared=True)
@@ -231,7 +231,7 @@ def check_solid_map(scene: Scene) -> None:
 
 
 def axisymmetric_point(found: FieldPoint) -> MagneticPoint:
-    """What the field in the half section says as any model does."""
+    """Axisymmetric field point in the form of any model."""
     return replace(_judged(found, _METHOD), force_by_stress=found.force_eggshell)
 
 

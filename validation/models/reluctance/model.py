@@ -41,7 +41,7 @@ WORTH_A_WORD = 0.01
 def magnetic_warnings(
     model: str, scene: Scene, quantities: Sequence[str], answer: Callable[[Need], Any]
 ) -> tuple[str, ...]:
-    """What a model's answers to these quantities leave to say."""
+    """Warnings about a magnetic model's quantities."""
     found: list[str] = []
     beyond = 0.0
     of_stroke = _read_off("magnetic_map", quantities)
@@ -92,7 +92,7 @@ class MagneticModel(Model):
     """One model of the scene's normal actuator."""
 
     def answer(self, need: Need) -> Any:
-        """What quantities with this need are read from."""
+        """Answer that quantities of this analysis are read from."""
         if need == "rest":
             return self.rest()
         if need == "neighbours":
@@ -100,7 +100,7 @@ class MagneticModel(Model):
         return self.point() if need == "magnetic_point" else self.switching()
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
-        """Which currents have no value, and whether the steel's curve was too short."""
+        """Warnings about currents without value and a short steel curve."""
         return magnetic_warnings(self.name, self.scene, quantities, self.answer)
 
     @abstractmethod
@@ -108,7 +108,7 @@ class MagneticModel(Model):
         """Values at a current (A) and gap (m)."""
 
     def _solver(self) -> Solver:
-        """What solves currents and gaps one after another, as `at` does each alone."""
+        """Solver for currents and gaps in sequence."""
         return self.at
 
     @abstractmethod

@@ -110,7 +110,7 @@ def switching_currents(device: Device, pull: CoenergyMap, at: Solver) -> Switchi
 
 
 class Balances:
-    """What :class:`SwitchingCurrents` has, each current solved for when it is read.
+    """Force balances that define :class:`SwitchingCurrents`, solved when read.
 
     By currents at which pull and spring balance, from points; each gap is solved once.
     """
@@ -319,7 +319,7 @@ def _onwards(lift: float, history: History) -> float:
 def position_bar(
     forces: AxialForces, pull: CoenergyMap, current: float, place: RestingPlace
 ) -> float:
-    """How far (m) the map's own error moves a resting place."""
+    """Error (m) of an equilibrium from the map's error."""
     return pull.interpolation_error.force * abs(
         float(pull.force(current, forces.gap(place.lift))) / place.stiffness
     )

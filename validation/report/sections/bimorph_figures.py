@@ -78,7 +78,7 @@ def response_plot(
 def response_values(
     frequencies: Array, curves: dict[str, dict[str, Array]], labels: dict[str, str]
 ) -> str:
-    """What the page tells of :func:`response_plot` where it is pointed at, as JSON.
+    """Values of :func:`response_plot` for the pointer, as JSON.
 
     Where a model has no value (nan), null.
     """

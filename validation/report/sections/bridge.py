@@ -156,7 +156,7 @@ def _support(study: Study) -> dict[str, Any]:
 
 
 def material_section(study: Study) -> Context | None:
-    """What the assumed constants of the full tensor are worth."""
+    """Effect of the assumed constants of the full tensor."""
     if study.quick or not study.asks_field or study.scene.piezo.d31 == 0.0:
         return None
     from tactgen.validation.models.bimorph.tab import material_effects

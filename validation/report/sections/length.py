@@ -145,7 +145,7 @@ _SOUGHT: dict[AimKind, str] = {
 def section(
     scene: Scene, origins: dict[str, str], announce: Callable[[str], None]
 ) -> dict[str, Any] | None:
-    """What the report shows; None for an actuator that does not move.
+    """Section of the report; None for an actuator that does not move.
 
     The paper's actuator is asked the paper's question: under the finger, at 50 V, 20 to 40 mm.
     Any other is asked as its scene drives and loads it, about lengths around its own.
@@ -228,7 +228,7 @@ def _cases(scene: Scene, aims: Sequence[Aim]) -> list[tuple[str, str, Design]]:
 
 
 def _at_band_end(scene: Scene) -> dict[str, Any]:
-    """How ill-conditioned the deflection is at the band's end, for the scene's length."""
+    """Conditioning of the deflection at the band's end."""
     at = _band(scene)[0][1]
     slopes = logarithmic_sensitivities(
         actuator(scene), TIP_DISPLACEMENT.port_readout, None, np.array([at])

@@ -123,7 +123,7 @@ def _rows(
 
 
 def _measured(tip: object) -> Context | None:
-    """What is fitted to a table: the paper's form, and springs, dampers and masses."""
+    """Fits of a load table: the paper's form; springs, dampers and masses."""
     if not isinstance(tip, MeasuredLaw):
         return None
     form = finger_form(tip.table)
@@ -142,7 +142,7 @@ def _measured(tip: object) -> Context | None:
 
 
 def _passive(kind: str) -> float | None:
-    """How far the paper's finger is from any passive load (root mean square)."""
+    """Distance of the paper's finger from any passive load (rms)."""
     if kind != "finger":
         return None
     at = np.geomspace(*FINGER_RANGE, _POINTS)

@@ -53,7 +53,7 @@ _LOOP_POINTS = 2001
 
 @dataclass(frozen=True)
 class Families:
-    """What the families of curves show."""
+    """Families of curves."""
 
     device: Device  #: Its spring and stops are drawn
     maps: Mapping[str, CoenergyMap]  #: By model

@@ -1,4 +1,4 @@
-"""What a section of the report is."""
+"""Interface of a report section."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ def _responses(
 
 
 def section(scene: Scene, solution: Solution, rows: Sequence[Uncertainty]) -> dict[str, Any]:
-    """What the report shows of the headline numbers and their uncertainty."""
+    """Section on the headline numbers and their uncertainty."""
     parameters = uncertain_parameters(scene)
     detailed = ranked(solution.models_of("bimorph"))[-1]
     omitted = left_out(scene)

@@ -47,7 +47,7 @@ VOLTAGE_STYLE: dict[Case, dict[str, Any]] = {
 
 
 def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any] | None:
-    """What the report shows of it; None for an actuator that does not move."""
+    """Section of the report; None for an actuator that does not move."""
     if scene.piezo.d31 == 0.0:
         return None
     announce("excitation voltage")
@@ -68,7 +68,7 @@ def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any] | N
 
 
 def findings(study: VoltageStudy) -> tuple[str, ...]:
-    """What the comparison says, in sentences made from its numbers."""
+    """Findings of the comparison, as sentences."""
     found = []
     wide = study.stated[-1]
     lowest, most = wide.paper.voltages
@@ -98,7 +98,7 @@ def findings(study: VoltageStudy) -> tuple[str, ...]:
 
 
 def _of_load(moved: PerVolt) -> str:
-    """What load would reconcile model and paper at one frequency."""
+    """Load that would reconcile model and paper at one frequency."""
     at = f"At {moved.frequency:g} Hz"
     parts = [
         f"{_as_large(factor)} ({wiring})"

@@ -34,7 +34,7 @@ _CIRCUITS: tuple[tuple[Circuit, str], ...] = (
 
 @dataclass(frozen=True)
 class Request:
-    """What is wanted of every model."""
+    """Field request."""
 
     #: Of harmonic states (Hz); None takes half the first frequency of bending and that itself
     frequencies: tuple[float, ...] | None = None
@@ -216,6 +216,6 @@ def _frequencies(scene: Scene, states: Sequence[State], request: Request) -> tup
 
 
 def body_of(found: Simulation) -> MovingBody:
-    """What moves in a run."""
+    """Moving body of a run."""
     device, beam = scene_beam(found.scene)
     return moving_body(device, beam, found.machine.modes)

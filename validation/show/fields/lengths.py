@@ -68,7 +68,7 @@ class LengthRange:
 
 
 def lagrange_weights(nodes: Floats, at: float) -> Floats:
-    """What values at nodes (k,) count with in their polynomial at a place, (k,)."""
+    """Lagrange weights (k,) of nodes (k,) at a place."""
     apart = nodes[:, None] - nodes[None, :] + np.eye(nodes.size)
     ratios = (at - nodes[None, :]) / apart
     np.fill_diagonal(ratios, 1.0)
@@ -203,7 +203,7 @@ def _turned_like(first: Floats, shape: Floats) -> Floats:
 
 
 class _Lattice:
-    """How values at the points of one length come to points that correspond to another's.
+    """Map from the points of one length to those of another.
 
     Points of one part that lie above each other form a column; columns of both meshes are the
     same, and stations along them correspond by their share of the column's height.  Meshes of

@@ -46,7 +46,7 @@ class MovingBody:
 
 
 def moving_body(device: Device, beam: BeamMatrices, modes: BimorphModes) -> MovingBody:
-    """What moves of a generator: coordinates lift, w and ψ of the head, the modes.
+    """Moving body of a generator: lift, w and ψ of the head, modes.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ def _with_rod(state: State, mesh: Mesh, points: Floats) -> State:
 
 
 def _carried(at: Floats, displacement: Array, points: Floats) -> Array:
-    """How points (n, 3) move that are rigidly joined to the base: u_x = w − z ψ, u_z = x ψ.
+    """Rigid motion of points (n, 3) with the base: u_x = w − z ψ, u_z = x ψ.
 
     Motions that the contact does not let through have none at the base.
     """

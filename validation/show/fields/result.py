@@ -1,4 +1,4 @@
-"""What a model says of the whole device: a mesh, states of it, and fields at its points.
+"""Field result: a mesh, its states, and fields at its points.
 
 Everything that is seen or written (page, film, still, .vtu, glTF) is made of this value.  Points
 belong to one region each: where layers meet there are two at one place, so that what jumps
@@ -86,7 +86,7 @@ MODE_SIZE = 1e-6
 
 @dataclass(frozen=True)
 class FieldResult:
-    """What one model says of a scene's device."""
+    """Field result of one model."""
 
     #: Names
     scene: str

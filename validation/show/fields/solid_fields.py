@@ -75,7 +75,7 @@ class BrickSampler:
         return np.flatnonzero(used), (nx, ny, nz)
 
     def _kept(self, block: Block) -> tuple[Ints, Ints, Ints]:
-        """Which nodes of a block are shown along each axis."""
+        """Nodes of a block that are drawn along each axis."""
         counts = (block.x.stop - block.x.start, self._grid[1][1], block.z.stop - block.z.start)
         steps = (
             (1, 1, 1) if self.detail == "nodes" else (self.axes[0].degree, self.axes[1].degree, 1)

@@ -1,1 +1,1 @@
-"""What if: a scene at many points of any of its keys, by any model; only what changed is solved."""
+"""What-if studies: a scene at many points of its keys, by any model."""

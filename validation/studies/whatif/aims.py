@@ -81,7 +81,7 @@ class Aim:
 
     @_UNSPOKEN
     def margin(self, known: dict[str, Quantity]) -> float:
-        """How much better than asked a point is, in SI units; of a goal how good.
+        """Margin of a point to a condition, or value of a goal, in SI units.
 
         Raises InputError if units do not fit, or an array is left where one number is wanted.
         """
@@ -225,7 +225,7 @@ class _Parser:
         return found
 
     def _divisor(self) -> Node:
-        """What a division divides by, unless it is 0 at every point."""
+        """Divisor; refused if it is 0 at every point."""
         import pint
 
         self.place += 1

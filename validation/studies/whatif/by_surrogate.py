@@ -60,13 +60,13 @@ class Part:
 
     @property
     def key(self) -> str:
-        """What its surrogate depends on, beside the study's scene and quantities."""
+        """Identity of its surrogate within the study."""
         others = [value for key, value in self.first.items() if key not in self.ranges]
         return repr((self.model, self.ranges, others))
 
     @property
     def reason(self) -> str:
-        """How they are answered, for the reader."""
+        """Description of the interpolation."""
         return (
             f"{self.model}: {len(self.numbers)} points differ in {', '.join(self.ranges)} only and "
             f"are interpolated between {design_size(len(self.ranges))} solutions"

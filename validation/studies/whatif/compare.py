@@ -26,7 +26,7 @@ _LISTED = 6
 
 
 class Key(NamedTuple):
-    """What a number is: the point it is at, quantity, model, frequency (Hz), index there."""
+    """Identity of a number: point, quantity, model, frequency (Hz), index."""
 
     point: tuple[tuple[str, str], ...]
     quantity: str
@@ -200,7 +200,7 @@ class AnswerDifference:
 
     @property
     def verdict(self) -> str:
-        """What the bars say of the change, in words."""
+        """Verdict on the change, in words."""
         if not self.beyond:
             return "the same" if self.relative == 0.0 else "covered by the bars"
         of = "" if self.count == 1 else f" at {self.beyond} of {self.count} values"
@@ -274,7 +274,7 @@ NOTHING_SHARED = (
 def lines(
     sides: tuple[Side, ...], inputs: list[InputDifference], answers: list[AnswerDifference]
 ) -> list[str]:
-    """What differs, input first."""
+    """Lines of the comparison, input first."""
     first, second = sides
     found = [f"A: {first.name}", f"B: {second.name}", ""]
     found.append("input that differs:" if inputs else "the input is the same")

@@ -103,7 +103,7 @@ def _curves(sides: tuple[Side, ...]) -> str:
 
 
 def _along(sides: tuple[Side, ...], quantity: str) -> str:
-    """What a quantity's curves run along: frequency, or the studies' first numeric axis."""
+    """Abscissa of a quantity's curves: frequency, or the first numeric axis."""
     for key in (key for side in sides for key in side.numbers if key.quantity == quantity):
         if key.frequency:
             return "frequency (Hz)"
@@ -121,7 +121,7 @@ def _abscissa(key: Key) -> float | None:
 
 
 def _curve(key: Key) -> tuple[str, ...]:
-    """What is the same along a curve: model, index, and all axes but the abscissa."""
+    """Identity of a curve: model, index, and all axes but the abscissa."""
     rest = list(key.point)
     numeric = None if key.frequency else _numeric(key)
     if numeric is not None:
@@ -131,7 +131,7 @@ def _curve(key: Key) -> tuple[str, ...]:
 
 
 def _numeric(key: Key) -> int | None:
-    """Which axis of a point is the first whose value is a number."""
+    """First numeric axis of a point."""
     for axis, (_, value) in enumerate(key.point):
         try:
             float(value)

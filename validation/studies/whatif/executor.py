@@ -262,7 +262,7 @@ def _in_process(jobs: Sequence[Job], retry: bool) -> list[Answer]:
 
 @dataclass(frozen=True)
 class Build:
-    """What answers are computed by: version, hash of each model's code, numerical libraries."""
+    """Build of a process: version, hash of each model's code, libraries."""
 
     version: str
     code: tuple[str, ...]
@@ -270,7 +270,7 @@ class Build:
 
 
 def build(models: Sequence[str]) -> Build:
-    """What this process computes the answers of models by."""
+    """Build of this process for some models."""
     return Build(version("tactgen"), tuple(map(code_of, models)), library_versions())
 
 
@@ -361,7 +361,7 @@ class _Cluster:
         return self._client.submit(_in_cluster, jobs, self._models, pure=False)
 
     def ended(self, running: Iterable[Any]) -> list[Any]:
-        """What ended; InputError if the cluster is lost."""
+        """Finished futures; InputError if the cluster is lost."""
         deserted = time.monotonic() + _DESERTED
         while True:
             ended = [future for future in running if future.done()]

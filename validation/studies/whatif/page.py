@@ -64,7 +64,7 @@ def write_page(
 
 
 def _aims(study: Study, found: Verdict) -> list[str]:
-    """What the aims say in words, and where they are met as a picture."""
+    """Aims in words and as a picture."""
     said = html.escape("\n".join(sentences(study, found)))
     parts = [f'<h2>Aims</h2><div class="wide"><pre>{said}</pre></div>']
     if found.judged:

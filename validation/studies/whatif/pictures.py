@@ -232,7 +232,7 @@ def _middle(values: Sequence[Any]) -> Any:
 def swings(
     values: Sequence[Sequence[Any]], by_place: dict[tuple[Any, ...], float]
 ) -> list[tuple[float, float]]:
-    """What a quantity is at the ends of each axis, the others in their middle.
+    """Values at the ends of each axis, the others in their middle.
 
     Parameters
     ----------

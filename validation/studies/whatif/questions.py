@@ -1,4 +1,4 @@
-"""What the points of a study ask, and the answers, kept under all that they are computed from.
+"""Questions of a study's points, and their cached answers.
 
 Of points that differ in nothing that a model reads, one is asked.
 """
@@ -36,7 +36,7 @@ class Question:
 
 
 def question(scene: Scene, model: str, quantities: tuple[str, ...]) -> Question:
-    """What a model is asked at a scene.
+    """Question to a model at a scene.
 
     Raises InputError if the model cannot take the scene.
     """
@@ -120,7 +120,7 @@ def refuse_if_no_scene(points: int, found: Collection[Answer]) -> None:
 
 
 def reason(error: Exception) -> str:
-    """Why something failed, in one sentence."""
+    """Reason of a failure, in one sentence."""
     if isinstance(error, InputError):
         return one_line(str(error))
     name = type(error).__name__
@@ -147,7 +147,7 @@ def _serving(retry: bool) -> Callable[[Answer], bool]:
 
 @dataclass
 class Questions:
-    """What is asked at points, by models."""
+    """Distinct questions of points and models."""
 
     nearby: Mapping[str, ScenesNearby]
     quantities: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""What a study asks where its statement is silent.
+"""Defaults of a study: models, quantities, ranges.
 
 Models and quantities that are not named, ranges from the tolerances that a scene states, and the
 cheapest models known to meet an accuracy.
@@ -120,7 +120,7 @@ def with_tolerances(
 
 
 def _refusal(values: dict[str, Any], key: str, spread: Spread) -> str:
-    """Why no scene has a key at an end of its range, such as a length with a profile."""
+    """Reason why a key cannot reach the ends of its range, or ""."""
     for end in (spread.low, spread.high):
         moved = copy.deepcopy(values)
         assign(moved, key, as_stated(key, end))

@@ -30,7 +30,7 @@ _OTHERS = " (other numbers at other points)"
 
 @dataclass(frozen=True)
 class Counts:
-    """How many answers were recalled from the store, computed now, failed, and refused.
+    """Counts of answers recalled, computed, failed and refused.
 
     `interpolated` points were read off surrogates besides.
     """
@@ -61,7 +61,7 @@ class Study:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What must be told of the answers, each sentence once with how many points it is of.
+        """Warnings about the answers, each once with its number of points.
 
         Sentences that differ in their numbers alone are one.
         """
@@ -112,7 +112,7 @@ def run_study(
 
 
 class StudySolver:
-    """What answers points of a statement's keys, by its models.
+    """Solver of a study's points by its models.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ class StudySolver:
 
 @dataclass(frozen=True)
 class PlannedModel:
-    """What a model would do in a study."""
+    """Planned work of a model in a study."""
 
     model: str  #: Its name
     #: Points; of them such as make no scene; solutions that are kept, and those to be made
@@ -248,7 +248,7 @@ class PlannedModel:
 def plan_study(
     statement: Statement, announce: Callable[[str], None] = lambda _: None
 ) -> tuple[PlannedModel, ...]:
-    """What each model of a study would do, without computing anything.
+    """Planned work of each model, without computing anything.
 
     Raises InputError if the axes cannot be used, no point of them makes a scene, or a quantity has
     no model.

@@ -20,7 +20,7 @@ from tactgen.validation.scene.tolerances import unit_of
 
 @dataclass(frozen=True)
 class SceneField:
-    """How the values of one scene key are read and checked."""
+    """Reader of the values of one scene key."""
 
     key: str  #: The scene key
     info: FieldInfo  #: Its declaration

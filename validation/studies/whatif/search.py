@@ -111,7 +111,7 @@ class Tried:
 
 @dataclass(frozen=True)
 class Found:
-    """What a search gave."""
+    """Result of a search."""
 
     statement: Statement  #: What was asked, scene and models among it
     ranges: tuple[Range, ...]  #:
@@ -270,7 +270,7 @@ class Points:
         return [m / float(scale) for aim, (m, _), scale in each if aim.kind == "condition"]
 
     def _worth(self, place: tuple[float, ...], found: Judged, scales: Floats) -> float:
-        """How good a point is: by the goal, or by its nearness to the scene's own."""
+        """Merit of a point: by the goal, or by its nearness to the scene's own."""
         each = zip(self.aims, found.margins, scales, strict=True)
         goals = [m / float(scale) for aim, (m, _), scale in each if aim.kind == "goal"]
         if goals:

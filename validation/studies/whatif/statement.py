@@ -1,4 +1,4 @@
-"""What a study asks, as frozen values and as the file from which it can be gone on with."""
+"""Definition of a study, and its file."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ZIPPED, DRAWN = "point", "sample"
 
 @dataclass(frozen=True)
 class Statement:
-    """What is asked: a scene, its axes, models and quantities."""
+    """Definition of a study: a scene, axes, models and quantities."""
 
     scene: str  #: The scene's name
     values: dict[str, Any]  #: Its values as they are written, with all overrides
@@ -90,7 +90,7 @@ class Statement:
 
     @property
     def size(self) -> int:
-        """How many points there are."""
+        """Number of points."""
         count = 1
         for size in self.shape.values():
             count *= size

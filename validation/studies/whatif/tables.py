@@ -65,7 +65,7 @@ def write_netcdf(folder: Path, study: Study) -> Path:
 
 
 def _provenance(study: Study) -> dict[str, str]:
-    """What the numbers were made from and by."""
+    """Provenance of the numbers."""
     stated = study.statement
     scene = json.dumps(stated.values, sort_keys=True, default=str)
     return {

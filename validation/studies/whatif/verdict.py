@@ -1,4 +1,4 @@
-"""Which points of a study meet its aims, which are best, and which cannot be bettered in two."""
+"""Evaluation of aims: points that meet them, the best, the Pareto front."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Judged:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What a study's aims say of its points."""
+    """Verdict of a study's aims on its points."""
 
     aims: tuple[Aim, ...]  #: Conditions and at most two goals
     judged: tuple[Judged, ...]  #: Points that could be judged, by the models that could
@@ -57,7 +57,7 @@ def parse_aims(texts: Sequence[str]) -> tuple[Aim, ...]:
 def judged(
     number: int, answers: Mapping[str, Answer], aims: tuple[Aim, ...], felt: ThresholdCurve
 ) -> list[Judged]:
-    """What the aims say of one point, by every model that gives what they name.
+    """Margins of one point, by every model that gives what the aims name.
 
     If no single model does, the most detailed of each actuator together.
     """
@@ -79,7 +79,7 @@ def judged(
 
 
 def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
-    """What the aims say of every point, as :func:`judged`."""
+    """Verdict of the aims on every point."""
     every = [
         one for number, answers in enumerate(study.answers)
         for one in judged(
@@ -153,7 +153,7 @@ _LISTED = 5
 
 
 def sentences(study: Study, found: Verdict) -> list[str]:
-    """How many points meet the aims, and the best of them."""
+    """Sentences on the points that meet the aims, and the best of them."""
     total = len(found.judged)
     if not total:
         return ["no point can be judged: at each, what the aims name is missing or not finite"]

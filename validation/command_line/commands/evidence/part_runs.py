@@ -1,4 +1,4 @@
-"""What ``tactgen bench`` and ``tactgen stress`` have in common: parts to run, a table, files."""
+"""Runs in parts, with a table and files, as of ``tactgen bench`` and ``stress``."""
 
 from __future__ import annotations
 

@@ -161,7 +161,7 @@ def _draw(file: Path, study: Study) -> None:
 
 
 def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
-    """What the options ask; where they are silent, what the study asked before."""
+    """Study definition from the options, or else from the earlier study."""
     from tactgen.validation.studies.whatif.statement import FILE, read_statement
 
     if options.resume and folder is None:
