@@ -1,4 +1,4 @@
-"""Columns of a CSV file by name and unit: what a header says, and its numbers in SI.
+"""Columns of a CSV file by name and unit, in SI.
 
 A heading is a name with its unit in brackets, such as ``frequency (Hz)``.  Nothing is repaired or
 guessed; which columns there may be is the readers' business.
@@ -124,7 +124,7 @@ class Heading(NamedTuple):
 
 
 class Column(NamedTuple):
-    """Where a column is, its factor to SI, and what it measures."""
+    """Column: place, factor to SI, quantity."""
 
     at: int
     scale: float

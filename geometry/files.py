@@ -118,7 +118,7 @@ def _own_prefix() -> str:
 
 
 def _sweep_drafts(folder: Path) -> None:
-    """Remove what a killed process left half-written."""
+    """Remove half-written files of killed processes."""
     prefix = _own_prefix()
     with contextlib.suppress(OSError):
         for left in folder.glob(f"{prefix}*"):
@@ -163,7 +163,7 @@ def write_text(path: Path, text: str) -> Path:
 
 
 def _bring_to_disk(path: Path) -> None:
-    """Wait until what a file or folder holds is on the disk."""
+    """Flush a file or folder to the disk."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)

@@ -73,7 +73,7 @@ def signed(value: float, decimals: int) -> str:
 
 
 def percent(value: float, decimals: int | None = None) -> str:
-    """Signed fraction in percent, to so many decimals or to what is above rounding."""
+    """Signed fraction in percent, to so many decimals or down to rounding."""
     if not math.isfinite(value):
         return "n/a"
     if decimals is not None:

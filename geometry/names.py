@@ -43,7 +43,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def _of_ending(ending: str, known: tuple[str, ...], *, cutoff: float) -> list[str]:
-    """Dotted names that end in what is nearest to `ending`."""
+    """Dotted names whose last part is nearest to `ending`."""
     dotted = [(k, k.rsplit(".", 1)[-1]) for k in known if "." in k]
     close = difflib.get_close_matches(ending, [last for _, last in dotted], n=1, cutoff=cutoff)
     return [k for k, last in dotted if last in close]

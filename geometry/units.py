@@ -80,7 +80,7 @@ def unit_registry() -> pint.UnitRegistry[Any]:
 
 @dataclass(frozen=True)
 class Unit:
-    """One kind of physical quantity: its SI unit, and what a scene may write for it.
+    """Kind of physical quantity: its SI unit, accepted texts and range.
 
     Parameters
     ----------

@@ -334,7 +334,7 @@ class FieldPath:
         return self.solved(model, current, place)
 
     def solved(self, model: TwoOrders, current: float, place: Floats) -> FieldPoint:
-        """Point of what :meth:`fitted` gave; as :meth:`at`."""
+        """Field point on a fitted grid; as :meth:`at`."""
         pair = solve_pair(model, current, self._start(place))
         del self._places[:-_HELD], self._solved[:-_HELD]
         self._places.append(np.asarray(place, dtype=float))

@@ -146,7 +146,7 @@ def solve_field(
 
 
 class _Energy:
-    """Π(u) over the free unknowns; what was last asked for is remembered."""
+    """Π(u) over the free unknowns; the last value is cached."""
 
     def __init__(self, d: Discretisation, source: Floats) -> None:
         self._d, self._source = d, source[d.free]

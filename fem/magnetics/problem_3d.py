@@ -1,4 +1,4 @@
-"""A static magnetic field problem on tetrahedra, and what both potentials share of it.
+"""Magnetostatic problem on tetrahedra, by vector or scalar potential.
 
     curl H = J,   div B = 0,   B and H parallel and tied by each region's curve.
 

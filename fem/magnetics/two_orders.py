@@ -83,7 +83,7 @@ def fitted(model: TwoOrders, device: Device, gap: float) -> TwoOrders | None:
 
 
 def from_neighbour(pair: Pair, current: float) -> Start:
-    """Where to start at another current (A): to first order what the field is there."""
+    """First-order start of the field at another current (A)."""
     currents = np.array([current])
     return Start(pair.coarse.predicted(currents), pair.fine.predicted(currents))
 

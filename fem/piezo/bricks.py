@@ -183,7 +183,7 @@ class _Pairs:
 
 @dataclass(frozen=True)
 class _Layer:
-    """One slab: its integrals along x, and those over y and z with what they weigh.
+    """Integrals of one slab along x, and over y and z with their weights.
 
     `gram` (m, 9) holds Y_ab Z_ab, `weights` (9, 16) what each G_ab gives to each block.
     """
@@ -231,7 +231,7 @@ class _Layer:
 
 
 def _weights(material: Material, unit: float) -> Numbers:
-    """(9, 16): what each Gram matrix gives to each block over (u_x, u_y, u_z, φ)."""
+    """Weights (9, 16) of each Gram matrix in each block over (u_x, u_y, u_z, φ)."""
     return material.flux_tensor(unit).transpose(1, 3, 0, 2).reshape(9, 16).copy()
 
 
@@ -267,7 +267,7 @@ def _turns(count: int) -> tuple[Ints, Ints]:
 
 
 def _lines(number: Ints, degree: int) -> Ints:
-    """Even numbers of a section's lines, and odd ones of what lies between two."""
+    """Even numbers of a section's lines, odd ones of the gaps between."""
     return 2 * (number // degree) + (number % degree > 0)
 
 
@@ -303,7 +303,7 @@ def assemble_bricks(
 
 @dataclass(frozen=True)
 class _Quarter:
-    """The quarter before it is held anywhere: what all classes of motion have in common."""
+    """Unsupported quarter, common to all classes of motion."""
 
     bricks: Bricks
     known: dict[str, Material]

@@ -38,7 +38,7 @@ _MOST_BLOCKS = 100
 
 
 def modal_model(system: SolidSystem, count: int, surplus: Surplus | None = None) -> ModalModel:
-    """Reduce a lossless solid to what its lowest `count` modes on any support need.
+    """Reduce a lossless solid to its lowest `count` modes on any support.
 
     Costs one search for modes with the factor of the statics; and what functions that the solid
     lacks make of the modes, if these are given.
@@ -144,7 +144,7 @@ class _Basis:
         return 1.0 / found[chosen], parts[:, chosen]
 
     def _grow(self) -> Floats:
-        """Add K⁻¹ of the next loads; return the products (j, j) in the mass of what was new."""
+        """Add K⁻¹ of the next loads; return their mass products (j, j)."""
         found, force = self._solve(self._next), self._next
         known = self.weighed.T @ found
         found, force = found - self.shapes @ known, force - self.loads @ known
@@ -157,7 +157,7 @@ class _Basis:
         return np.asarray(outside)
 
     def _take(self, x: Floats, load: Floats, size: float) -> None:
-        """Add what is new in a vector of which there was `size`."""
+        """Orthogonalise and add a vector of norm `size`."""
         least, left = _NOISE * size, 0.0
         while left <= _LOST * size:
             size = left or size

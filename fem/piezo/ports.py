@@ -37,7 +37,7 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
 def static_multiports(
     system: SolidSystem, surplus: Surplus
 ) -> tuple[Multiport, Multiport, Multiport]:
-    """D(0) of a lossless system, and what functions that it lacks make of it.
+    """D(0) of a lossless system, with its hierarchical error.
 
     Of these those of displacement alone, and those of potential alone.
     """
@@ -57,7 +57,7 @@ def static_multiports(
 
 
 def _judged(system: SolidSystem, surplus: Surplus) -> tuple[Blocks, Numbers, Numbers]:
-    """Mixed form at rest, and what lacking functions add (5, 5)."""
+    """Mixed form at rest, with its hierarchical error (5, 5)."""
     x = _states(system, 0.0)
     residuals = -surplus.residuals(x.astype(float))[0]
     residuals[:, 3:] += surplus.tip

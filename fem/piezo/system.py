@@ -41,7 +41,7 @@ class Expanding(Protocol):
 
 
 class Surplus(Protocol):
-    """Functions (w of them) that a system lacks, to judge what it gives by."""
+    """Estimator space of w functions for the hierarchical error of a system."""
 
     @property
     def tip(self) -> Floats:

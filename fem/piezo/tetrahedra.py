@@ -30,7 +30,7 @@ _CHUNK = 4000
 
 @dataclass(frozen=True)
 class SkfemBody:
-    """The body before it is held anywhere: what all classes of motion have in common.
+    """Unsupported body, common to all classes of motion.
 
     With `uniform` the potential is prescribed everywhere: linear through that bimorph's layers.
     """

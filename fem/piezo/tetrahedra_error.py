@@ -279,7 +279,7 @@ def _bending(system: SolidSystem, voltage: Floats, force: Floats) -> tuple[Float
 
 
 def _mass_orthonormal(basis: Floats, block: Floats, mass: Sparse) -> Floats:
-    """Extend a basis that is orthonormal in the mass by what is new in a block of two."""
+    """Extend a mass-orthonormal basis by a block of two vectors."""
     for column in block.T:
         before = np.sqrt(column @ (mass @ column))
         for _ in range(2):  # twice is enough (Kahan, Parlett)

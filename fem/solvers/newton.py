@@ -57,7 +57,7 @@ class ConvexEnergy(Protocol):
         ...
 
     def hessian(self, x: Floats) -> Sparse:
-        """Hessian (n, n), or what differs little from it, positive definite."""
+        """Positive definite Hessian (n, n), or one close to it."""
         ...
 
 

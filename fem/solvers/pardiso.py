@@ -178,7 +178,7 @@ class Pardiso:
         return np.asarray(self._order, dtype=np.int64)
 
     def _analyse(self) -> None:
-        """Find the ordering, unless it is known, and what follows from it."""
+        """Find the ordering, unless it is known, and the symbolic factorisation."""
         if self._matching:
             self._call(11)
             return
@@ -288,7 +288,7 @@ _MESSAGES = {
 
 
 def _control(*, definite: bool, matching: bool) -> Array:
-    """Pardiso's control array (iparm, here counted from 0); what is not named keeps 0."""
+    """Pardiso's control array iparm, counted from 0; other entries are 0."""
     p = np.zeros(64, dtype=np.int32)
     p[0] = 1  # the values below are ours
     p[1] = 2  # nested dissection

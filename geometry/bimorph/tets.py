@@ -240,7 +240,7 @@ def _first_good_mesh(
     stretching: Stretching,
     mesher: Mesher,
 ) -> Mesh:
-    """First mesh that passes all checks: :data:`_ATTEMPTS` says what is tried."""
+    """First mesh that passes all checks, in the order of :data:`_ATTEMPTS`."""
     left = options.time_limit
     thinnest = thinnest_feature(solids)
     deflection = _DEFLECTION * thinnest

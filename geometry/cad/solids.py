@@ -190,7 +190,7 @@ def export_step(solids: dict[str, cq.Solid], path: str | Path) -> None:
 
 
 def write_step(assembly: cq.Assembly, path: str | Path) -> None:
-    """Write an assembly to a STEP file; what stands at several places is in it once.
+    """Write an assembly to a STEP file; repeated parts are in it once.
 
     Raises InputError if the file cannot be written.
     """

@@ -84,7 +84,7 @@ Surface = Plane | Cylinder
 
 @dataclass(frozen=True)
 class Face:
-    """A piece of CAD boundary: the surface it lies on and what is on its two sides.
+    """Piece of CAD boundary: its surface and the regions on both sides.
 
     Pieces of one surface between the same neighbours count as one face.
     """
@@ -134,7 +134,7 @@ def tessellate(solids: dict[str, cq.Solid], deflection: float, angle: float = 0.
 
 
 def _sides(solids: dict[str, cq.Solid]) -> list[tuple[cq.Face, frozenset[str]]]:
-    """Every face once, with the names of what is on its two sides."""
+    """Every face once, with the regions on both sides."""
     seen: dict[cq.Face, set[str]] = {}  # cadquery faces compare as the same piece of CAD
     for name, solid in solids.items():
         for face in solid.Faces():

@@ -125,7 +125,7 @@ def _check_ceramic(bimorph: Bimorph) -> None:
 
 
 def beyond_plain_layers(bimorph: Bimorph) -> str:
-    """Key of what makes a bimorph more than three boxes, electroded all over."""
+    """Key that makes a bimorph more than three fully electroded boxes, or ""."""
     lengths = ("bare_below", "bare_above", "glue_thickness")
     found = [*bimorph.profiles, *(name for name in lengths if getattr(bimorph, name))]
     return found[0] if found else ""

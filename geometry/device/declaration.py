@@ -48,6 +48,6 @@ def printed(default: float, source: str, description: str, half_a_unit: float, *
 
 
 class Parameters(BaseModel):
-    """Base of all parameter groups: immutable, no unknown keys; units refuse what is not finite."""
+    """Base of all parameter groups: immutable, no unknown keys, finite values."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")

@@ -248,7 +248,7 @@ class ShimMaterial:
         return {name: value for name, value in found.items() if value is not None}
 
     def spreads(self) -> dict[str, Spread]:
-        """Ranges of what tables give one for; a metal's shear follows its modulus."""
+        """Ranges from the tables; a metal's shear follows its modulus."""
         low, high = (isotropic_shear(end, self.poisson_ratio) for end in self.modulus_range)
         found = {
             "youngs_modulus": Spread(*self.modulus_range, f"data sheets of {self.name}"),
@@ -335,7 +335,7 @@ _BELOW, _BEYOND = 0.02, 7.0
 
 @dataclass(frozen=True)
 class SoftMagnet:
-    """A fitted polarisation: terms (k, Jₛ) with Jₛ in T, and what it is."""
+    """Fitted polarisation: terms (k, Jₛ) with Jₛ in T, and its name."""
 
     name: str
     terms: tuple[tuple[float, float], ...]

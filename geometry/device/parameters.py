@@ -35,7 +35,7 @@ __all__ = [
 
 
 class Device(Parameters):
-    """One tactile generator: what is built, and of what."""
+    """One tactile generator: dimensions and materials."""
 
     bimorph: Bimorph = Bimorph()
     piezo: Piezo = Piezo()

@@ -55,7 +55,7 @@ class MagnetisationCurve:
 
     @property
     def ends_early(self) -> bool:
-        """Whether the table stops where dB/dH is still more than twice what follows it.
+        """Whether the table ends before saturation.
 
         What lies beyond is then no longer this steel's: it is taken for saturated too soon.
         """

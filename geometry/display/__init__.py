@@ -1,1 +1,1 @@
-"""The display: every part placed, what is clear of what, the bill of parts, room for traces."""
+"""Layout of the display: placed parts, clearances, bill of parts, traces."""

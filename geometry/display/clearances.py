@@ -24,7 +24,7 @@ _SPRING_AROUND = 0.5e-3
 
 @dataclass(frozen=True)
 class Clearance:
-    """The distance of two parts, or what is left of one between two holes."""
+    """Distance of two parts, or width left between two holes."""
 
     #: The parts, and the direction
     between: str

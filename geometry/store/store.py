@@ -1,4 +1,4 @@
-"""The store: what is expensive is computed once, by whichever process needs it first.
+"""Store of expensive results, each computed once by one of all processes.
 
 A value goes by the hash of what it is computed from: its inputs, the code, the versions of the
 numerical libraries.  Each is a file with a checksum, written whole; a locked file keeps two
@@ -41,7 +41,7 @@ _said: set[str] = set()
 
 
 class Damaged(Exception):
-    """A file that is not what was written under its name; says why."""
+    """Damaged file of the store, with the reason."""
 
 
 # ---- values by what they are computed from ----
@@ -172,13 +172,13 @@ def library_versions() -> tuple[str, ...]:
 
 
 def sealed(path: Path, value: object) -> bytes:
-    """File's content: what it is, the checksum of the rest, name and value."""
+    """Content of a file: format, checksum, name and value."""
     content = to_bytes((path.name.removesuffix(SUFFIX), value))
     return MAGIC + hashlib.sha256(content).digest() + content
 
 
 def write_entry(path: Path, content: bytes) -> None:
-    """Write what :func:`sealed` gave, whole or not at all.
+    """Write a sealed content, whole or not at all.
 
     Raises InputError, OSError if it cannot be written.
     """
@@ -323,7 +323,7 @@ def holdings() -> dict[str, Holding]:
 
 
 def clear() -> Holding:
-    """Remove every entry, and what killed processes left; return how many entries and bytes.
+    """Remove every entry and leftover; return the number of entries and bytes.
 
     Work that is in progress may then be done twice.
     """
@@ -344,7 +344,7 @@ _FAR = 0.8
 
 
 def _make_room(limit: int, content: int, new: Path) -> None:
-    """Remove what was not used for longest until all takes at most `limit` bytes."""
+    """Remove the least recently used entries down to `limit` bytes."""
     size, writes = _sizes.get(new.parent, (0, _WRITES))
     if writes >= _WRITES or size + content >= _FAR * limit:
         entries = [entry for entry in _entries() if entry[0] != new]

@@ -73,7 +73,7 @@ def from_bytes(content: bytes) -> Any:
 
 
 def _described(value: Any, arrays: list[NDArray[Any]]) -> Any:
-    """JSON values: plain ones as they are, all others as [what it is, ...]."""
+    """JSON values: plain ones as they are, all others as [kind, ...]."""
     if value is None or type(value) in (bool, int, float, str):
         return value
     if isinstance(value, np.ndarray | np.generic):
@@ -132,7 +132,7 @@ def fingerprint(*values: object) -> str:
 
 
 def _gather(value: object, parts: list[bytes]) -> None:
-    """Append what is in a value: a list, since nested generators take three times as long."""
+    """Append the content of a value to a list."""
     if value is None or isinstance(value, bool | int | float | complex | str):
         parts.append(repr(value).encode())
     elif isinstance(value, np.ndarray):

@@ -233,7 +233,7 @@ def _descent(value: Complex) -> Floats:
 
 
 def _cut(row: Row, omega: float) -> list[Element]:
-    """Divide what could vibrate with its ends held up to Ω (rad/s); a joint has no mass."""
+    """Divide elements that could vibrate with held ends up to Ω (rad/s)."""
     beams = {id(e): e for e, _ in row if isinstance(e, Section)}
     constants = (np.array([getattr(e, f.name) for e in beams.values()]) for f in fields(Section))
     waves = np.max(wavenumbers(Section(*constants), 1.0, np.array([omega])), axis=0)

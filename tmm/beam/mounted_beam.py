@@ -77,7 +77,7 @@ _Found: TypeAlias = tuple[Complex, Complex, Complex, Floats]
 
 @dataclass(frozen=True)
 class _Mounted:
-    """One chunk of points: section, length, Ω, and what holds the ends (SI), (n,) arrays."""
+    """Chunk of points: section, length, Ω and end stiffnesses (SI), (n,) arrays."""
 
     beam: Section
     length: Complex

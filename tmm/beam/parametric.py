@@ -42,7 +42,7 @@ _AT_ONCE = 2**16
 
 @dataclass(frozen=True)
 class Actuator:
-    """The lateral actuator with what holds, loads and drives it.
+    """Lateral actuator with support, load and drive.
 
     `segments` is the number of prismatic stretches that stand for a tapered piece.
     """
@@ -203,7 +203,7 @@ def _wired(port: Multiport, *, series: bool) -> Multiport:
 def _mounted(
     actuator: Actuator, values: Values, *, lossless: bool, inertia: Any = 1.0
 ) -> tuple[list[Element], Ends, bool]:
-    """Row of elements, what is attached to it, and whether it is wired in series."""
+    """Row of elements, boundary conditions, and whether it is wired in series."""
     now = actuator.with_values(values)
     row: list[Element] = []
     for piece in _pieces(actuator, values):

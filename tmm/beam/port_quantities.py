@@ -92,7 +92,7 @@ def first_frequency(
 def resonance_peak(
     actuator: Actuator, read: Readout, values: Values, start: Floats, rounds: int = 5
 ) -> tuple[Floats, Floats]:
-    """Frequency (Hz) and height of the first peak of what is read, both (n,).
+    """Frequency (Hz) and height of the first peak of a readout, both (n,).
 
     For a free tip, whose peak lies close to the first short-circuit frequency `start` (n,).
     Each round narrows a grid of frequencies around its highest.
@@ -187,7 +187,7 @@ def _stress(
 
 
 def _moment(above: Complex, tip: Complex, force: Complex, voltage: float) -> Complex:
-    """Bending moment (..., n) at the lower end of what is above a height.
+    """Bending moment (..., n) at a height, from the part above it.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ from tactgen.tmm.beam.sections import Section
 
 @dataclass(frozen=True)
 class Formula:
-    """One numbered equation: what is printed and, if that is not right, what it should be."""
+    """Numbered equation: printed form and, if it is wrong, the right one."""
 
     equation: int
     symbol: str

@@ -33,7 +33,7 @@ from tactgen.tmm.beam.span import dynamic_stiffness, wavenumbers
 
 
 def neighbours(order: list[int]) -> tuple[list[int], list[int], list[int], list[int]]:
-    """Pair what stands side by side in a row of numbered things; equal pairs count once.
+    """Neighbouring pairs in a row of numbers; equal pairs count once.
 
     Returns
     -------

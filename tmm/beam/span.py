@@ -531,7 +531,7 @@ def blocks(
 
 
 def _keep_freed_memory() -> None:
-    """Let the GNU allocator keep what blocks free instead of returning it page by page.
+    """Let the GNU allocator keep freed blocks.
 
     Freeing one large array raises its thresholds (mallopt(3), M_MMAP_THRESHOLD); without
     it every temporary is given back and faulted in anew, which halves the speed.

@@ -24,7 +24,7 @@ from tactgen.tmm.ports.multiport import BIMORPH, Multiport
 
 
 def bonded_tab(piece: Piece, device: Device, beam: Beam, *, lossy: bool = False) -> Joint:
-    """Joint that a piece of section ``bond`` is to what stands above the slot.
+    """Joint of a piece of section ``bond`` at the slot.
 
     Analytic in all parameters, which may be arrays (n,); `lossy` switches the losses of glue
     and tab on.

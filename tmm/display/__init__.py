@@ -1,1 +1,1 @@
-"""Many generators side by side: what one does to the others, through board, skin and field."""
+"""Array of generators coupled through board and skin."""

@@ -78,7 +78,7 @@ class RoughContact:
         return np.asarray(np.moveaxis(rows * scale, (0, 1), (-2, -1)))
 
     def moving(self, approach: Floats, tilt: Floats, rate: Floats) -> tuple[Floats, Floats, Floats]:
-        """Efforts, stiffness and what both change by, in one go, at n instants.
+        """Efforts, stiffness and their derivatives at n instants.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Where the rod rests at a coil current: all places, which are stable, and which one it takes.
+"""Equilibria of the rod at a coil current: all, the stable ones, the one taken.
 
 Static and without friction.  Along the axis act the return spring, the finger that presses the
 tip down, the magnetic pull, and the stops by the law of their contact.  The rod's lift u is told

@@ -1,1 +1,1 @@
-"""Steady oscillations of what is linear but for a few coordinates; knows no device."""
+"""Steady oscillations of a system with few nonlinear coordinates."""

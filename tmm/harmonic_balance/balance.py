@@ -34,7 +34,7 @@ Law: TypeAlias = Callable[[Floats, Floats], LawPoint]
 
 @dataclass(frozen=True)
 class Oscillator:
-    """A linear system at k coordinates, the law that acts on them, and what excites both."""
+    """Linear system at k coordinates with a nonlinear law and its excitation."""
 
     #: From angular frequencies (n,) ≥ 0 in rad/s to (n, k, k + 1) complex: D(Ω), and in the last
     #: column the effort at each coordinate per unit of drive, the coordinates being held; on the

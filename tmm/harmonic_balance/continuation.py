@@ -229,7 +229,7 @@ def _advance(oscillator: Oscillator, step: Step, length: float) -> tuple[Step, i
 def _advance_resolved(
     oscillator: Oscillator, step: Step, length: float, resolution: Resolution
 ) -> tuple[Step, int, float]:
-    """Next point with the harmonics it needs, the Newton steps, and what is missing."""
+    """Next point with enough harmonics, the Newton steps, and the residual."""
     after, count = _advance(oscillator, step, length)
     left = missing_motion(oscillator, after.orbit)
     while left > resolution.missing and after.orbit.harmonics < resolution.most:

@@ -286,7 +286,7 @@ class Tabulated:
         return found
 
     def _extend(self, top: float) -> None:
-        """Divide what lies between the table's end and a frequency."""
+        """Divide the range between the table's end and a frequency."""
         pending = np.array([[self._ends[-1], top]])
         done: list[tuple[float, Complex, bool]] = []
         while pending.size:

@@ -1,1 +1,1 @@
-"""Ports, and the algebra that joins and terminates what has them."""
+"""Ports, and the algebra that joins and terminates them."""

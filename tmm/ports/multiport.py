@@ -27,7 +27,7 @@ from tactgen.geometry.store.values import storable
 @storable
 @dataclass(frozen=True)
 class Pair:
-    """Two conjugate variables: the motion is what is prescribed, the effort what answers."""
+    """Port: two conjugate variables, a prescribed motion and its effort."""
 
     #: Symbol and unit of what is equal in ports that are joined
     motion: str

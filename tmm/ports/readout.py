@@ -51,7 +51,7 @@ class Readout:
 
     @property
     def is_loaded(self) -> bool:
-        """Whether what is attached to the tip with its losses enters."""
+        """Whether the tip's load enters with its losses."""
         return not self.static and "w_tip" not in self.held
 
     @property
@@ -73,7 +73,7 @@ class Readout:
         return self.scaled(self.variable(response), voltage, port.frequencies)
 
     def drive(self, port: Multiport, voltage: float) -> dict[str, float]:
-        """Motions that are prescribed: the voltage, and what is held."""
+        """Prescribed motions: the voltage and held ports."""
         return {ELECTRICAL: voltage} | {name: 0.0 for name in self.held if name in port.names}
 
     def variable(self, response: Response) -> Complex:

@@ -75,7 +75,7 @@ def fit(samples: Samples) -> CoenergyMap:
 
 
 def thinned(found: CoenergyMap) -> tuple[CoenergyMap, float]:
-    """Map of every second sample, and what its distance from the whole map's counts.
+    """Map of every second sample, and the weight of its distance from the full map.
 
     That factor times the distance of an answer by the one from the answer by the other is the
     error that the samples' density leaves in the answer.

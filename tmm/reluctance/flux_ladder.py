@@ -156,7 +156,7 @@ def _energy_slope(ladder: Ladder, flux: Floats, currents: Floats) -> Floats:
 
 
 def _gradient(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floats]:
-    """∂Π/∂φ (c, m, n), the residual mmf, and what of it is negligible (A)."""
+    """∂Π/∂φ (c, m, n), the residual mmf, and its tolerance (A)."""
     rungs = ladder.reluctance * _across_rungs(flux)
     gradient = rungs[..., :-1] - rungs[..., 1:] - drive
     if ladder.curve is not None:

@@ -215,7 +215,7 @@ def _surface(device: Device) -> float:
 
 
 def thermal_statement(device: Device, current: float) -> str:
-    """In plain words what the current means for the wire."""
+    """Plain words on the current and the wire's temperature."""
     if current == 0.0:
         return "no current, no heat"
     wound = winding(device.coil)

@@ -130,7 +130,7 @@ _WITHOUT = (
 
 
 class Convergence(NamedTuple):
-    """The figure, empty where there is none; what it shows, or why there is none."""
+    """Figure and caption, or the reason why there is none."""
 
     figure: str
     words: str
@@ -152,7 +152,7 @@ def converged(rows: Sequence[Verified]) -> Convergence:
 
 
 def _levels(row: Verified) -> Iterator[Division]:
-    """Yield what a row measures, from its own level to coarser ones as far as they differ.
+    """Yield a row's measurements, from its own level to coarser ones.
 
     Where there is no coarser one, then on the next finer.
     """

@@ -8,7 +8,7 @@ KINDS = ("at rest", "eigenvalue", "driven, with losses")
 
 
 class Division(NamedTuple):
-    """A way in which a field is divided, and for each kind the rows that show its order.
+    """Kind of division with the rows that show its order.
 
     Where there is no row, the words say why no order can be seen.
     """

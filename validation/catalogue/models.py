@@ -1,4 +1,4 @@
-"""Every model by name: what it is, where it is, what it gives, and what each stage reads.
+"""Every model by name: module, quantities, and inputs of its stages.
 
 One row a model; plan, solver, report and command line derive from it.  A model's module is
 imported when the model runs and not before.
@@ -307,7 +307,7 @@ def models_of(actuator: Actuator) -> tuple[str, ...]:
 
 
 def ranked(models: Iterable[str]) -> list[str]:
-    """Models in the order of their rank; the last is what the others are held against."""
+    """Models by rank; the last is the reference of the others."""
     return sorted(models, key=lambda name: MODELS[name].rank)
 
 

@@ -1,4 +1,4 @@
-"""Every quantity by name: what solve, sensitivity, identify, design and report all read."""
+"""Every quantity by name, read by all commands."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ Actuator = Literal["bimorph", "reluctance", "generator", "display"]
 
 
 class NeedRow(NamedTuple):
-    """An answer: the actuator that it is about, and what it is in words."""
+    """Kind of answer: its actuator and its name in words."""
 
     actuator: Actuator
     words: str
@@ -55,7 +55,7 @@ class AnswerReadout:
 
 @dataclass(frozen=True)
 class DrivenReadout:
-    """A value of the driven bimorph: what the ceramic and its amplifier carry."""
+    """Load of ceramic and amplifier of the driven bimorph."""
 
     #: Takes a :class:`tmm.beam.port_quantities.DrivenCeramic`, the scene's limits and the drive
     #: voltage (V), gives an array (n,) over the frequencies
@@ -64,7 +64,7 @@ class DrivenReadout:
 
 @dataclass(frozen=True)
 class LoadReadout:
-    """A value of what the tip touches, moved by the tip."""
+    """Value of the load at the tip."""
 
     #: Takes the load's dynamic stiffness (n,) in N/m, the tip's displacement (n,) in m at the drive
     #: voltage and the angular frequency (n,) in rad/s, gives an array (n,)

@@ -1,4 +1,4 @@
-"""The command line: what other programs and people call.
+"""Command line.
 
 Words and progress go to stderr, results to stdout; bad input ends with one sentence and
 exit code 2.  Heavy libraries are imported by the commands that need them.
@@ -78,7 +78,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def format_help(self) -> str:
-        """Help text, with what is listed in it."""
+        """Help text with its lists."""
         if self.listing is not None:
             self.description, self.epilog = self.listing()
         return super().format_help()
@@ -89,7 +89,7 @@ class _Parser(argparse.ArgumentParser):
             file.write(message)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse, and refuse what is left over here: above, nobody knows whose it was."""
+        """Parse, and refuse leftover arguments."""
         found, left = super().parse_known_args(args, namespace)
         if left:
             self.error(f"unrecognized arguments: {' '.join(left)}")
@@ -145,7 +145,7 @@ def _check_settings() -> None:
 
 
 def _spare_imports() -> None:
-    """Keep libraries from loading what no command needs, some 40 ms of an answer."""
+    """Keep libraries from loading unneeded parts, some 40 ms of an answer."""
     import numpy as np
 
     # scipy takes all of numpy's names over, of which this one is a compiler's front end
@@ -223,7 +223,7 @@ def _parser(only: str | None = None) -> argparse.ArgumentParser:
 
 
 def commands() -> dict[str, argparse.ArgumentParser]:
-    """Commands by name, each with what it takes."""
+    """Commands by name with their options."""
     found: dict[str, argparse.ArgumentParser] = {}
     for action in _parser()._actions:
         if isinstance(action, argparse._SubParsersAction):

@@ -123,7 +123,7 @@ def explained(error: Exception, scene: str) -> str | None:
 
 
 def _of_memory(error: Exception) -> str:
-    """Sentence for what comes of too little memory, "" for anything else."""
+    """Sentence for an error from too little memory, "" for others."""
     if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
         return f"there is not enough memory for this; {_MORE}"
     if isinstance(error, ImportError) and not (error.name or "").startswith("tactgen"):

@@ -30,7 +30,7 @@ _ORDINALS = ("first", "second")
 
 @dataclass(frozen=True)
 class _Part:
-    """The rows about one actuator: label and cells, first its title and models; what is all 0."""
+    """Rows of one actuator: title and models, then label and cells; those all 0."""
 
     rows: tuple[tuple[str, ...], ...]
     idle: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""Standard streams that take what is written: closed ones, and those of few characters."""
+"""Usable standard streams, also closed ones and those of few characters."""
 
 from __future__ import annotations
 
@@ -47,13 +47,13 @@ def print_json(value: Any) -> None:
 
 
 def name_files(paths: Iterable[Path]) -> None:
-    """Print where files were written, to stderr: standard output holds what was asked for."""
+    """Print the names of written files to stderr."""
     for path in paths:
         print(path, file=sys.stderr)
 
 
 def drop_output() -> None:
-    """Send what is left of stdout nowhere, so that Python does not complain at exit."""
+    """Discard the rest of stdout, so that Python does not complain at exit."""
     with contextlib.suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -75,7 +75,7 @@ def usable_streams() -> None:
 
 
 def _plainly(error: UnicodeError) -> tuple[str, int]:
-    """Plain text for what a stream cannot encode, and where to go on."""
+    """Plain text for characters that a stream cannot encode, and where to go on."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     refused = error.object[error.start : error.end]
@@ -136,7 +136,7 @@ def _time(seconds: float) -> str:
 
 @contextmanager
 def announcer(stages: Sequence[str] = ()) -> Iterator[Callable[[str], None]]:
-    """Yield a function that is told what is being done, and shows it on stderr."""
+    """Yield a function that shows progress on stderr."""
     clock = Clock(stages)
     console = _rewritten()
     if console is None:

@@ -1,4 +1,4 @@
-"""Inputs of analyses: what a scene's stages read, the keys of results, and keys without effect.
+"""Inputs of stages: scene keys read, result keys, keys without effect.
 
 All of it follows from the entries of :mod:`validation.catalogue.models`.
 """

@@ -27,7 +27,7 @@ T = TypeVar("T")
 @storable
 @dataclass(frozen=True)
 class Refined(Generic[T]):
-    """A result and what its numerical error is judged by."""
+    """Result with the basis of its numerical error."""
 
     fine: T  #: The result
     #: Poorer results, each with the factor that turns its distance into an error bar; the bars add.

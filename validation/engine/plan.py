@@ -65,7 +65,7 @@ def asks_display(quantities: Iterable[str]) -> bool:
 
 
 def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> Plan:
-    """Derive the plan from what is wanted.
+    """Derive the plan from the wanted quantities.
 
     Raises InputError if a model cannot take the scene, or a quantity has no model.
     """
@@ -179,7 +179,7 @@ def recorded() -> dict[str, float]:
 
 
 def record(seconds: Mapping[str, float]) -> None:
-    """Write down what stages took that ran now; where nothing can be written nothing is kept.
+    """Record the cost of the stages that ran now, where possible.
 
     Of two processes that write at once one wins: it is an estimate.
     """

@@ -45,7 +45,7 @@ def read(row: QuantityRow, model: Model) -> Estimate:
 
 
 def _read(row: QuantityRow, model: Model, ends: Ends) -> Estimate:
-    """Quantity with what holds and loads the actuator."""
+    """Quantity of the actuator with support and load."""
     answers = [model.answer(need) for need in row.needs]
     match row.read:
         case AnswerReadout(of=of):
@@ -134,7 +134,7 @@ def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Estim
 def _of_ceramic(
     readout: DrivenReadout, model: Model, refined: Refined[Multiport], ends: Ends
 ) -> Estimate:
-    """Read what the ceramic carries off the tip's motion and the charge."""
+    """Read the ceramic's load off the tip's motion and the charge."""
     scene = model.scene
     frequencies = np.asarray(scene.frequency, dtype=float)
 
@@ -148,7 +148,7 @@ def _of_ceramic(
 def _of_load(
     readout: LoadReadout, model: Model, refined: Refined[Multiport], ends: Ends
 ) -> Estimate:
-    """Read what the load takes off the tip's motion."""
+    """Read the load's force off the tip's motion."""
     frequencies = np.asarray(model.scene.frequency, dtype=float)
     stiffness, omega = tip_stiffness(ends.tip, frequencies), 2.0 * np.pi * frequencies
     voltage = model.scene.drive.voltage

@@ -47,7 +47,7 @@ class Solution:
         return self.by_model(name)[model]
 
     def beside(self, quantities: tuple[Quantity, ...], stages: Stages) -> Solution:
-        """The with what another process found of the same scene, to be reused."""
+        """Solution with another process's results of the same scene."""
         both = replace(self.stages, keys=self.stages.keys | stages.keys)
         both.adopt(stages)
         return replace(self, quantities=self.quantities + quantities, stages=both)
@@ -111,7 +111,7 @@ def solve(
 def check_request(
     scene: Scene, models: Sequence[str], quantities: Sequence[str]
 ) -> tuple[Plan, tuple[str, ...]]:
-    """Plan of a request and what is to be warned of, before anything is computed.
+    """Plan of a request and its warnings, before anything is computed.
 
     Raises InputError if it cannot be answered, as :func:`solve`.
     """
@@ -135,7 +135,7 @@ def request_warnings(
 
 
 def _of_held(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> tuple[str, ...]:
-    """Check what holds the bimorph, and return what is to be said of it."""
+    """Check the bimorph's support, and return warnings."""
     check_held(scene, quantities)
     return held_warnings(scene, models)
 

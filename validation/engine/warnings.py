@@ -25,7 +25,7 @@ _SMALL_DEFLECTION = 0.1
 
 
 def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
-    """Warnings that name the quantities whose error bar exceeds what was asked for."""
+    """Warnings about quantities whose error exceeds the wanted accuracy."""
     warnings = []
     for model in (row for row in MODELS.values() if row.remedy):
         missed = [
@@ -43,7 +43,7 @@ def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...
 
 
 def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
-    """Warning if a displacement is beyond what linear theory is about."""
+    """Warning about a displacement beyond linear theory."""
     largest = max(
         (
             float(np.nanmax(np.abs(q.value)))

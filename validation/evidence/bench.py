@@ -44,7 +44,7 @@ class Timing:
 
 @dataclass(frozen=True)
 class Target:
-    """A requirement and what was measured; met if below (`at_most`) or above the wanted."""
+    """Requirement and measured value; met if below (`at_most`) or above the wanted."""
 
     what: str
     wanted: float
@@ -61,7 +61,7 @@ class Target:
 
 @dataclass(frozen=True)
 class Bench:
-    """All that one part measured; `conditions` says on what."""
+    """Measurements of one part and their conditions."""
 
     part: str
     conditions: str

@@ -1,4 +1,4 @@
-"""Speed and memory of the transfer-matrix model, and what accuracy they come with."""
+"""Speed, memory and accuracy of the transfer-matrix model."""
 
 from __future__ import annotations
 

@@ -217,7 +217,7 @@ def block(axes: tuple[Axis, Axis, Axis], material: Material, *held: Held) -> Box
 
 @dataclass(frozen=True)
 class State:
-    """All values of a box, (nx, ny, nz, 4), in m and V, and what they need to be so."""
+    """All values of a box, (nx, ny, nz, 4), in m and V, and the loads they need."""
 
     box: Box
     values: Numbers

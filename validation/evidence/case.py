@@ -52,7 +52,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Outcome:
-    """A check with what came out."""
+    """Check with its result."""
 
     check: Check
     measured: float
@@ -129,7 +129,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Answer:
-    """One known number of a case; see :class:`Check` for what is not said here."""
+    """Known number of a case; other fields as in :class:`Check`."""
 
     requirement: str
     reference: float | tuple[float, float]

@@ -1,4 +1,4 @@
-"""One number with its bar held against a better one, and what many of them say about the bars."""
+"""Estimated errors against much better answers, for random devices."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ _CODE = ("tactgen.validation.models", "tactgen.fem", "tactgen.tmm")
 
 @dataclass(frozen=True)
 class Part:
-    """One model's bars: what was drawn and what came out."""
+    """Coverage of one model's errors: sampled devices and results."""
 
     #: The part, and what it holds against what
     name: str
@@ -231,7 +231,7 @@ def calibration_plot(parts: Sequence[Part]) -> str:
 
 
 class PartRow(NamedTuple):
-    """A part: devices by default, what is held against what, and what judges a random device."""
+    """Part of a coverage run: devices, models compared, judge of one device."""
 
     devices: int
     what: str

@@ -160,7 +160,7 @@ def _finer_rod(scene: Scene) -> Linearised:
 
 
 def _fitting(rng: np.random.Generator, tried: Callable[[Scene], object]) -> tuple[Scene, str]:
-    """Drawn machine that `tried` does not refuse, and what it differs in."""
+    """Sampled machine that `tried` accepts, and its changes."""
 
     def attempt() -> tuple[Scene, str]:
         overrides = random_devices.machine(rng)

@@ -172,7 +172,7 @@ Known: TypeAlias = dict[tuple[str, str], list[complex]]
 
 @dataclass(frozen=True)
 class Case:
-    """One bimorph, and what is judged of it."""
+    """Bimorph and its compared quantities."""
 
     overrides: tuple[str, ...]  #: Of the scene ``prototype``
     level: int = 2  #: Level (2 or 3) of bricks

@@ -301,7 +301,7 @@ class Trials:
         return self.again(command, around)
 
     def again(self, command: Command, around: Surroundings) -> str:
-        """Run a command undisturbed where it was spoilt; return what is wrong then."""
+        """Run a command again after a disturbance; return the faults."""
         out = around.out if command.overwrites else self.place().out
         around = Surroundings(out, around.store, self.measured)
         done = finish(begin(command, around))
@@ -500,7 +500,7 @@ def _rows(asked: Asked) -> tuple[Row, ...]:
 
 
 def keep_rows(rows: tuple[Row, ...], *, quick: bool) -> None:
-    """Keep what a run found for the verification book, in place of what an earlier one did."""
+    """Store the rows of a run for the verification book."""
     kept(_KIND, (quick,), _CODE, lambda: rows, serves=lambda _: False)
 
 

@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 class Kind(NamedTuple):
-    """A way of dividing: what the next levels have, its measure, what theory expects."""
+    """Kind of division: levels, measure, expected order."""
 
     coarser: str
     finer: str
@@ -75,7 +75,7 @@ class Run:
     count: int = 0  #: The most unknowns, or steps
 
     def join(self, other: Run) -> None:
-        """Take over what a part of the measurement said."""
+        """Take over the division of a part of the measurement."""
         self.kinds |= other.kinds
         self.new |= other.new
         self.count = max(self.count, other.count)
@@ -86,7 +86,7 @@ _run: ContextVar[Run] = ContextVar("run")
 
 @contextmanager
 def on_level(below: int) -> Iterator[Run]:
-    """Divide so many levels coarser for a while, and see what is said of it."""
+    """Context in which meshes are so many levels coarser."""
     run = Run(below)
     token = _run.set(run)
     try:
@@ -96,7 +96,7 @@ def on_level(below: int) -> Iterator[Run]:
 
 
 def cached(function: Callable[P, T]) -> Callable[P, T]:
-    """Remember a function's values, for each level its own; what is divided needs this cache."""
+    """Cache a function's values by level."""
 
     @cache
     def on(below: int, *arguments: Any, **named: Any) -> tuple[T, Run]:

@@ -68,7 +68,7 @@ def peak_memory() -> int:
 
 
 def _keep_within_memory() -> None:
-    """Let what does not fit into the machine's free memory fail in this process, and no other.
+    """Limit this process to the machine's free memory.
 
     Where there is no /proc nothing is done.
     """

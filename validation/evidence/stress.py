@@ -104,7 +104,7 @@ class Stress:
 
 
 def judged(family: str, what: str, points: Sequence[Point]) -> Row:
-    """Row of a family that is held against what was asked for.
+    """Row of a family against the wanted accuracy.
 
     It fails if a point is beyond its bound, or beyond what was asked for where its bound
     is that or less.
@@ -131,7 +131,7 @@ def share(point: Point) -> float:
 
 
 def _beyond(points: Sequence[Point]) -> tuple[Point, ...]:
-    """Points that are not within their bound; what is no number is not."""
+    """Points beyond their bound, nan included."""
     return tuple(sorted((p for p in points if not p.error <= p.bound), key=share, reverse=True))
 
 
@@ -180,7 +180,7 @@ class Family:
         self.refusals: list[str] = []
 
     def add(self, where: str, error: float, bound: float) -> None:
-        """Take an answer's relative error with what it may be."""
+        """Add an answer's relative error and its bound."""
         self.points.append(Point(where, float(error), math.nan, float(bound), math.nan))
 
     def compare(self, where: str, value: float, exact: float, bar: float) -> None:
@@ -189,12 +189,12 @@ class Family:
         self.add(where, abs(value - exact) / size, bar / size)
 
     def refuse(self, error: Exception) -> None:
-        """Take what was said instead of an answer."""
+        """Add a refusal."""
         self.refusals.append(str(error))
 
     @contextmanager
     def attempt(self) -> Iterator[None]:
-        """Take a refusal of what is inside in place of its answers."""
+        """Context that adds a refusal in place of its answers."""
         try:
             yield
         except REFUSALS as error:
@@ -276,7 +276,7 @@ def approach_plot(approaches: tuple[Approach, ...]) -> str:
 
 
 def print_stress(parts: Sequence[Stress]) -> None:
-    """Print one table of all parts, what was said where there is no answer, and what is meant."""
+    """Print one table of all parts, the refusals, and the statements."""
     from rich.table import Table
 
     screen = console(200)
@@ -321,7 +321,7 @@ _NUMBERS = ("points", "refused", "beyond", "worst", "promised", "over bar")
 
 
 def short(value: float) -> str:
-    """Two digits; words for what has no number."""
+    """Two digits; words for nan and values above 1."""
     if math.isnan(value):
         return "-"
     return "no digit" if value >= 1.0 else f"{value:.1e}"
@@ -386,7 +386,7 @@ Judge = Callable[[Family, bool], None]
 
 
 def table(part: str, families: Mapping[str, tuple[str, Judge]]) -> Families:
-    """Families of a part, by name, from their ranges and what adds their points."""
+    """Families of a part by name, from ranges and functions that add points."""
 
     def run(name: str, what: str, judge: Judge, quick: bool) -> Row:
         family = Family()
@@ -460,7 +460,7 @@ def run_parts(
 
 
 def section(announce: Callable[[str], None]) -> dict[str, Any]:
-    """Run the transfer matrix's part on few points: what ``stress.html`` shows."""
+    """Run the transfer matrix's part on few points, for the report."""
     part = _run_of("tmm")(Asked(quick=True, announce=announce))
     return {
         "stress": [part],

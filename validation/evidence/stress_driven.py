@@ -95,7 +95,7 @@ def driven(
     quick: bool,
     promised: float = 1.0,
 ) -> Row:
-    """Row of a sweep whose points `add` judges; what refuses is quoted.
+    """Row of a sweep whose points `add` compares; refusals are quoted.
 
     `promised` is the share of answers that their bars promise to hold.
     """
@@ -308,7 +308,7 @@ def random_rows(asked: Asked, count: int) -> tuple[Row, ...]:
 
 
 def _judged(name: str, overrides: list[str]) -> tuple[list[Point], list[str]]:
-    """Points and refusals of one scene; what else it raises is one that fails."""
+    """Points and refusals of one scene; any other exception is a failure."""
     family, where = Family(), f"{name} {'; '.join(overrides)}"
     started = time.process_time()
     try:

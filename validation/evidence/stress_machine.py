@@ -140,7 +140,7 @@ _OFF = Constant(0.0)
 
 @dataclass(frozen=True)
 class _Run:
-    """One run: where it is, for people; what the scene sets; speed of the rod at the start (m/s).
+    """Run in time: label, overrides, speed of the rod at the start (m/s).
 
     `coil` is what drives the winding, by current unless `by_voltage`.
     """

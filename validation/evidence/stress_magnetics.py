@@ -79,7 +79,7 @@ def _difference_quotient(family: Family, name: str, device: Device, gap: float) 
 
 
 def _no_answer(family: Family, _: bool) -> None:
-    """Ask for what has no answer; a number in return is a failure."""
+    """Ask for impossible points; a number in return is a failure."""
     for what, ask in _IMPOSSIBLE.items():
         with family.attempt():
             ask()

@@ -139,7 +139,7 @@ def _beam(device: Device, ceramic: Piezoceramic) -> tuple[float, float]:
 def _cantilever(
     device: Device, meshing: BrickMeshing, ceramic: Piezoceramic
 ) -> tuple[float, float, float]:
-    """Tip displacement per volt, first frequency, and what rounding does to them."""
+    """Tip displacement per volt, first frequency, and their rounding errors."""
     system = assemble(device, bimorph_bricks(device, meshing), lossy=False, ceramic=ceramic)
     tip, _, compliance = _static(system)
     frequency = natural_modes(system, Ends(), 1)[0].frequency

@@ -86,7 +86,7 @@ class Division:
 
 @dataclass(frozen=True)
 class Bar:
-    """An error bar in the row's unit, and what it is judged by."""
+    """Error in the row's unit, and its basis."""
 
     size: float
     judged_by: str
@@ -94,7 +94,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Verified:
-    """A row with what came out; `outcome` and `found` are None where it was skipped."""
+    """Row with its result; `outcome` and `found` are None where it was skipped."""
 
     group: str
     case: Case
@@ -131,7 +131,7 @@ class Verified:
         return f"tests/validation/evidence/{file}::test_row[{self.check.id}]"
 
     def plain(self) -> dict[str, Any]:
-        """Row as plain values; what is not known of a skipped one is None."""
+        """Row as plain values; None for unknowns of a skipped one."""
         check, found = self.check, self.outcome
         return {
             "id": check.id,
@@ -252,7 +252,7 @@ def division(group: str, case: Case, check: Check, below: int = 0) -> Division:
 
 
 def _nearest(outcome: Outcome) -> float:
-    """Reference, or of a range the point nearest to what was measured."""
+    """Reference, or of a range the point nearest to the measured value."""
     reference = outcome.check.reference
     ends = reference if isinstance(reference, tuple) else (reference, reference)
     return min(max(outcome.measured, ends[0]), ends[1])

@@ -80,7 +80,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Backbone:
-    """Curves by growing voltage, and what they are of."""
+    """Curves by growing voltage, with their labels."""
 
     head: RockingHead
     curves: tuple[Curve, ...]

@@ -174,7 +174,7 @@ def _verdict(
     apart: tuple[float, float, float],
     causes: Sequence[Cause] | None,
 ) -> tuple[Verdict, str, float]:
-    """Verdict on a difference that error bars do not cover, its reason, what is left.
+    """Verdict on a difference beyond the errors, its reason, the rest.
 
     `apart` holds as fractions the difference, the bars together, and what of it is the shortcut.
     """
@@ -207,7 +207,7 @@ def _verdict(
 
 
 def _left_out(scene: Scene, model: ModelRow) -> str:
-    """In words what a model leaves out, where no causes are told apart."""
+    """Words on a model's omissions, where causes are not separated."""
     if model.theory == "circuit":
         return _TUBES
     reason = _ONE_DIMENSIONAL
@@ -241,7 +241,7 @@ def share(value: float) -> str:
 
 @dataclass(frozen=True)
 class Rung:
-    """One model with what is known of its error."""
+    """Model with its known error."""
 
     model: str  #: Its name
     #: Largest relative error of the equations that it solves; 0 of the most detailed theory

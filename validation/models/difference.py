@@ -86,7 +86,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Cause:
-    """An assumption, and what it adds to (simple / detailed − 1) of each quantity."""
+    """Assumption and its contribution to (simple / detailed − 1) by quantity."""
 
     name: str
     shares: Values
@@ -217,7 +217,7 @@ def solid_values(case: SolidCase) -> Values:
 
 @dataclass(frozen=True)
 class Assumption:
-    """An assumption of beam theory: name, what giving it up means, closed form of its effect."""
+    """Assumption of beam theory: name, meaning, closed form of its effect."""
 
     name: str
     meaning: str

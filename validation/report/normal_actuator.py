@@ -1,4 +1,4 @@
-"""The normal actuator in the report: what its sections share, computed once."""
+"""Data shared by the report sections on the normal actuator."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ PAGE = "index.html"
 def write_report(
     scene: Scene, origins: dict[str, str], out: Path, quick: bool, announce: Callable[[str], None]
 ) -> Path:
-    """Write ``index.html`` into `out`, with what makes it checkable beside it; return its path.
+    """Write ``index.html`` and its record into `out`; return its path.
 
     Raises InputError if the folder cannot be written or the scene cannot be solved.
     """

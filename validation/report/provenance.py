@@ -151,7 +151,7 @@ def write_checksums(folder: Path, names: tuple[str, ...]) -> Path:
 
 
 def check(folder: Path) -> None:
-    """Make sure that every file of a folder's list is what was written.
+    """Verify the checksums of a folder's files.
 
     Raises InputError if there is no list, or a file is missing or was altered.
     """

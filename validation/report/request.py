@@ -27,7 +27,7 @@ def shown_model(scene: Scene) -> str | None:
 
 
 def check_report(scene: Scene, *, quick: bool) -> None:
-    """Refuse at once, before anything is computed or written, what cannot be reported on.
+    """Refuse scenes that cannot be reported on, before any computation.
 
     Raises InputError with the remedy.
     """

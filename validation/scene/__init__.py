@@ -1,1 +1,1 @@
-"""Scene files: what is studied and what is wanted of it, checked and in SI units."""
+"""Scene files, checked and in SI units."""

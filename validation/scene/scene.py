@@ -1,4 +1,4 @@
-"""A scene: what is studied, how it is held, loaded and driven, and what is wanted.
+"""Scene: device, support, load, drive and wanted quantities.
 
 A small TOML file states only what differs from the paper's device.  Units are written
 there and nowhere else; unknown keys are refused with the nearest valid name.
@@ -137,7 +137,7 @@ class Scene(p.Device):
 
     @property
     def rest(self) -> tuple[RestingPlace, p.Support] | None:
-        """Where the rod rests and what springs its contact is; None without a contact.
+        """Equilibrium of the rod and the springs of its contact; None without a contact.
 
         Without current nothing magnetic is touched.
 
@@ -298,7 +298,7 @@ def _point_from_scene(values: dict[str, Any], name: str) -> None:
 
 
 def _able_models(scene: Scene) -> tuple[str, ...]:
-    """Models that know the scene's bimorph and what holds it."""
+    """Models that know the scene's bimorph and support."""
     bimorph = scene.bimorph
     unable = set()
     if bimorph.profiles or scene.support.kind == "rod":

@@ -48,7 +48,7 @@ def need_browser(option: str) -> str:
 
 
 def run_browser(path: str, address: str, *options: str) -> subprocess.CompletedProcess[str]:
-    """Open a page without a window, with a profile of its own, and return what was written.
+    """Open a page in a headless browser, and return its output.
 
     Raises InputError if the browser does not end in time.
     """

@@ -217,7 +217,7 @@ def assembly_frames(
 
 
 def _look_at(plotter: Any, points: Floats) -> None:
-    """Fill the picture with what moves (mm); what stands round it may be cut off."""
+    """Fill the picture with the moving parts (mm)."""
     camera = plotter.camera
     shift = 0.5 * (points.min(axis=0) + points.max(axis=0)) - np.array(camera.focal_point)
     for name in ("focal_point", "position"):
@@ -312,7 +312,7 @@ def _film(
 
 
 def travelling_wave(scene: Scene) -> tuple[float, Complex]:
-    """Tips' motions (units,) in m with all units driven, and at what frequency (Hz).
+    """Tips' motions (units,) in m with all units driven, and the frequency (Hz).
 
     Each column lags a quarter period behind the one before it; of the scene's frequencies that at
     which the tips move most.

@@ -232,7 +232,7 @@ def _refuse_without_motion(scene: Scene, targets: dict[str, Path]) -> None:
 
 
 def _check_targets(targets: dict[str, Path]) -> None:
-    """Refuse what would fail only after minutes of work."""
+    """Refuse exports that would fail only after minutes of work."""
     taken: dict[Path, str] = {}
     for kind, path in targets.items():
         option = "--" + kind.replace("_", "-")
@@ -277,7 +277,7 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
 def _write_motion(
     scene: Scene, drafts: dict[str, Path], targets: dict[str, Path], announce: Callable[[str], None]
 ) -> None:
-    """Write what moves: fields, and an animation of them."""
+    """Write fields and their animation."""
     if not {"fields", "animated_glb"} & set(drafts):
         return
     from tactgen.validation.show.fields.gather import Request, default_models, gather

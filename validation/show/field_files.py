@@ -1,4 +1,4 @@
-"""Fields of a scene as files for ParaView: .vtu, .vtkhdf, and .pvd for what moves."""
+"""Fields of a scene as files for ParaView: .vtu, .vtkhdf, and .pvd in time."""
 
 from __future__ import annotations
 

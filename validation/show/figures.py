@@ -183,7 +183,7 @@ _VTK_CELL = {"tetra": 10, "tetra10": 24, "hexahedron": 12}
 
 
 def off_screen() -> Any:
-    """Import PyVista with VTK's software renderer, or say what is missing.
+    """Import PyVista with VTK's software renderer, or name the missing library.
 
     VTK crashes the process when it finds no OpenGL library or no room for its buffers, so this
     looks first.
@@ -287,7 +287,7 @@ def _plotter(pv: Any, width: int, height: int) -> Any:
 
 
 def _shoot(plotter: Any, height: float, focus: float | None = None) -> bytes:
-    """Look from the front right, slightly from above, z up, and crop to what is there.
+    """Look from the front right, slightly from above, z up, cropped.
 
     `height` is the extent (mm) that fills the picture; `focus` the height z (mm) looked at.
     """

@@ -22,7 +22,7 @@ _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inl
 
 @dataclass(frozen=True)
 class Still:
-    """A picture for those who see no movement: PNG bytes and what it shows."""
+    """Still picture for a page: PNG bytes and caption."""
 
     png: bytes
     caption: str

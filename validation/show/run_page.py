@@ -167,7 +167,7 @@ def _round(factor: float) -> float:
 
 
 def _words(image: Image, stage: _Stage, instants: Sequence[Instant], now: Instant) -> None:
-    """Write what is seen, and draw the curves with a mark at the instant."""
+    """Write the view, and draw the curves with a mark at the instant."""
     from PIL import ImageDraw, ImageFont
 
     draw = ImageDraw.Draw(image)
@@ -230,7 +230,7 @@ def still_of_run(found: Simulation) -> bytes:
 
 
 def write_run_steps(path: Path, found: Simulation) -> None:
-    """Write a run as a .pvd of time steps in s: displacement at the points of what moves.
+    """Write a run as a .pvd of time steps (s) with displacements.
 
     Raises InputError if it cannot be written.
     """

@@ -178,7 +178,7 @@ def magnitude_stops() -> list[list[int]]:
 
 
 def signed_stops() -> list[list[int]]:
-    """Scale of what swings about zero, from negative to positive."""
+    """Diverging colour scale about zero."""
     return _stops(SIGNED)
 
 

@@ -331,7 +331,7 @@ def write_film(
     picture: Picture,
     announce: Callable[[str], None] = lambda _: None,
 ) -> None:
-    """Write one period of a state; see :func:`check_film` for what is refused."""
+    """Write one period of a state; refusals as of :func:`check_film`."""
     check_film(path, state)
     phases = [2.0 * np.pi * k / _FRAMES for k in range(_FRAMES)]
     save_film(path, frames(result, state, picture, phases, announce), _SHOWN, _REPEATS)

@@ -240,7 +240,7 @@ class InlineView:
 
 
 def show(scene: Scene, models: Sequence[str] = (), frequencies: Sequence[float] = ()) -> InlineView:
-    """Modes and fields of a scene as what a notebook shows when it is a cell's last value.
+    """Modes and fields of a scene as a notebook's cell output.
 
     Parameters
     ----------

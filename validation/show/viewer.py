@@ -119,7 +119,7 @@ def _result(block: Block, result: FieldResult, other: LengthRange | None) -> dic
 
 
 def _geometry(block: Block, mesh: Mesh) -> tuple[dict[str, Any], Ints]:
-    """Points and what is drawn between them, and which of the mesh's points they are."""
+    """Drawn points and cells, and their points in the mesh."""
     surface = surface_of(mesh)
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     region = np.zeros(len(mesh.points), dtype=np.int64)

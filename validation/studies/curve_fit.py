@@ -372,7 +372,7 @@ class Statistics:
         return np.asarray(normed.T @ normed)
 
     def half_width(self, slopes: Floats) -> Floats:
-        """Half width (n,) of intervals of what has these slopes (n, p) over ln p."""
+        """Half width (n,) of intervals, from slopes (n, p) over ln p."""
         return np.asarray(self.quantile * np.linalg.norm(slopes @ self.root.T, axis=1))
 
 

@@ -1,4 +1,4 @@
-"""The excitation voltage at the detection threshold, next to what the paper reports (Fig 17).
+"""Excitation voltage at the detection threshold, beside the paper's Fig 17.
 
 V(f) = threshold(f) / |w(f) per volt|, by the transfer-matrix model, for both wirings and
 for the loaded and the free tip.  The paper states neither the wiring nor the finger's
@@ -37,7 +37,7 @@ _IMPLIED_AT = 100.0
 
 @dataclass(frozen=True)
 class Stated:
-    """A stated voltage and, for each case, what the model gives there: lowest, highest (V)."""
+    """Stated voltage and the model's range (V) for each case."""
 
     paper: StatedVoltage
     model: dict[Case, tuple[float, float]]

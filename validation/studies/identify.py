@@ -1,4 +1,4 @@
-"""Parameters of a scene from a measured curve, and what the curve cannot tell.
+"""Identification of a scene's parameters from a measured curve.
 
 The paper determined its support "empirically" (Fig 8).  Here the same is a least-squares fit of
 the transfer-matrix model with a statement of what the curve determines.
@@ -47,7 +47,7 @@ _EXACT = 1e-9
 
 
 def findings(estimates: Sequence[FittedParameter], stats: Statistics) -> tuple[str, ...]:
-    """Say what the curve does not determine, from the statistics of all parameters."""
+    """Sentences on undetermined parameters, from the statistics of all."""
     pairs = [
         (j, i)
         for i in range(len(estimates))
@@ -161,7 +161,7 @@ class Assumption:
 
 @dataclass(frozen=True)
 class Identification:
-    """A fit and what it says."""
+    """Fit with its result."""
 
     #: With the fitted values, and with those that the fit started from
     scene: Scene

@@ -231,7 +231,7 @@ def checked_scene_name(name: str) -> Path:
 
 
 def write_scene(result: Identification, origins: Mapping[str, str], path: Path) -> Path:
-    """Write a scene with what the starting scene set and the fitted values; its paths start there.
+    """Write a scene with the fitted values.
 
     Raises InputError if the file cannot be written.
     """
@@ -264,7 +264,7 @@ def write_scene(result: Identification, origins: Mapping[str, str], path: Path) 
 
 
 def file_from(folder: Path, file: str, named: Callable[[str], bool]) -> str:
-    """File relative to a folder; `named` recognises what is no file."""
+    """File relative to a folder; `named` recognises other values."""
     if named(file) or Path(file).is_absolute():
         return file
     return os.path.relpath(file, folder)

@@ -63,7 +63,7 @@ class LengthMap:
 
 
 def actuator(scene: Scene) -> Actuator:
-    """Scene's lateral actuator with what holds, loads and drives it."""
+    """Lateral actuator of a scene with support, load and drive."""
     return Actuator(scene.device, scene.held, scene.load, scene.beam, scene.drive)
 
 

@@ -293,7 +293,7 @@ def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
 def parameter_uncertainty(
     scene: Scene, evaluations: int | None = None, announce: Callable[[str], None] = lambda _: None
 ) -> list[Uncertainty]:
-    """Every headline number with what the parameters' ranges do to it.
+    """Every headline number with its uncertainty.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Sizes of the normal actuator that the paper does not give, from what it says.
+"""Reconstruction of dimensions that the paper does not give.
 
 Which shaft, bore and coil pull with the paper's force at its current and stay coolest?
 Shaft, coil and sleeve share 1.15 mm of radius.  A thin shaft saturates, a thick one leaves no
@@ -55,7 +55,7 @@ Pull = Callable[[Device, Floats], Floats]
 
 @dataclass(frozen=True)
 class Candidate:
-    """A device of the search with what it needs."""
+    """Candidate device of the search."""
 
     #: With an integer number of turns that gives the stated force at the stated current
     device: Device

@@ -99,7 +99,7 @@ def all_columns(
     keys: Sequence[str] | None = None,
     announce: Callable[[str], None] = lambda _: None,
 ) -> tuple[list[SensitivityColumn], list[str]]:
-    """Scene's quantities by all of its models, and what each leaves out of the keys.
+    """Sensitivities by all models of a scene, and the keys left out.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def _model_columns(
     keys: Sequence[str] | None,
     announce: Callable[[str], None],
 ) -> tuple[list[SensitivityColumn], str]:
-    """Quantities by a model with their derivatives, and what is left out of the keys."""
+    """Sensitivities by a model, and the keys left out."""
     for name in names:
         if QUANTITIES[name].unit == "SI":
             raise InputError(f"quantity {name} is a matrix and has no sensitivities here; ask for "

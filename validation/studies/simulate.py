@@ -181,7 +181,7 @@ def write_film_page(run: Path, page: Path) -> None:
 
 
 def film_of(result: Simulation) -> Film:
-    """Run as it is seen, by way of its file, so that a report shows what a page does."""
+    """Run read back from its file, as a page shows it."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.nc"
         write_run(path, result, {})
@@ -308,7 +308,7 @@ _WORD = re.compile(r"\b(constant|sine|square|step|chirp|phase|delay|low|duty|at|
 
 @dataclass(frozen=True)
 class Written:
-    """A waveform and what it is of."""
+    """Waveform of a source."""
 
     waveform: Waveform
     of: Literal["voltage", "current"]

@@ -1,1 +1,1 @@
-"""Tetrahedra from CAD solids: fTetWild, and what makes its output conform to them."""
+"""Conforming tetrahedra from CAD solids by fTetWild."""

@@ -478,7 +478,7 @@ def _finished(
     curved: bool,
     stretching: Stretching,
 ) -> Mesh:
-    """Mesh without what is outside, with curved edges, checked, in metres."""
+    """Checked mesh of the inside, with curved edges, in metres."""
     found, faces = draft.skin, tessellation.faces
     inside = draft.labels >= 0
     used, tets = np.unique(draft.tets[inside], return_inverse=True)

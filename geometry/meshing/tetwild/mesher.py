@@ -79,7 +79,7 @@ class Mesher:
             )
 
     def mesh(self, arrays: dict[str, NDArray[Any]], time_limit: float) -> tuple[Floats, Ints]:
-        """Points (n, 3) and corners (m, 4) of what fTetWild makes of the arrays.
+        """Points (n, 3) and corners (m, 4) of fTetWild's mesh of the arrays.
 
         Parameters
         ----------

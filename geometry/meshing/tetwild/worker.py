@@ -51,7 +51,7 @@ def allow(seconds: float) -> None:
 
 
 def main() -> None:
-    """Mesh what the input names until it ends."""
+    """Mesh the files named on standard input until it ends."""
     # what fTetWild itself prints must not look like an answer
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)

@@ -191,7 +191,7 @@ def _rubbed(
     forces: list[float],
     slope: list[list[float]],
 ) -> float:
-    """Add a friction to forces and slope, and return what it takes (J).
+    """Add a friction to forces and slope, and return its dissipation (J).
 
     `normal` is what pushes (N) and its slope by the changes (N/m).
     """

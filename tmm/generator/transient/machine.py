@@ -138,7 +138,7 @@ LOWER, UPPER, BORE = "lower_stop", "upper_stop", "bore"
 
 @dataclass(frozen=True)
 class Machine:
-    """The system with what an initial state needs."""
+    """System with its initial state."""
 
     system: System  #:
     rest: Floats  #: (n,) At rest on the upper stop without current and voltage
@@ -341,7 +341,7 @@ _LIFT = 2
 
 @dataclass(frozen=True)
 class MachineStateSpace:
-    """Matrices in SI units, (m, m), (m, 3), (p, m), (p, 3), and what the columns and rows are."""
+    """Matrices (m, m), (m, 3), (p, m), (p, 3) in SI units, with column and row names."""
 
     a: Floats
     b: Floats

@@ -106,7 +106,7 @@ class Passes:
     of_fine: Bools
 
     def bar(self, of: Callable[[Run], Floats]) -> Floats:
-        """Error bar up to each time of the last run of what `of` reads off a run."""
+        """Error over time of a readout of the last run."""
         first, middle, last = (of(run) for run in (self.coarsest, self.coarse, self.fine))
         larger = np.maximum.accumulate(np.abs(middle[self.of_coarse] - first[self.ends]))
         smaller = np.maximum.accumulate(np.abs(last[self.of_fine] - middle))
@@ -335,7 +335,7 @@ _HOPELESS = 1.0
 
 @dataclass(frozen=True)
 class Answer:
-    """A run with what it is worth."""
+    """Run with its errors."""
 
     run: Run  #: With every chosen step halved
     outputs: dict[str, Floats]  #: The system's outputs over time

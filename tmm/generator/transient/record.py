@@ -62,7 +62,7 @@ class Run:
 
     @property
     def worst_imbalance(self) -> float:
-        """The largest imbalance over the throughput of the run, or over what is stored if more.
+        """Largest energy imbalance relative to throughput or stored energy.
 
         What rests exchanges rounding only, of which nothing is a share; 0 without any energy.
         """
@@ -84,7 +84,7 @@ class Record:
         return len(self._rows)
 
     def add(self, time: float, state: State, flow: Flow, source: float) -> None:
-        """Add a state, and what was exchanged on the way to it."""
+        """Add a state and the energies exchanged on the way."""
         field = state.field
         self._states.append(state)
         self._rows.append(

@@ -240,7 +240,7 @@ class State:
 
 
 class Flow(NamedTuple):
-    """Work of the coil's source over a step, what laws and wire took (J).
+    """Work of the coil's source over a step, losses of laws and wire (J).
 
     What the voltage gave and the dampers took follows from the states.
     """
@@ -313,7 +313,7 @@ class Stepper:
     def step(
         self, state: State, h: float, voltage: float, source: tuple[float, float]
     ) -> tuple[State, Flow]:
-        """State after a step of `h` seconds, and what was exchanged.
+        """State after a step of `h` seconds, and the exchanged energies.
 
         Parameters
         ----------

@@ -213,7 +213,7 @@ class Element:
 
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb friction under what an element pushes, rounded off at small speeds.
+    """Coulomb friction under an element's normal force, smoothed at small speeds.
 
     T = −µ N v/√(v² + v_s²) along `direction` · x: it creeps where a rough surface would stick,
     and takes energy at any speed.
@@ -227,7 +227,7 @@ class Friction:
 
 @dataclass(frozen=True)
 class Coil:
-    """The winding and what its field pulls at."""
+    """Winding with its magnetic force."""
 
     coenergy: Coenergy  #: W'(i, g)
     direction: Floats  #: (n,) b: how the gap opens with the coordinates

@@ -1,4 +1,4 @@
-"""``tactgen cache``: what is kept for the next run, and how to be rid of it."""
+"""``tactgen cache``: list and empty the store."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``tactgen completion``: what a shell needs to complete commands, options, names and keys."""
+"""``tactgen completion``: shell completion of commands, options, names and keys."""
 
 from __future__ import annotations
 

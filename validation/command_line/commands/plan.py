@@ -1,4 +1,4 @@
-"""``tactgen plan``: what would run, what is skipped, why, and about how long it takes."""
+"""``tactgen plan``: stages that would run or are skipped, why, and for how long."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
-    """Print what runs, with what it cost when it last ran here, and what is skipped, and why."""
+    """Print the stages that run, with their last cost, and the skipped ones with reasons."""
     from tactgen.validation.engine.plan import total
 
     print(f"scene {scene}")
@@ -89,14 +89,14 @@ def _print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
 
 
 def _refuse_unused(options: argparse.Namespace) -> None:
-    """Refuse what is said of axes where there is none."""
+    """Refuse options of axes where there is none."""
     if options.zip:
         raise InputError("--zip combines axes, and none is stated; add --vary, or leave it out")
     check_seed(options.seed, samples=0)
 
 
 def _of_study(options: argparse.Namespace) -> int:
-    """Show what each model would do in a study: kept, interpolated, or solved."""
+    """Print each model's planned points: cached, interpolated or solved."""
     from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.studies.whatif.run import plan_study
 

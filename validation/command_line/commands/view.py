@@ -96,7 +96,7 @@ def _refuse_unused(options: argparse.Namespace) -> None:
 
 
 def _show_run(options: argparse.Namespace) -> int:
-    """Write the page of a run's file, which says itself what it is of."""
+    """Write the page of a run's file."""
     from tactgen.validation.show.export import check_place
     from tactgen.validation.studies.simulate import write_film_page
 

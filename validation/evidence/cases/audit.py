@@ -132,7 +132,7 @@ _COMPARED = np.unique(np.concatenate([AT, np.geomspace(10.0, 1000.0, 9)]))
 
 @dataclass(frozen=True)
 class AuditRow:
-    """One formula: how far it is off, and what that does."""
+    """Formula with its error and its effect."""
 
     formula: Formula  #: Equation number, symbol, printed and correct form
     #: Largest relative deviation of the printed formula from the exact value over 10 to 1000 Hz;
@@ -146,7 +146,7 @@ class AuditRow:
 
 @dataclass(frozen=True)
 class Audit:
-    """All formulas, the effect of all misprints together, and what is left without them.
+    """All formulas, the effect of all misprints, and the rest without them.
 
     `residual` is the largest relative deviation of the corrected chain's tip velocity and
     current from the 80-digit solution at :data:`AT`.

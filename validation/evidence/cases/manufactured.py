@@ -1,4 +1,4 @@
-"""Manufactured solutions of the piezoelectric solid: what its load is made for must come back.
+"""Manufactured solutions of the piezoelectric solid.
 
 Smooth displacement and potential on a cube, with their own values on all walls, at rest or at one
 frequency with losses; and the resonance of a plate, whose exact frequency is known.

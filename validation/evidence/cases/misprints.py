@@ -1,4 +1,4 @@
-"""Printed targets that are wrong or coarse, each held against what is right.
+"""Printed targets that are wrong or coarse, beside the right ones.
 
 Every row is the printed number; it differs, and the row says why.  A row that came to agree would
 fail: then the explanation would be wrong.
@@ -33,7 +33,7 @@ def _audit() -> Audit:
 
 
 def _as_printed(equation: int) -> float:
-    """1 + how far a printed formula is from the exact one; of σ, what it does at 10 Hz.
+    """Printed over exact formula; of σ by its effect at 10 Hz.
 
     σ's denominator is so far off that the tip hardly moves: there the effect is stated.
     """

@@ -72,7 +72,7 @@ def rough_bounce() -> float:
 
 
 def generator_imbalance() -> float:
-    """Generator's energy imbalance over what was exchanged, in a short coarse run."""
+    """Relative energy imbalance of the generator in a short coarse run."""
     found = _scene_run(Sources(Sine(10.0, 200.0), Step(0.15)), 3e-4, 0.2)
     return found.answer.run.worst_imbalance
 

@@ -82,7 +82,7 @@ def pole_states(
 
 
 def flux_densities(field: MagneticField) -> FluxDensities:
-    """Read off a field what was measured beside the force."""
+    """Read the other measured values off a field."""
     centre, corner = field.flux_density_at(np.array(PROBES))[:, 2]
     pole, yoke = (
         abs(float(np.mean(field.flux_density_at(_section(*sides))[:, 2])))

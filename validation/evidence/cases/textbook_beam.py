@@ -15,7 +15,7 @@ from tactgen.tmm.beam.sections import Section
 
 
 def transfer(beam: Section, length: float, frequencies: Floats) -> Complex:
-    """A (n, 5, 5); overflow and 0/0 give what they give."""
+    """A (n, 5, 5), overflow and 0/0 included."""
     with np.errstate(all="ignore"):
         return matrix_a(beam, length, frequencies)
 

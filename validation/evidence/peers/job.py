@@ -145,7 +145,7 @@ def answer(
     natural: list[float] | None = None,
     sweep: list[complex] | None = None,
 ) -> Answer:
-    """Answer with what this process has used so far."""
+    """Answer with the resources used by this process."""
     return Answer(
         deflection=static[0],
         capacitance=static[1],

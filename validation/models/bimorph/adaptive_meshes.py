@@ -76,7 +76,7 @@ _ORDER_OF_OTHERS = 2.0
 
 @dataclass(frozen=True)
 class Solved:
-    """A mesh with the lossless solid on it and what it gives."""
+    """Mesh with the lossless solid and its results."""
 
     mesh: Mesh  #: Tetrahedra
     system: SolidSystem  #: The solid
@@ -232,7 +232,7 @@ def _drop_factors(solved: list[Solved], pair: AdaptedPair) -> None:
 
 
 def _import_solvers() -> None:
-    """Import what the first mesh is solved with, which nobody needs before."""
+    """Import the solver ahead of the first mesh."""
     import scipy.sparse.linalg  # noqa: F401
     import skfem  # noqa: F401
 

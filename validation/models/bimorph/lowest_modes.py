@@ -140,7 +140,7 @@ def _of(system: SolidSystem) -> tuple[Motion, ...]:
 def _other(
     system: SolidSystem, motion: Motion, count: int, lacking: Callable[[Motion], Surplus] | None
 ) -> list[tuple[BareMode, ...]]:
-    """Modes of a class of motion; moved by what is lacking of displacement; of potential."""
+    """Modes of a class of motion, with hierarchical errors of displacement and potential."""
     from tactgen.fem.piezo.modes import eigenpairs, solid_mode
 
     assert system.related is not None
@@ -194,7 +194,7 @@ def least_apart(fine: Modes, coarse: Modes) -> dict[str, float]:
 
 
 def moved(fine: Modes, least: dict[str, float]) -> Modes:
-    """Modes moved by what each of its class counts with at least."""
+    """Modes moved by their least estimated errors."""
     shares = np.array([least[kind] for kind in fine.classes])
     return Modes(fine.frequencies * (1.0 + shares), fine.classes)
 

@@ -41,7 +41,7 @@ class SolidModel(TwoMeshModel):
 
     @classmethod
     def check(cls, scene: Scene) -> None:
-        """Refuse what bricks do not know: a rod, profiles, layers that slide."""
+        """Refuse scenes beyond the bricks: a rod, profiles, sliding layers."""
         if scene.support.kind == "rod":
             raise InputError(
                 'support.kind = "rod": the model solid takes the bimorph without its rod; ask for '
@@ -143,7 +143,7 @@ class CadModel(TwoMeshModel):
 
     @classmethod
     def check(cls, scene: Scene) -> None:
-        """Refuse what the CAD solids do not know: profiles, bare ends, glue between layers."""
+        """Refuse scenes beyond the CAD solids: profiles, bare ends, glue between layers."""
         check_plain_layers(scene.device)
 
     def __init__(self, scene: Scene, stages: Stages) -> None:

@@ -88,7 +88,7 @@ class MeshPair(ABC):
 @storable
 @dataclass(frozen=True)
 class SolidModes:
-    """Modes of the solid on two meshes for any support, and what judges them."""
+    """Modes of the solid on two meshes for any support, with errors."""
 
     #: On the finer and the coarser mesh.  What functions that the finer one lacks make of its modes
     #: judges them, if that is known, else the coarser one does
@@ -152,7 +152,7 @@ class TwoMeshModel(BimorphModel):
         return self.run("static", work)
 
     def _at_rest(self) -> tuple[Multiport, ...]:
-        """Lossless D(0) on the finer mesh, and what judges it."""
+        """Lossless D(0) on the finer mesh, with its error."""
         from tactgen.fem.piezo.ports import static_multiport, static_multiports
 
         lacking, (fine, coarse) = self.mesh_pair.lacking, self.systems()
@@ -310,7 +310,7 @@ def least_at_rest(fine: Multiport, coarse: Multiport) -> Floats:
 
 
 def _sizes(port: Multiport) -> Floats:
-    """Sizes (n, 4) of what is read at 0 Hz on a held base.
+    """Magnitudes (n, 4) of static readings on a held base.
 
     The tip's compliance, its displacement per volt, the capacitance with the tip held and free.
     """

@@ -110,7 +110,7 @@ def by_field(scene: Scene) -> NeighbourField:
 def _of_nine(
     pair: tuple[float, float], unbalanced: tuple[float, float], share: int = 1
 ) -> Estimate:
-    """Pull by both potentials; of what is out of balance each of `share` units has one."""
+    """Force by both potentials; the imbalance is shared by `share` units."""
     half = 0.5 * abs(pair[0] - pair[1])
     return Estimate(0.5 * sum(pair), max(half, 0.5 * abs(sum(unbalanced)) / share))
 
@@ -158,7 +158,7 @@ class MechanicalCrosstalk:
         )
 
     def by_board(self) -> Estimate:
-        """:meth:`largest` with no skin on the tips: what the board alone passes on."""
+        """:meth:`largest` without skin: through the board alone."""
         return replace(self, bare=True).largest()
 
     def ratios(self) -> Complex:

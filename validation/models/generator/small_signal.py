@@ -85,7 +85,7 @@ class _Scaled:
 
 @dataclass(frozen=True)
 class JudgedRod:
-    """The rod in small motions, and by what its error is judged."""
+    """Rod in small motions, with the basis of its error."""
 
     fine: Linearised  #: The result
     method: str = ""  #: How the error bar comes about, for the reader
@@ -95,7 +95,7 @@ class JudgedRod:
     ladders: tuple[Linearised, Linearised] | None = None
 
     def bar(self, of: Callable[[Linearised], Numbers | float]) -> Floats:
-        """Error bar of what `of` reads off the rod."""
+        """Error of a readout of the rod."""
         value = np.asarray(of(self.fine))
         found = np.zeros(value.shape)
         for rod, counts in self.changed:
@@ -157,7 +157,7 @@ def _around(points: Floats, at: Floats | float) -> Floats:
 
 
 def machine_of(scene: Scene, pull: CoenergyMap) -> JudgedRod:
-    """Rod about the place where it rests in a scene, and by what it is judged.
+    """Rod about its equilibrium in a scene, with the basis of its error.
 
     The network is solved there; of another model of the pull there is the map.
 
@@ -258,7 +258,7 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True)
 class SmallSignal:
-    """The machine on a bimorph's ports, with what judges them."""
+    """Machine on a bimorph's ports, with the basis of its error."""
 
     scene: Scene  #: Wiring, tip load and the coil's supply are read
     ports: Refined[Multiport]  #: The bimorph by its model, parallel wiring

@@ -134,7 +134,7 @@ def scene_machine(
     volts: float,
     pull: CoenergyMap | None = None,
 ) -> Machine:
-    """Generator of a scene, `volts` being the size of what drives it."""
+    """Generator of a scene driven by `volts`."""
     load = chain_of(scene.ends.tip)
     if pull is None:
         from tactgen.tmm.reluctance.map_range import network_pull

@@ -147,7 +147,7 @@ class MagneticModel(Model):
         return self.run("rest", work)
 
     def _described(self) -> str:
-        """Scene's name and what of it the samples depend on, in SI units."""
+        """Scene's name and the inputs of its samples, in SI units."""
         wanted = MODELS[self.name].stages["point"]
         groups = self.scene.model_dump(include={path.split(".")[0] for path in wanted})
         read = [f"scene {self.scene.name}"]
@@ -238,7 +238,7 @@ class RodLoop:
 
 
 def rod_loop(model: MagneticModel, currents: Floats | None = None) -> RodLoop:
-    """Loop of a model over currents (c,) in A, by default as far as what moves the rod.
+    """Loop of a model over currents (c,) in A, by default up to the switching range.
 
     Raises InputError if the rod rests nowhere, or the model's map does not reach so high a current.
     """

@@ -229,7 +229,7 @@ class RestingState:
 
 @dataclass(frozen=True)
 class _Corrected:
-    """A map's pull, some times as large, moved by what a single point says at one place (N)."""
+    """Scaled force of a map, shifted to a single point's value (N)."""
 
     map: CoenergyMap
     more: float = 0.0

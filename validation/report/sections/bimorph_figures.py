@@ -1,4 +1,4 @@
-"""Plots of the lateral actuator: responses, the bridge to the solid, what holds the ceramic."""
+"""Plots of the lateral actuator: responses, model differences, stress."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The report's sections on why a solid differs from a beam, what holds it, what it is made of."""
+"""Report sections on beam against solid, support and material."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ APPENDIX = ("audit", "parameters", "plan")
 
 
 def sections(study: Study) -> tuple[Section, ...]:
-    """Sections of a study; what is not asked for is not even imported."""
+    """Sections of a study; only those asked for are imported."""
     found = [Section("what", "What was studied", _what)]
     after: list[Section] = []
     lateral: tuple[Section, ...] = ()

@@ -56,7 +56,7 @@ class Row:
 
 
 def display_section(study: Study) -> Context:
-    """Parts, clearances and leads, and what units do to each other and how they differ."""
+    """Parts, clearances, leads, crosstalk and scatter of the units."""
     from tactgen.validation.show.display import drawn_parts
     from tactgen.validation.show.figures import assembly_picture
 

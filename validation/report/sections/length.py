@@ -218,7 +218,7 @@ def _band(scene: Scene) -> tuple[tuple[float, float], ThresholdCurve]:
 
 
 def _cases(scene: Scene, aims: Sequence[Aim]) -> list[tuple[str, str, Design]]:
-    """Aims in both wirings: title, what is sought, result."""
+    """Aims in both wirings: title, aim, result."""
     found = []
     for wiring in ("parallel", "series"):
         bimorph = scene.bimorph.model_copy(update={"wiring": wiring})

@@ -1,4 +1,4 @@
-"""The report's section on what the tip touches (the paper's Figs 4 and 6)."""
+"""Report section on the load of the tip (the paper's Figs 4 and 6)."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ _POINTS, _ROWS = 300, 7
 
 
 def load_section(study: Study) -> Context | None:
-    """Load over frequency, and what it takes; None for a free tip."""
+    """Load over frequency and its absorbed power; None for a free tip."""
     scene = study.scene
     tip = scene.ends.tip
     if scene.load.kind == "none":

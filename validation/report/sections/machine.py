@@ -187,7 +187,7 @@ def _positions(study: Study) -> Context | None:
 
 
 def _support(study: Study) -> Context:
-    """Support that the contact is, in several states, and what it bears."""
+    """Contact as a support in several states, with its loads."""
     scene = study.scene
     return {
         "rows": [_row(scene, state, made) for state, made in _states(scene, _is_magnetic(study))],

@@ -359,7 +359,7 @@ def _characteristics(actuator: NormalActuator) -> Context:
 
 
 def _finger(actuator: NormalActuator) -> list[dict[str, Any]]:
-    """Spring, pull and what is left for the finger at both stops."""
+    """Spring force, magnetic force and remaining finger force at both stops."""
     device, pull = actuator.device, actuator.pull
     rows = []
     for stop, gap in (("upper stop", device.gap), ("lower stop", device.spring.stop_gap)):
@@ -397,7 +397,7 @@ def _electrical_rows(actuator: NormalActuator, found: SwitchingCurrents) -> list
 
 
 def _beside_the_paper(actuator: NormalActuator) -> Context | None:
-    """Model's answers to what the paper states, None outside the map."""
+    """Model's answers to the paper's statements, None outside the map."""
     device, pull = actuator.device, actuator.pull
     low, high = pull.gap_limits
     if not low <= stated.GAP <= high or pull.current_limit < stated.PULL_IN:
@@ -431,7 +431,7 @@ def _unstable(places: Sequence[Equilibrium]) -> float | None:
 
 
 def _of(show: Callable[[NormalActuator], Context | None]) -> Callable[[Study], Context | None]:
-    """Contents of a section by what it shows of the normal actuator, at its current."""
+    """Contents of a section on the normal actuator, at its current."""
 
     def context(study: Study) -> Context | None:
         actuator = study.normal

@@ -1,4 +1,4 @@
-"""The report's section on what the ranges of the parameters do to the headline numbers."""
+"""Report section on the uncertainty of the headline numbers."""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ def _as_large(factor: float) -> str:
 def voltage_plot(
     frequencies: Floats, voltages: Mapping[Case, Floats], loads: Mapping[str, str]
 ) -> str:
-    """Plot the voltage at the detection threshold beside what the text states.
+    """Plot the voltage at the detection threshold beside the paper's.
 
     Parameters
     ----------

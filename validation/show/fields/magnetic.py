@@ -159,7 +159,7 @@ def _divided(lines: Floats) -> Floats:
 
 
 def revolved(section: Section, angles: Floats) -> tuple[Mesh, Callable[[Floats], Floats]]:
-    """Section swept through angles (rad), and what turns vectors (n, 2) with it.
+    """Section swept through angles (rad), with the rotation of vectors (n, 2).
 
     At the axis bricks are wedges with an edge of no length; a whole turn is closed.
     """

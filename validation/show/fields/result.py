@@ -28,7 +28,7 @@ Circuit = Literal["short", "open", "driven"]
 
 @dataclass(frozen=True)
 class FieldKind:
-    """A field: what it is called, its unit (SI), and the names of its components, if any."""
+    """Field: name, SI unit and component names."""
 
     title: str
     unit: str

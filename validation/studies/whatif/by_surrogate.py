@@ -111,7 +111,7 @@ class Part:
         points: Sequence[Point],
         announce: Callable[[str], None],
     ) -> dict[int, Answer]:
-        """Answers by place; points where what is asked is refused are left out."""
+        """Answers by place; refused points are left out."""
         found: dict[int, Answer] = {}
         for start in range(0, len(self.numbers), _BLOCK):
             announce(f"{self.model}: {start} of {len(self.numbers)} points interpolated")
@@ -206,7 +206,7 @@ def _is_smooth(model: str, key: str, points: Sequence[Point]) -> bool:
 
 
 def _with_warnings(scene: Scene, model: str, given: tuple[Quantity, ...]) -> Answer | None:
-    """Answer with its warnings; None where what is asked is refused there."""
+    """Answer with its warnings; None where the request is refused."""
     names = [quantity.name for quantity in given]
     try:
         warnings = request_warnings(scene, (model,), names)

@@ -1,4 +1,4 @@
-"""Two scenes or two studies side by side: what differs in input, and in every answer."""
+"""Comparison of two scenes or two studies, in input and answers."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def _inputs(scene: Scene, origins: dict[str, str]) -> dict[str, str]:
 
 
 def _numbered(rows: Iterable[Sequence[object]]) -> tuple[dict[Key, Number], dict[Key, str]]:
-    """Numbers and what is missing from rows of the tidy table; the point may lead them."""
+    """Numbers and missing answers from rows of the tidy table."""
     numbers: dict[Key, Number] = {}
     missing: dict[Key, str] = {}
     for row in rows:
@@ -215,7 +215,7 @@ def input_differences(first: Side, second: Side) -> list[InputDifference]:
 
 
 def answer_differences(first: Side, second: Side) -> list[AnswerDifference]:
-    """Every quantity and model that both have, with what differs most."""
+    """Largest difference of every quantity and model that both have."""
     return list(_differences(first, second))
 
 

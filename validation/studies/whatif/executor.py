@@ -144,7 +144,7 @@ def _counted(
 
 
 def _pooled(batches: Sequence[Batch], pool: Any) -> Iterator[tuple[int, Answer]]:
-    """Yield the answers of a pool's workers; who of them dies of what shows one by one."""
+    """Yield the answers of a pool's workers; jobs of a dead one run one by one."""
     left, done = dict(enumerate(batches)), set[int]()
     running: dict[Any, tuple[int, Sequence[Job]]] = {}
     suspects: list[Job] = []
@@ -214,7 +214,7 @@ def _begin(line: Connection, parent: int) -> None:
 
 
 class _Processes:
-    """Processes that keep what they answer; when one dies the others are begun anew."""
+    """Processes that store their answers; when one dies the others are started anew."""
 
     def __init__(self, processes: int, retry: bool) -> None:
         self.most, self._processes, self._retry = 2 * processes, processes, retry

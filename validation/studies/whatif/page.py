@@ -43,7 +43,7 @@ def write_page(
     found: Verdict | None = None,
     announce: Callable[[str], None] = lambda _: None,
 ) -> Path:
-    """Write the page, whole or not at all; `found` is what the study's aims say."""
+    """Write the page, whole or not at all; `found` is the verdict of the aims."""
     stated = study.statement
     parts = [f"<p>{html.escape(_asked(stated))}</p>"]
     if found is not None:

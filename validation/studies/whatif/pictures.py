@@ -78,7 +78,7 @@ def study_picture(study: Study) -> str:
 
 
 def _rows_of(study: Study, others: Sequence[Axis]) -> dict[tuple[str, ...], list[int]]:
-    """Points by what they have in common: the values of these axes."""
+    """Points grouped by the values of these axes."""
     groups: dict[tuple[str, ...], list[int]] = {}
     for number, point in enumerate(study.points):
         at = tuple(scene_field(axis.key).show(point[axis.key]) for axis in others)
@@ -273,7 +273,7 @@ def _scatter(study: Study, drawn: Sequence[Axis]) -> Figure:
 
 
 def _parallel(study: Study, drawn: Sequence[Axis]) -> Figure:
-    """Draw each sample as a line over what was drawn and what came of it, each from 0 to 1."""
+    """Parallel coordinates of inputs and results, each from 0 to 1."""
     pairs = _answered(study)
     figure, grid = panels(1.6 * (len(drawn) + len(pairs)), 4.0, squeeze=False)
     side = grid[0, 0]
@@ -326,7 +326,7 @@ def aim_picture(study: Study, found: Verdict) -> str:
 
 
 def _numbers(found: Verdict, which: Sequence[Judged], n: int) -> tuple[Floats, Floats, str]:
-    """Values of a goal or margins of a condition, their bars, and what they are called."""
+    """Values of a goal or margins of a condition, errors, and label."""
     aim = found.aims[n]
     sign = aim.sign if aim.kind == "goal" else 1.0
     values = np.array([sign * one.margins[n][0] for one in which])

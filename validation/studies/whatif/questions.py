@@ -27,7 +27,7 @@ from tactgen.validation.studies.whatif.statement import Statement
 
 @dataclass(frozen=True)
 class Question:
-    """One model at one point: what its answer depends on, and nothing else."""
+    """Question to one model at one point: the inputs of its answer."""
 
     model: str  #: Its name
     quantities: tuple[str, ...]  #: Those that the model gives
@@ -101,7 +101,7 @@ def solved(
 
 
 def keep(asked: Question, found: Answer, *, retry: bool = False) -> Answer:
-    """Keep an answer that was computed elsewhere; return what is kept, if one was already."""
+    """Store an answer that was computed elsewhere; an earlier one wins."""
     return kept(
         _kind(asked), asked.inputs, _made_of(asked.model), lambda: found, serves=_serving(retry)
     )
@@ -159,7 +159,7 @@ class Questions:
     _numbers: dict[str, int] = field(default_factory=dict)
 
     def add(self, point: Mapping[str, Any], model: str) -> int | Answer:
-        """Number of what a point asks a model, or the refusal."""
+        """Number of a point's question to a model, or the refusal."""
         stated = {key: as_stated(key, value) for key, value in point.items()}
         try:
             scene = self.nearby[model].scene(stated)
@@ -177,7 +177,7 @@ class Questions:
         points: Iterable[tuple[int, Mapping[str, Any], str]],
         announce: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """Add what points, each with its place and a model, ask."""
+        """Add the questions of points, each with its place and a model."""
         for count, (number, point, model) in enumerate(points):
             if count % 100 == 0:
                 announce(f"points checked: {count}")

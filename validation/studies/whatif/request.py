@@ -80,7 +80,7 @@ def _names(stated: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[st
 def with_tolerances(
     values: dict[str, Any], vary: Sequence[str], *, sampled: bool
 ) -> tuple[tuple[str, ...], list[str]]:
-    """Axes with ranges written out where a key stands alone, and what was drawn from.
+    """Axes with ranges written out where a key stands alone, and their sources.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A study is run: what is kept is recalled, the rest is computed, and no failure stops it."""
+"""Run of a study: cached answers are recalled, the rest is computed."""
 
 from __future__ import annotations
 

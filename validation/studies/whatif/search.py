@@ -102,7 +102,7 @@ def ranges_of(statement: Statement) -> tuple[Range, ...]:
 
 @dataclass(frozen=True)
 class Tried:
-    """A point of the ranges: its values by key, and what the aims say, None if nothing."""
+    """Tried point: values by key, and the aims' margins."""
 
     values: dict[str, float]
     judged: Judged | None
@@ -194,7 +194,7 @@ class Points:
         self.solver = StudySolver(self.statement, announce=self._announced, ranges=box)
 
     def ask(self, shares: Floats) -> list[Tried]:
-        """Points (n, ranges), asking for what is new."""
+        """Results at points (n, ranges), solving the new ones."""
         places = [tuple(float(v) for v in row) for row in np.clip(shares, 0.0, 1.0)]
         new = [place for place in dict.fromkeys(places) if place not in self.tried]
         if new:
@@ -352,6 +352,6 @@ def _spread(here: Floats) -> Floats:
 
 
 def with_aims(statement: Statement, aims: Sequence[Aim]) -> Statement:
-    """Statement that asks what the aims name and nothing else."""
+    """Study definition with the aims' quantities alone."""
     wanted = dict.fromkeys(name for aim in aims for name in aim.quantities)
     return replace(statement, quantities=tuple(wanted))

@@ -110,7 +110,7 @@ def table_lines(study: Study) -> list[str]:
 
 
 def heading(study: Study, name: str) -> str:
-    """Quantity's name with what is shown of it."""
+    """Heading of a quantity: name and representative."""
     for _, _, answer in study.rows:
         for q in answer.quantities:
             if q.name == name:

@@ -1,4 +1,4 @@
-"""``tactgen bench``: what the models cost, and what accuracy comes with it."""
+"""``tactgen bench``: run time against error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``tactgen sensitivity``: what each parameter does to a quantity, and what is not known."""
+"""``tactgen sensitivity``: derivatives and uncertainty of quantities."""
 
 from __future__ import annotations
 

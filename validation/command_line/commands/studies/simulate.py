@@ -91,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[str]:
-    """List what limits the use of a run."""
+    """Print the limits of a run's validity."""
     from tactgen.tmm.generator.transient.waveform import Constant
 
     doubts, answer, sideways = [], result.answer, result.sideways
@@ -122,7 +122,7 @@ def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[st
 
 
 def as_json(result: Simulation) -> dict[str, Any]:
-    """Run's summary: ends and extremes of what moved, phases, balance, errors."""
+    """Summary of a run: ends and extremes, phases, balance, errors."""
     from tactgen.validation.models.generator.transient import phases
     from tactgen.validation.studies.simulate import series
 
@@ -182,7 +182,7 @@ def _print(result: Simulation) -> None:
 
 
 def _check_files(options: argparse.Namespace) -> None:
-    """Refuse what would fail only after the run."""
+    """Refuse options that would fail only after the run."""
     from tactgen.validation.show.export import check_place
 
     for option in ("out", "plot", "gif", "mp4", "fields"):

@@ -139,7 +139,7 @@ def _scheduler(options: argparse.Namespace) -> str:
 
 
 def _with_quantities(statement: Statement, aims: Sequence[Aim]) -> Statement:
-    """Statement with what the aims name added to its quantities."""
+    """Study definition with the aims' quantities added."""
     from tactgen.validation.catalogue.models import gives
 
     wanted = dict.fromkeys(name for aim in aims for name in aim.quantities)
