@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
-from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.pieces import CentreLine, Piece, beam_pieces
+from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.segments import CentreLine, Piece, beam_pieces
 from tactgen.geometry.device.materials import EPS0, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.geometry.errors import InputError

@@ -14,7 +14,7 @@ import numpy as np
 from scipy import signal
 
 import tactgen
-from tactgen.tmm.generator.positions import axial_forces, position_loop
+from tactgen.tmm.generator.equilibrium import axial_forces, position_loop
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square
 from tactgen.tmm.reluctance.map_range import network_pull
 from tactgen.validation.models.backbone import backbone, held_head

@@ -16,7 +16,7 @@ import numpy as np
 from tactgen.fem.magnetics.axisymmetric_field import MagneticField, truncation_error
 from tactgen.fem.magnetics.axisymmetric_force import eggshell_force, virtual_work_force
 from tactgen.fem.magnetics.axisymmetric_space import size_of
-from tactgen.fem.magnetics.two_orders import (
+from tactgen.fem.magnetics.error_estimate import (
     Pair,
     Start,
     TwoOrders,

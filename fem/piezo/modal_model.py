@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.ends import Ends, TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.geometry.store.values import storable
 
 #: The motions of a body with two planes of symmetry: bending in x is odd in x and even in

@@ -11,7 +11,7 @@ from tactgen.fem.piezo.modal_model import SHIFT, ModeClass, classify
 from tactgen.fem.piezo.system import SolidSystem
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Numbers, Sparse
-from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
 
 #: Residual of a mode against its inverse eigenvalue; the frequency's error is its square.

@@ -20,7 +20,7 @@ import numpy as np
 
 from tactgen.fem.piezo.ports import ports_from_blocks
 from tactgen.geometry.arrays import Complex, Floats, Ints
-from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport, respond

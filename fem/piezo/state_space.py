@@ -33,7 +33,7 @@ import numpy as np
 
 from tactgen.fem.piezo.port_model import PortModel, extremes, motions, undamped_modes
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.geometry.files import written_whole
 
 #: Relaxations of the capacitance per factor e (two per decade hold tan δ to 1e-3), and how far

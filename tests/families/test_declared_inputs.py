@@ -13,7 +13,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.models import backbone as states
 from tactgen.validation.models.backbone import held_head, in_state
 from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
-from tactgen.validation.studies.whatif.questions import question
+from tactgen.validation.studies.whatif.point_answers import question
 
 #: What of a scene no stage reads: whose it is, and what is asked.
 ASKED = ("name", "description", "models", "quantities")

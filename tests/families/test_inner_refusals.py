@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from tactgen.fem.elements.skfem_mesh import ElementTetEdge2
-from tactgen.fem.magnetics.two_orders import two_orders
-from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.fem.magnetics.error_estimate import two_orders
+from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.cad import solids
 from tactgen.geometry.cad.tessellation import Plane
 from tactgen.geometry.device.parameters import Beam, Device
@@ -20,8 +20,8 @@ from tactgen.geometry.meshing.tetwild import conform as snapping
 from tactgen.geometry.store import values as sources
 from tactgen.tmm.beam import modes, port_quantities
 from tactgen.tmm.beam.sections import section
-from tactgen.tmm.generator.positions import resting_places
-from tactgen.tmm.generator.transient import march as passes
+from tactgen.tmm.generator.equilibrium import resting_places
+from tactgen.tmm.generator.transient import time_integration as passes
 from tactgen.tmm.harmonic_balance import continuation
 from tactgen.tmm.harmonic_balance import steady as free_oscillation
 from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit

@@ -56,7 +56,7 @@ def make_plain(leave_unlaid):
     """
 
     def make(patch):
-        from tactgen.validation.report import study
+        from tactgen.validation.report import report_data as study
         from tactgen.validation.show import export as files  # slow to import, as the next
         from tactgen.validation.show import figures as pictures
 

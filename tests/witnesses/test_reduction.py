@@ -8,8 +8,8 @@ import pytest
 from tactgen.fem.piezo.krylov import reduce_to_ports
 from tactgen.fem.piezo.port_model import extremes
 from tactgen.fem.piezo.solid import assemble
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.ends import Ends
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.evidence.random_devices import slender_bimorph

@@ -14,7 +14,7 @@ from functools import reduce
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Joint, Section

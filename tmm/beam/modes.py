@@ -27,7 +27,7 @@ from typing import TypeAlias
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.tmm.beam.scattering import THROUGH, Element, in_waves, neighbours, star
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.span import wavenumbers

@@ -30,7 +30,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats, Numbers
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.span import (

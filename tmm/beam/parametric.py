@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.pieces import Layers, Piece, beam_pieces
+from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.segments import Layers, Piece, beam_pieces
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Drive, Load, Support
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, quoted

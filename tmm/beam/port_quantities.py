@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
-from tactgen.geometry.bimorph.ends import Ends, Springs
-from tactgen.geometry.bimorph.pieces import CentreLine, Piece
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
+from tactgen.geometry.bimorph.segments import CentreLine, Piece
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.tmm.beam.modes import Row, bending_frequencies

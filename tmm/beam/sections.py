@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.pieces import Layers, Piece
+from tactgen.geometry.bimorph.segments import Layers, Piece
 from tactgen.geometry.device.materials import EPS0, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.geometry.errors import InputError

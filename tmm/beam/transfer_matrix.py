@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.geometry.bimorph.segments import Piece, beam_pieces
 from tactgen.geometry.device.materials import lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.scattering import Element, joined

@@ -23,8 +23,8 @@ from typing import Protocol
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Numbers
-from tactgen.geometry.bimorph.ends import Law as TipLaw
-from tactgen.geometry.bimorph.ends import TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import Law as TipLaw
+from tactgen.geometry.bimorph.boundary_conditions import TipLoad
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.errors import InputError
@@ -38,7 +38,7 @@ from tactgen.tmm.generator.contact import (
     stops_of,
     tilt_guide,
 )
-from tactgen.tmm.generator.positions import AxialForces, RestingPlace, pressed_support
+from tactgen.tmm.generator.equilibrium import AxialForces, RestingPlace, pressed_support
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.steady import Tabulated
 from tactgen.tmm.ports.elements import tip_stiffness

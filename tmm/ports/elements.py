@@ -11,10 +11,10 @@ from functools import lru_cache
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats
-from tactgen.geometry.bimorph.ends import Ends, Law, Springs, TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Law, Springs, TipLoad
 from tactgen.geometry.device.parameters import Load, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.measured_load import (
+from tactgen.tmm.ports.loads import (
     FINGER_RANGE,
     Dictionary,
     MeasuredLaw,
@@ -164,7 +164,7 @@ def ends_of(support: Support, load: Load) -> Ends:
     What a contact is depends on the force that presses it: tmm.generator gives its springs.
     """
     if support.kind == "contact":
-        raise ValueError("a contact's springs depend on its load; see tmm.generator.positions")
+        raise ValueError("a contact's springs depend on its load; see tmm.generator.equilibrium")
     base = None
     if support.kind == "spring":
         base = Springs(

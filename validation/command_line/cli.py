@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.ending import (
+from tactgen.validation.command_line.exit import (
     explained,
     said_of_the_end,
     unwound_when_told_to_end,

@@ -12,7 +12,7 @@ from tactgen.validation.command_line.streams import say
 
 if TYPE_CHECKING:
     from tactgen.validation.models.comparison import Choice
-    from tactgen.validation.studies.whatif.statement import Statement
+    from tactgen.validation.studies.whatif.definition import Statement
 
 #: Most samples that can be drawn.
 _MOST_SAMPLES = 1_000_000
@@ -48,13 +48,13 @@ def axis_options(parser: argparse.ArgumentParser) -> None:
 def stated(options: argparse.Namespace, before: Statement | None = None) -> Statement:
     """Study definition from the options, or else from an earlier study."""
     from tactgen.validation.scene.scene import scene_values
-    from tactgen.validation.studies.whatif.request import (
+    from tactgen.validation.studies.whatif.defaults import (
         asks_accuracy,
         chosen,
         names_models,
         with_tolerances,
     )
-    from tactgen.validation.studies.whatif.statement import Statement
+    from tactgen.validation.studies.whatif.definition import Statement
 
     overrides = list(options.overrides)
     if options.frequency is not None:
@@ -117,7 +117,7 @@ def under_accuracy(statement: Statement) -> tuple[Statement, Choice | None]:
     if not statement.by_accuracy:
         return statement, None
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.studies.whatif.request import under_contract
+    from tactgen.validation.studies.whatif.defaults import under_contract
 
     with announcer() as announce:
         statement, choice = under_contract(statement, announce)

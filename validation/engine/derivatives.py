@@ -16,8 +16,8 @@ from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.variation import value_of
 
 #: Where a quantity is evaluated for a difference, in units of the largest distance.
 PLACES = np.array([1.0, -1.0, 0.5, -0.5])

@@ -29,8 +29,8 @@ from tactgen.validation.catalogue.models import (
     stage_reads,
 )
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene, scene_keys
+from tactgen.validation.scene.variation import value_of
 
 #: Keys that say whose scene it is and what is asked of it.
 _ASKED = ("name", "description", "models", "quantities")

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, TypeVar
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Response
 from tactgen.validation.catalogue.models import MODELS

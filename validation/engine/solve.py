@@ -14,7 +14,7 @@ from tactgen.validation.catalogue.row import Actuator
 from tactgen.validation.engine.answers import quantity_json
 from tactgen.validation.engine.model import Model, make_model
 from tactgen.validation.engine.plan import Plan, Step, make_plan, record, stages_for
-from tactgen.validation.engine.reading import read
+from tactgen.validation.engine.readout import read
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.engine.warnings import (

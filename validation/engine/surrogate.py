@@ -31,8 +31,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Estimate, Quantity
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.nearby import with_values
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.variation import with_values
 
 #: Range (SI) of each scene key that varies.
 Ranges = Mapping[str, tuple[float, float]]

@@ -9,14 +9,14 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import outside_known_range
-from tactgen.tmm.ports.measured_load import FINGER_RANGE, MeasuredLaw
+from tactgen.tmm.ports.loads import FINGER_RANGE, MeasuredLaw
 from tactgen.tmm.ports.readout import Readout
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives, ranked
 from tactgen.validation.catalogue.quantities import CERAMIC_STRESS, QUANTITIES
 from tactgen.validation.catalogue.row import DrivenReadout
 from tactgen.validation.engine.model import Model
-from tactgen.validation.engine.reading import read
+from tactgen.validation.engine.readout import read
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import Scene
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Device, Drive, Load, Support
 from tactgen.tmm.beam.mounted_beam import mounted_response
 from tactgen.tmm.beam.parametric import Actuator, tip_response
@@ -22,7 +22,7 @@ from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.validation.evidence.bench import Bench, Target, Timing
 from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.evidence.cases import textbook_beam
-from tactgen.validation.evidence.one_core import least_time, on_one_core, peak_memory
+from tactgen.validation.evidence.single_core import least_time, on_one_core, peak_memory
 
 #: Ranges of frequency (Hz): the paper's, and one that asks for more.
 CASES = {"10 Hz to 2 kHz": (10.0, 2e3), "1 mHz to 1 MHz": (1e-3, 1e6)}

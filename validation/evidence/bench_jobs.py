@@ -115,7 +115,7 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     later_on = (
         "scipy.sparse.linalg",
         "tactgen.fem.piezo.krylov",
-        "tactgen.validation.models.bimorph.lowest_modes",
+        "tactgen.validation.models.bimorph.natural_modes",
     )
     for later in later_on:
         importlib.import_module(later)
@@ -145,7 +145,7 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
 def _static(system: Any) -> tuple[float, float]:
     """Deflection and capacitance of the clamped, free bimorph."""
     from tactgen.fem.piezo.ports import static_multiport
-    from tactgen.geometry.bimorph.ends import Ends
+    from tactgen.geometry.bimorph.boundary_conditions import Ends
     from tactgen.tmm.ports.elements import attach
     from tactgen.tmm.ports.multiport import respond
 
@@ -157,8 +157,8 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
     """Natural frequencies; a coarse mesh says which classes of motion they are in."""
     from tactgen.fem.piezo.modes import natural_modes
     from tactgen.fem.piezo.solid import assemble
-    from tactgen.geometry.bimorph.ends import Ends
-    from tactgen.validation.models.bimorph.lowest_modes import (
+    from tactgen.geometry.bimorph.boundary_conditions import Ends
+    from tactgen.validation.models.bimorph.natural_modes import (
         coarse_modes,
         fine_modes,
         lowest_modes,
@@ -176,7 +176,7 @@ def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
 def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
     """Complex deflection by reduction to ports."""
     from tactgen.fem.piezo.krylov import reduce_to_ports
-    from tactgen.geometry.bimorph.ends import Ends
+    from tactgen.geometry.bimorph.boundary_conditions import Ends
     from tactgen.tmm.ports.elements import attach
     from tactgen.tmm.ports.multiport import respond
 

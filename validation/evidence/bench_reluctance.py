@@ -21,7 +21,7 @@ from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.evidence.bench import Bench, Target, Timing
 from tactgen.validation.evidence.cases.ball import Potential
 from tactgen.validation.evidence.cases.team20 import pole_forces
-from tactgen.validation.evidence.one_core import least_time, on_one_core
+from tactgen.validation.evidence.single_core import least_time, on_one_core
 
 #: Errors asked for, relative.
 _FORCE, _LINKAGE = 1e-3, 5e-4

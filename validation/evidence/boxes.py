@@ -24,7 +24,7 @@ from tactgen.fem.piezo.system import Material
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Bools, Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, Slab
-from tactgen.validation.evidence import fineness
+from tactgen.validation.evidence import mesh_levels as fineness
 
 #: A value, or a function of the coordinates (x, y, z) in metres.
 Profile: TypeAlias = float | Callable[[Floats, Floats, Floats], Floats]

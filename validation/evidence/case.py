@@ -121,7 +121,7 @@ class Case:
     problem: str  #: What is asked, with all dimensions, so that a reader can solve it elsewhere
     model: str  #: What of the suite solves it, and how finely
     rows: tuple[Check, ...]  #: What must hold
-    #: What is shown in place of the rows' own coarser levels (`checks/cases/fineness.py`)
+    #: What is shown in place of the rows' own coarser levels
     refinement: Refinement | None = None
     #: Gives a drawing as SVG, where a body is hard to say in words
     setup: Callable[[], str] | None = None

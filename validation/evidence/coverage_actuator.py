@@ -14,10 +14,10 @@ from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 from tactgen.geometry.reluctance.sector_tets import Sector
-from tactgen.tmm.generator.positions import axial_forces, resting_place
+from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import Linearised
-from tactgen.tmm.generator.transient.march import simulate
-from tactgen.tmm.generator.transient.record import output_at
+from tactgen.tmm.generator.transient.results import output_at
+from tactgen.tmm.generator.transient.time_integration import simulate
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.map_range import map_grid, network_pull

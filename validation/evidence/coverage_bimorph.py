@@ -18,7 +18,7 @@ from tactgen.fem.piezo.ports import ports_from_blocks
 from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
-from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections

@@ -11,7 +11,7 @@ from typing import TypeAlias, TypeVar
 import numpy as np
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.measured_load import FINGER_RANGE
+from tactgen.tmm.ports.loads import FINGER_RANGE
 
 #: Draws after which no device is looked for any more: at most one in two of those sampled here is
 #: refused, so it is the model that refuses all.

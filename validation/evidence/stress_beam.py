@@ -17,8 +17,8 @@ import mpmath as mp
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.ends import Ends, Springs
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Support
 from tactgen.geometry.formats import engineering
 from tactgen.tmm.beam.modes import bending_frequencies, natural_frequencies

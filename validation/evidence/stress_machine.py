@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.generator.positions import AxialForces, axial_forces, settled_place
-from tactgen.tmm.generator.transient.march import simulate
-from tactgen.tmm.generator.transient.record import output_at
+from tactgen.tmm.generator.equilibrium import AxialForces, axial_forces, settled_place
+from tactgen.tmm.generator.transient.results import output_at
+from tactgen.tmm.generator.transient.time_integration import simulate
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Waveform
 from tactgen.tmm.reluctance.map_range import network_pull
 from tactgen.tmm.reluctance.network import DirectPull, network_samples

@@ -18,8 +18,8 @@ from tactgen.fem.piezo.ports import direct_multiport, static_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, Axis, BrickMeshing, Bricks, bimorph_bricks
-from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Bimorph, Device, Glue, Shim
 from tactgen.geometry.meshing.mesh import Mesh

@@ -27,7 +27,7 @@ from tactgen.validation.evidence.case import (
     judged,
     value_of,
 )
-from tactgen.validation.evidence.fineness import Kind, on_level
+from tactgen.validation.evidence.mesh_levels import Kind, on_level
 
 Verdict = Literal["pass", "explained", "fail", "skipped"]
 #: All verdicts, in the order in which they are counted.
@@ -56,7 +56,7 @@ ON_SCENES = ("bimorph", "reluctance", "motion", "amplitude", "display")
 @storable
 @dataclass(frozen=True)
 class Division:
-    """Measurement of a row on one level of fineness (:mod:`validation.evidence.fineness`).
+    """Measurement of a row on one level of fineness (:mod:`validation.evidence.mesh_levels`).
 
     Attributes
     ----------

@@ -13,7 +13,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam import transfer_matrix
-from tactgen.tmm.generator.positions import History, axial_forces, resting_place
+from tactgen.tmm.generator.equilibrium import History, axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import RockingHead, rocking_head
 from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
 from tactgen.tmm.harmonic_balance.continuation import (

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.profile import UNIFORM

@@ -16,9 +16,9 @@ from tactgen.validation.engine.warnings import accuracy_warnings
 from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.models.difference import Band, expected_differences
 from tactgen.validation.report.provenance import FILE, read_record, recorded, seal, unseal
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.request import check_report, is_of_rest
 from tactgen.validation.report.sections.contents import APPENDIX, sections
-from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.browser import anchor_pages, print_pdf
 from tactgen.validation.show.page import assets, page_templates

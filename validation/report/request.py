@@ -12,7 +12,7 @@ from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.plan import check_models
 from tactgen.validation.engine.solve import check_request
-from tactgen.validation.report.normal_actuator import needs_map
+from tactgen.validation.report.reluctance_data import needs_map
 from tactgen.validation.scene.scene import Scene
 
 #: Points of the frequency response in the report.

@@ -22,7 +22,7 @@ from pydantic import (
 )
 
 from tactgen.geometry import units as u
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
 from tactgen.geometry.device.load_table import load_table
@@ -49,7 +49,7 @@ from tactgen.validation.scene.frequencies import parse_frequencies
 from tactgen.validation.scene.tolerances import Tolerance, split_tolerances
 
 if TYPE_CHECKING:
-    from tactgen.tmm.generator.positions import RestingPlace
+    from tactgen.tmm.generator.equilibrium import RestingPlace
     from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 
 
@@ -203,7 +203,7 @@ def _held_by_contact(
     device: p.Device, pressed: float, pull: CoenergyMap | None
 ) -> tuple[RestingPlace, p.Support]:
     """Resting place and springs of a device, found once: they are asked for very often."""
-    from tactgen.tmm.generator.positions import held_support
+    from tactgen.tmm.generator.equilibrium import held_support
 
     coil = device.coil
     return held_support(device, pull, abs(coil.current), coil.history, pressed)

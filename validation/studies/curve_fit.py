@@ -27,8 +27,8 @@ from tactgen.tmm.ports.multiport import Multiport, in_series
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.catalogue.row import AnswerReadout
 from tactgen.validation.engine.model import Refined
-from tactgen.validation.scene.nearby import with_values
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.variation import with_values
 from tactgen.validation.studies.measured_data import MeasuredCurve
 
 #: Probability that an interval is made for.

@@ -26,7 +26,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.parametric import Actuator
 from tactgen.tmm.beam.sections import section

@@ -24,7 +24,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.sensitivities import logarithmic_sensitivities
-from tactgen.tmm.ports.measured_load import finger_spring_damper
+from tactgen.tmm.ports.loads import finger_spring_damper
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene

@@ -16,9 +16,9 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.inputs import idle
 from tactgen.validation.engine.plan import check_on_contact
 from tactgen.validation.engine.warnings import load_warnings
-from tactgen.validation.scene.nearby import value_of, with_values
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.variation import value_of, with_values
 from tactgen.validation.studies.curve_fit import (
     CONFIDENCE,
     RANK,

@@ -19,9 +19,9 @@ from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.formats import engineering, prefixed
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.files import scene_name
-from tactgen.validation.scene.nearby import SYMBOLS, value_of
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import FILE_KEYS
+from tactgen.validation.scene.variation import SYMBOLS, value_of
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, svg
 from tactgen.validation.studies.curve_fit import curve_model
 from tactgen.validation.studies.identify import Assumption, Identification

@@ -34,8 +34,8 @@ from tactgen.tmm.beam.parametric import check_length_free
 from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.catalogue.row import QuantityRow
 from tactgen.validation.scene.files import one_line
-from tactgen.validation.scene.nearby import SYMBOLS, value_of
 from tactgen.validation.scene.scene import Scene, scene_keys
+from tactgen.validation.scene.variation import SYMBOLS, value_of
 
 _WEIGHT = Unit("", "weight", "1", limits=(1e-12, 1e12))
 _PARTS = ("", "_re", "_im", "_phase")

@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
 from tactgen.tmm.beam.sensitivities import derivatives, values
@@ -28,9 +28,9 @@ from tactgen.validation.catalogue.quantities import QUANTITIES, TIP_DISPLACEMENT
 from tactgen.validation.catalogue.row import QuantityRow
 from tactgen.validation.engine.inputs import idle
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.parameter_list import ranges, show
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.variation import value_of
 from tactgen.validation.studies.length_map import actuator
 
 #: Frequencies at which loaded or free motion is a headline number (Hz), and one at which

@@ -30,8 +30,8 @@ from tactgen.validation.engine.plan import check_models
 from tactgen.validation.engine.solve import check_request
 from tactgen.validation.engine.warnings import check_held
 from tactgen.validation.scene.files import assign
-from tactgen.validation.scene.nearby import SYMBOLS, value_of
 from tactgen.validation.scene.scene import Scene, checked_scene, scene_keys, scene_values
+from tactgen.validation.scene.variation import SYMBOLS, value_of
 from tactgen.validation.studies.length_map import actuator
 
 #: Groups that no one-dimensional model of the lateral actuator reads, and those that say what the

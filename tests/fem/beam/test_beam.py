@@ -5,8 +5,8 @@ import pytest
 
 from tactgen.fem import beam
 from tactgen.fem.beam import row_mesh
-from tactgen.geometry.bimorph.ends import Ends, Springs
-from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
+from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Support
 from tactgen.tmm.beam import modes, transfer_matrix
 from tactgen.tmm.ports import multiport as invariants

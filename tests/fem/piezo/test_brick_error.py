@@ -12,8 +12,8 @@ from tactgen.fem.piezo.modal_reduction import modal_model
 from tactgen.fem.piezo.modes import eigenpairs, natural_modes
 from tactgen.fem.piezo.ports import static_multiport, static_multiports
 from tactgen.fem.piezo.system import materials
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond

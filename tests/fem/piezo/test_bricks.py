@@ -12,8 +12,8 @@ from tactgen.fem.piezo.ports import static_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.symmetry import lumped
 from tactgen.fem.piezo.system import materials
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, Axis, BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 
 MOTIONS = ("bending_x", "bending_y", "torsion", "axial")

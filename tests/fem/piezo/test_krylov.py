@@ -9,8 +9,8 @@ from tactgen.fem.piezo.port_model import _GRID, extremes, motions, standard_ends
 from tactgen.fem.piezo.ports import direct_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.solvers.linear_solver import factorise
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Device, Load, Piezo, Support
 from tactgen.tmm.ports.elements import attach, ends_of
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond

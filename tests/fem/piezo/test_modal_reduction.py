@@ -6,8 +6,8 @@ import pytest
 from tactgen.fem.piezo.modal_reduction import modal_model
 from tactgen.fem.piezo.modes import natural_modes
 from tactgen.fem.piezo.solid import assemble
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.store.values import from_bytes, to_bytes
 

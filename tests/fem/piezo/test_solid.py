@@ -12,8 +12,8 @@ from tactgen.fem.piezo.modal_model import classify
 from tactgen.fem.piezo.modes import natural_modes
 from tactgen.fem.piezo.ports import direct_multiport, static_multiport
 from tactgen.fem.piezo.solid import assemble
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Bimorph, Device, Piezo, Shim, Support
 from tactgen.tmm.ports import multiport
 from tactgen.tmm.ports import multiport as invariants

@@ -14,8 +14,8 @@ from tactgen.fem.piezo.state_space import (
     state_space,
     write_state_space,
 )
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
-from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.parameters import Device, Load, Support
 from tactgen.tmm.ports.elements import ends_of
 from tactgen.validation.command_line.cli import main

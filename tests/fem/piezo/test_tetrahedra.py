@@ -16,7 +16,7 @@ from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import materials, volts_per_unit
 from tactgen.fem.piezo.tetrahedra import SkfemBody
 from tactgen.fem.piezo.tetrahedra_error import goal_errors
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, whole_mesh

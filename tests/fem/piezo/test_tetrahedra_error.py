@@ -9,8 +9,8 @@ from tactgen.fem.piezo.modes import natural_modes
 from tactgen.fem.piezo.ports import static_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.tetrahedra_error import goal_errors
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
-from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.meshing.tetwild.conform import TET_FACES
 from tactgen.validation.scene.scene import load_scene

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Load, Support
 from tactgen.tmm.ports.elements import ends_of
-from tactgen.tmm.ports.measured_load import finger_stiffness
+from tactgen.tmm.ports.loads import finger_stiffness
 
 SPRINGS = Springs(3e6, 0.24, rotational_damping=4.46e-6, rotational_inertia=1e-12)
 

@@ -3,7 +3,7 @@
 import pytest
 
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
-from tactgen.geometry.bimorph.pieces import Layers, Piece, beam_pieces
+from tactgen.geometry.bimorph.segments import Layers, Piece, beam_pieces
 from tactgen.geometry.device.checks import check_fit
 from tactgen.geometry.device.layout import layout
 from tactgen.geometry.device.parameters import Bimorph, Device, Support

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.pieces import CentreLine, beam_pieces, row_shape
+from tactgen.geometry.bimorph.segments import CentreLine, beam_pieces, row_shape
 from tactgen.geometry.device.parameters import Bimorph, Device, Support
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 

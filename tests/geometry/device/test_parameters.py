@@ -3,7 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.geometry.bimorph.segments import Piece, beam_pieces
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.checks import check_fit
 from tactgen.geometry.errors import InputError

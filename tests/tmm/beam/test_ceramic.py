@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import port_quantities as ceramic
 from tactgen.tmm.beam.sections import section

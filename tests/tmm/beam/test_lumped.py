@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import lumped
 from tactgen.tmm.beam import transfer_matrix as tmm

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import _descent, _roots, bending_frequencies, natural_frequencies

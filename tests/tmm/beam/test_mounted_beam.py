@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Device, Load, Support
 from tactgen.tmm.beam import mounted_beam, span
 from tactgen.tmm.beam.modes import bending_frequencies

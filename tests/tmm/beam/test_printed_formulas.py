@@ -8,7 +8,7 @@ out here, so that nothing but the paper's own formulas is at work.
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.printed_formulas import (
     FORMULAS,
@@ -20,7 +20,7 @@ from tactgen.tmm.beam.printed_formulas import (
 )
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import dynamic_stiffness
-from tactgen.tmm.ports.measured_load import finger_impedance
+from tactgen.tmm.ports.loads import finger_impedance
 from tactgen.validation.evidence.cases import exact_beam as reference
 
 DEVICE = Device()

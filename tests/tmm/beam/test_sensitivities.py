@@ -10,7 +10,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.pieces import beam_pieces
+from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Bimorph, Device, Support
 from tactgen.geometry.errors import InputError
@@ -18,7 +18,7 @@ from tactgen.tmm.beam import parametric
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
 from tactgen.tmm.beam.sensitivities import derivatives, logarithmic_sensitivities, values
-from tactgen.tmm.ports.measured_load import finger_spring_damper
+from tactgen.tmm.ports.loads import finger_spring_damper
 from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.catalogue.quantities import QUANTITIES

@@ -16,7 +16,7 @@ from tactgen.tmm.display.array import (
     tip_motions,
     unit_ports,
 )
-from tactgen.tmm.generator.positions import held_support
+from tactgen.tmm.generator.equilibrium import held_support
 from tactgen.tmm.generator.small_signal import linearised, machine
 from tactgen.tmm.ports.elements import ends_of
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond, terminate

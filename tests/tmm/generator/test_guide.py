@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.geometry.device.parameters import Beam, Device, Guide, Spring
 from tactgen.tmm.generator.contact import Play, contact_of, lateral_guide, tilt_guide
-from tactgen.tmm.generator.positions import axial_forces, held_support, resting_place
+from tactgen.tmm.generator.equilibrium import axial_forces, held_support, resting_place
 from tactgen.tmm.generator.small_signal import linearised, resting_tilt
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.tmm.reluctance.map_range import network_pull

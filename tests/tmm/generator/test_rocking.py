@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from tactgen.tmm.beam.lumped import lumped_model
 from tactgen.tmm.beam.transfer_matrix import sections
-from tactgen.tmm.generator.positions import axial_forces, resting_place
+from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import rocking_head
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution

@@ -9,7 +9,7 @@ from tactgen.geometry.device.parameters import Beam, Device, Load, Spring, Suppo
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.generator.contact import RoughContact, contact_of, stops_of
-from tactgen.tmm.generator.positions import axial_forces, resting_place
+from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import (
     Linearised,
     axial_poles,
@@ -136,7 +136,7 @@ def test_poles_of_the_axial_motion():
 
 def test_the_unstable_place_has_a_growing_pole():
     """Between the stops at 50 mA: the static criterion and the poles agree, by either supply."""
-    from tactgen.tmm.generator.positions import resting_places
+    from tactgen.tmm.generator.equilibrium import resting_places
 
     device = Device()
     pull = network_pull(device)

@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.geometry.device.parameters import Contact, Device
 from tactgen.tmm.generator.contact import contact_of, stops_of
-from tactgen.tmm.generator.positions import held_support
+from tactgen.tmm.generator.equilibrium import held_support
 from tactgen.tmm.reluctance.map_range import network_pull
 
 OWN = Device(contact=Contact(lower_decay_ratio=0.5, lower_relaxation_ratio=0.25))

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.geometry.bimorph.ends import Ends, Springs
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.sections import Section

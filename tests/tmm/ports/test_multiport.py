@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.geometry.bimorph.ends import Ends, TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import lumped
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.printed_formulas import printed_section
 from tactgen.tmm.ports.elements import attach, ends_of
-from tactgen.tmm.ports.measured_load import finger_stiffness
+from tactgen.tmm.ports.loads import finger_stiffness
 from tactgen.tmm.ports.multiport import (
     BIMORPH,
     balanced,

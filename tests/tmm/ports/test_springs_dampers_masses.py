@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.ends import TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import TipLoad
 from tactgen.geometry.device.load_table import LoadTable
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports import elements as springs_dampers_masses
 from tactgen.tmm.ports.elements import chain_of, finger_chain, tip_stiffness
-from tactgen.tmm.ports.measured_load import (
+from tactgen.tmm.ports.loads import (
     FINGER_RANGE,
     MeasuredLaw,
     PassiveFit,

@@ -79,5 +79,5 @@ def test_a_heavy_mass_pins_the_tip():
 
 def test_a_contact_has_no_springs_before_it_is_loaded():
     """Read as any other support it would hold the base rigidly, and nobody would know."""
-    with pytest.raises(ValueError, match=r"depend on its load; see tmm\.generator\.positions"):
+    with pytest.raises(ValueError, match=r"depend on its load; see tmm\.generator\.equilibrium"):
         t.ends_of(Support(kind="contact"), Load())

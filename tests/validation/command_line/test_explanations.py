@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tactgen.validation.command_line.ending import explained
+from tactgen.validation.command_line.exit import explained
 
 
 @pytest.mark.parametrize(

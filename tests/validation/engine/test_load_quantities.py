@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.tmm.ports.measured_load import finger_impedance
+from tactgen.tmm.ports.loads import finger_impedance
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene

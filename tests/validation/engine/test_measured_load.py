@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.measured_load import OF_THE_TABLE
+from tactgen.tmm.ports.loads import OF_THE_TABLE
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.inputs import scene_warnings, values_read
 from tactgen.validation.engine.solve import solve

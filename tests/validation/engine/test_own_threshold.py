@@ -13,9 +13,9 @@ from tactgen.validation.engine.inputs import scene_warnings, values_read
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.sensitivity import sensitivity_columns
-from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.statement import Statement
-from tactgen.validation.studies.whatif.verdict import parse_aims, verdict
+from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.study import run_study
 
 BOTH = ("detection_ratio", "threshold_voltage")
 

@@ -15,8 +15,8 @@ from tactgen.validation.engine.surrogate import (
     design_size,
     fit_surrogate,
 )
-from tactgen.validation.scene.nearby import with_values
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.variation import with_values
 
 FREQUENCIES = "short_circuit_frequencies"
 STATICS = ("static_tip_displacement", "capacitance_free")

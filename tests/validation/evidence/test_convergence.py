@@ -8,7 +8,7 @@ import pytest
 from tactgen.validation.book import book as convergence
 from tactgen.validation.book.book import Curve
 from tactgen.validation.evidence.case import Answer, Refinement, case, judged
-from tactgen.validation.evidence.fineness import DEGREE
+from tactgen.validation.evidence.mesh_levels import DEGREE
 from tactgen.validation.evidence.verification import Division, Verified
 
 CASE = case(

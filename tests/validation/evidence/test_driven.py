@@ -8,7 +8,7 @@ import pytest
 
 from tactgen.fem import beam
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient import record
+from tactgen.tmm.generator.transient import results as record
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.evidence import stress_driven as sweep
 from tactgen.validation.evidence import stress_machine as machine

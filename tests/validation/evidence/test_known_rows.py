@@ -2,7 +2,7 @@
 
 import pytest
 
-from tactgen.validation.evidence.fineness import on_level
+from tactgen.validation.evidence.mesh_levels import on_level
 from tactgen.validation.evidence.verification import GROUPS, ON_SCENES, group_cases
 
 KNOWN = [group for group in GROUPS if group not in ON_SCENES]

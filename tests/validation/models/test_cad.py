@@ -14,7 +14,8 @@ from tactgen.validation.engine.solve import evaluate, solve
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.evidence.coverage import PROMISED, median_width
 from tactgen.validation.evidence.coverage_bimorph import cad_cases, judged
-from tactgen.validation.models.bimorph import adaptive_meshes, two_meshes
+from tactgen.validation.models.bimorph import adaptive_meshes
+from tactgen.validation.models.bimorph import mesh_pair as two_meshes
 from tactgen.validation.models.bimorph.solid import cells_of, mesh_pair
 from tactgen.validation.models.comparison import compare
 from tactgen.validation.scene.scene import load_scene

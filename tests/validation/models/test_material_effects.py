@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.errors import InputError
-from tactgen.validation.models.bimorph.tab import choices
+from tactgen.validation.models.bimorph.rod_joint import choices
 
 #: Choices that change the reduced set, as their names say.
 CHANGES = ("eps33", "d31")

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.tmm.generator.positions import axial_forces, resting_place, resting_places
+from tactgen.tmm.generator.equilibrium import axial_forces, resting_place, resting_places
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import MapError
 from tactgen.tmm.reluctance.map_range import map_grid, network_pull

@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.models.bimorph.tab import (
+from tactgen.validation.models.bimorph.rod_joint import (
     fitted_springs,
     frequency_on,
     joint_by_beam,

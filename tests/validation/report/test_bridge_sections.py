@@ -7,12 +7,12 @@ from pages import page_text
 
 from tactgen.geometry.bimorph import bricks as bimorph_bricks
 from tactgen.validation.report.page import templates
-from tactgen.validation.report.sections.bridge import (
+from tactgen.validation.report.report_data import Study
+from tactgen.validation.report.sections.model_differences import (
     bridge_section,
     holding_section,
     material_section,
 )
-from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 
 SECTIONS = {"bridge": bridge_section, "holding": holding_section, "material": material_section}

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from tactgen.validation.report.page import templates
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.sections.display import _numbers, display_section
-from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.display import swing, travelling_wave
 from tactgen.validation.show.view import Look, view

@@ -1,8 +1,8 @@
 """The report's section on what the tip touches."""
 
 from tactgen.validation.report.page import templates
-from tactgen.validation.report.sections.load import load_section
-from tactgen.validation.report.study import Study
+from tactgen.validation.report.report_data import Study
+from tactgen.validation.report.sections.tip_load import load_section
 from tactgen.validation.scene.scene import load_scene
 
 

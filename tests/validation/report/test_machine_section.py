@@ -9,11 +9,11 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import STATES, rocking_states
 from tactgen.validation.report.page import summary, templates
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.request import check_report
 from tactgen.validation.report.sections import large_motion
 from tactgen.validation.report.sections.contents import sections
-from tactgen.validation.report.sections.machine import MOTIONS, POSITIONS, SUPPORT, _maps_asked
-from tactgen.validation.report.study import Study
+from tactgen.validation.report.sections.generator import MOTIONS, POSITIONS, SUPPORT, _maps_asked
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies import parameter_uncertainty as propagation
 

@@ -12,10 +12,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.coenergy_fit import read_map
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.report.normal_actuator import NormalActuator
 from tactgen.validation.report.page import write_report
+from tactgen.validation.report.reluctance_data import NormalActuator
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.reluctance import _deviations
-from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.export import normal_actuator_solids, scene_solids
 
@@ -234,7 +234,7 @@ def test_report_of_both_actuators(tmp_path):
 ALONE = """
 import os, sys
 from matplotlib.backends.backend_svg import FigureCanvasSVG
-import tactgen.validation.report.study as study
+import tactgen.validation.report.report_data as study
 from tactgen.validation.show import figures
 figures.lay_out = lambda _: None  # slow, of no concern here, as drawing is
 FigureCanvasSVG.print_svg = lambda _, file, **__: file.write("<svg></svg>")

@@ -19,9 +19,9 @@ from tactgen.validation import report
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph.solid import cells_of, mesh_pair
 from tactgen.validation.report.page import _with_pages, print_report, write_report
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections import length as length_section
 from tactgen.validation.report.sections.bimorph_figures import response_values
-from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.browser import anchor_pages, find_browser, run_browser
 from tactgen.validation.studies import parameter_uncertainty as propagation

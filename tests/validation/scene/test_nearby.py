@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import SI
-from tactgen.validation.scene.nearby import ScenesNearby
 from tactgen.validation.scene.scene import checked_scene, scene_values
+from tactgen.validation.scene.variation import ScenesNearby
 
 VALUES, _ = scene_values("paper", ["gap=0.2 ± 0.01 mm", "bimorph.length=20 mm (19..21 mm)"])
 NEARBY = ScenesNearby({**VALUES, "models": ["tmm"]})

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.pieces import beam_pieces, row_shape
+from tactgen.geometry.bimorph.segments import beam_pieces, row_shape
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.engine.solve import solve

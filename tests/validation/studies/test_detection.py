@@ -16,7 +16,7 @@ from tactgen.validation.catalogue.detection import (
 )
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import as_json, solve
-from tactgen.validation.report.sections.voltage import section
+from tactgen.validation.report.sections.drive_voltage import section
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.excitation_voltage import CASES, voltage_study
 
@@ -163,7 +163,7 @@ def test_the_curves_hold_their_extremes(study):
 
 def test_load_factor_gives_the_papers_displacement(study):
     """With the load multiplied by the stated factor, |w| per volt is the paper's."""
-    from tactgen.tmm.ports.measured_load import finger_spring_damper
+    from tactgen.tmm.ports.loads import finger_spring_damper
 
     for moved in study.moved:
         c, d = (float(v[0]) for v in finger_spring_damper(np.array([moved.frequency])))

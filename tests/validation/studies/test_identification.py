@@ -9,8 +9,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.nearby import with_values
 from tactgen.validation.scene.scene import FILE_KEYS, load_scene
+from tactgen.validation.scene.variation import with_values
 from tactgen.validation.studies.curve_fit import Misfit, curve_model
 from tactgen.validation.studies.identify import identify
 from tactgen.validation.studies.identify_output import file_from

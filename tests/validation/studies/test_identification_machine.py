@@ -6,8 +6,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.nearby import value_of
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.variation import value_of
 from tactgen.validation.studies.curve_fit import curve_model
 from tactgen.validation.studies.identify import identify
 from tactgen.validation.studies.measured_data import MeasuredCurve

@@ -7,15 +7,15 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports import measured_load as finger
+from tactgen.tmm.ports import loads as finger
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.page import templates
+from tactgen.validation.report.sections import drive_voltage as voltage_section
 from tactgen.validation.report.sections import length as length_section
-from tactgen.validation.report.sections import voltage as voltage_section
 from tactgen.validation.report.sections.length import length_plot, section
-from tactgen.validation.scene.nearby import is_papers_bimorph, value_of, with_values
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.variation import is_papers_bimorph, value_of, with_values
 from tactgen.validation.studies.design import (
     PAPER_LENGTHS,
     Aim,

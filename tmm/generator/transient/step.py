@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.tmm.generator.transient.answers import NO_FIELD, Answer, Answers
+from tactgen.tmm.generator.transient.nonlinear_forces import NO_FIELD, Answer, Answers
 from tactgen.tmm.generator.transient.system import System
 from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint
 

@@ -4,7 +4,7 @@
     δ_e = s_e + d_e·x,   g = g_0 + b·x,   λ' = v − R i,   Q = θ·x + C_p U.
 
 The coordinates x are whatever the structure is made of: modes, rigid motions, the rod's height.
-Nothing here knows the device; :mod:`tmm.generator.transient.march` moves it.
+Nothing here knows the device; :mod:`tmm.generator.transient.time_integration` moves it.
 """
 
 from __future__ import annotations

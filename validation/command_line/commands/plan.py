@@ -98,7 +98,7 @@ def _refuse_unused(options: argparse.Namespace) -> None:
 def _of_study(options: argparse.Namespace) -> int:
     """Print each model's planned points: cached, interpolated or solved."""
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.studies.whatif.run import plan_study
+    from tactgen.validation.studies.whatif.study import plan_study
 
     statement, choice = under_accuracy(stated(options))
     with announcer() as announce:

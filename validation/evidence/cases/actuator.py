@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.validation.evidence.fineness import cached, counted, degree
+from tactgen.validation.evidence.mesh_levels import cached, counted, degree
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint
@@ -22,8 +22,8 @@ from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
 from tactgen.tmm.reluctance.flux_ladder import Ladder, LadderSolution
 from tactgen.tmm.reluctance.flux_ladder import solve as solve_ladder
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.nearby import value_of, with_values
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.variation import value_of, with_values
 
 
 @cached

@@ -17,7 +17,7 @@ import mpmath as mp
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.device.profile import UNIFORM
 from tactgen.tmm.beam.printed_formulas import (
@@ -34,7 +34,7 @@ from tactgen.tmm.beam.printed_formulas import (
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.sections import section as section_constants
 from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
-from tactgen.tmm.ports.measured_load import finger_impedance
+from tactgen.tmm.ports.loads import finger_impedance
 from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.scene.scene import Scene
 

@@ -27,7 +27,7 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.meshing.mesh import Mesh, unique_edges
 from tactgen.validation.evidence.case import Answer, Case, case
-from tactgen.validation.evidence.fineness import cached, counted, intervals
+from tactgen.validation.evidence.mesh_levels import cached, counted, intervals
 
 RADIUS, OUTER, CORE = 1.0, 3.0, 0.4
 

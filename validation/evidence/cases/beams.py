@@ -10,8 +10,8 @@ import numpy as np
 
 from tactgen.fem.piezo.system import Material
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.bricks import Slab
-from tactgen.geometry.bimorph.ends import Ends, Springs, TipLoad
 from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.tmm.beam.lumped import lumped_model
@@ -21,7 +21,7 @@ from tactgen.validation.evidence.boxes import Box, Held, Where, graded, statics
 from tactgen.validation.evidence.case import Answer, Case, case, nth
 from tactgen.validation.evidence.cases import special_beams
 from tactgen.validation.evidence.cases.resonators import poled
-from tactgen.validation.evidence.fineness import cached, segments
+from tactgen.validation.evidence.mesh_levels import cached, segments
 from tactgen.validation.evidence.section_drawing import section
 
 #: Stiffness of a "rigid" support over EI/L³, and shear stiffness of a beam without shear over

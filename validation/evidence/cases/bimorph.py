@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactgen.tmm.ports.measured_load import finger_spring_damper
+from tactgen.tmm.ports.loads import finger_spring_damper
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.evidence.case import Check
 from tactgen.validation.evidence.cases.pad import PAD_CHECKS
-from tactgen.validation.evidence.fineness import cached, level
+from tactgen.validation.evidence.mesh_levels import cached, level
 from tactgen.validation.scene.scene import Scene, load_scene
 
 if TYPE_CHECKING:

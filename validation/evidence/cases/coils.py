@@ -25,7 +25,7 @@ from tactgen.geometry.reluctance.section_grid import Grid, Region, graded_grid
 from tactgen.validation.evidence.case import Answer, Case, case
 from tactgen.validation.evidence.cases.ball import Potential
 from tactgen.validation.evidence.cases.oscillators import settled_current
-from tactgen.validation.evidence.fineness import cached, counted, degree
+from tactgen.validation.evidence.mesh_levels import cached, counted, degree
 
 LOW = Region("low", (0.04, 0.05), (-0.02, -0.005), turns=100.0)
 HIGH = Region("high", (0.03, 0.045), (0.01, 0.02), turns=50.0, moves=True)

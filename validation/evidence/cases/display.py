@@ -17,7 +17,7 @@ from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.stages import Stages
 from tactgen.validation.evidence.case import Check
-from tactgen.validation.evidence.fineness import cached
+from tactgen.validation.evidence.mesh_levels import cached
 from tactgen.validation.models.display.field import display_ports, with_device
 from tactgen.validation.scene.scene import Scene, load_scene
 

@@ -30,7 +30,7 @@ from tactgen.validation.evidence.boxes import (
 from tactgen.validation.evidence.case import Answer, Case, case, nth
 from tactgen.validation.evidence.cases import laminates
 from tactgen.validation.evidence.cases.manufactured import hexahedra
-from tactgen.validation.evidence.fineness import cached, counted, intervals
+from tactgen.validation.evidence.mesh_levels import cached, counted, intervals
 from tactgen.validation.evidence.section_drawing import section
 
 _BRICKS = "bricks of the model solid"

@@ -34,7 +34,7 @@ from tactgen.validation.evidence.cases.coils import (
     mutual_inductance,
     mutual_inductance_slope,
 )
-from tactgen.validation.evidence.fineness import cached, counted, degree, intervals, size
+from tactgen.validation.evidence.mesh_levels import cached, counted, degree, intervals, size
 
 _FIELD = "scalar potential, quadratic tetrahedra"
 _PERMEABILITY = 1000.0

@@ -26,7 +26,7 @@ from tactgen.validation.evidence.boxes import (
 )
 from tactgen.validation.evidence.case import Answer, Case, case, nth
 from tactgen.validation.evidence.cases import beams, strips
-from tactgen.validation.evidence.fineness import cached
+from tactgen.validation.evidence.mesh_levels import cached
 from tactgen.validation.evidence.section_drawing import section
 
 #: Length of the half wave (m), and the thickness of each layer (m) of three bimorphs.

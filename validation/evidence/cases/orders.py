@@ -15,8 +15,8 @@ from typing import Literal
 import numpy as np
 
 from tactgen.fem.piezo.system import Material
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import Slab
-from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear

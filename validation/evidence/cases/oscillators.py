@@ -11,15 +11,15 @@ from functools import cache
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.tmm.generator.transient.march import simulate_steps
-from tactgen.tmm.generator.transient.record import Run
+from tactgen.tmm.generator.transient.results import Run
 from tactgen.tmm.generator.transient.system import Coil, System
+from tactgen.tmm.generator.transient.time_integration import simulate_steps
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.continuation import Branch, folds, follow, peaks, steady_orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution, free_oscillation
 from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint
-from tactgen.validation.evidence.fineness import steps
+from tactgen.validation.evidence.mesh_levels import steps
 
 #: Harmonics are added until those left out would move less than this share.
 EXACT = Resolution(missing=1e-11, least=7, most=60)

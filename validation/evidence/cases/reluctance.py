@@ -31,7 +31,7 @@ from tactgen.validation.evidence.cases.actuator import field_point
 from tactgen.validation.evidence.cases.ball import Potential, ball_error
 from tactgen.validation.evidence.cases.coils import conductors
 from tactgen.validation.evidence.cases.team20 import TEAM20_CHECKS
-from tactgen.validation.evidence.fineness import cached, degree, intervals, size
+from tactgen.validation.evidence.mesh_levels import cached, degree, intervals, size
 from tactgen.validation.models.generator.small_signal import rod_of
 from tactgen.validation.scene.scene import load_scene
 

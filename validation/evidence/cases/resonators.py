@@ -26,7 +26,7 @@ from tactgen.validation.evidence.boxes import (
 )
 from tactgen.validation.evidence.case import Answer, Case, case, nth
 from tactgen.validation.evidence.cases.special_beams import BENT
-from tactgen.validation.evidence.fineness import cached
+from tactgen.validation.evidence.mesh_levels import cached
 from tactgen.validation.evidence.section_drawing import section
 
 _IEEE = "IEEE Std 176-1987, in closed form"

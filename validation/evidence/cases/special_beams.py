@@ -10,7 +10,7 @@ import numpy as np
 
 from tactgen.fem.piezo.system import Material
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device.materials import EPS0, PiezoTensors, isotropic_stiffness
 from tactgen.tmm.beam.lumped import lumped_model
 from tactgen.tmm.beam.modes import bending_frequencies
@@ -28,7 +28,7 @@ from tactgen.validation.evidence.boxes import (
     statics,
 )
 from tactgen.validation.evidence.case import Answer, Case, case, nth
-from tactgen.validation.evidence.fineness import cached, segments
+from tactgen.validation.evidence.mesh_levels import cached, segments
 from tactgen.validation.evidence.section_drawing import section
 
 #: Shear stiffness of a beam without shear over EI/L²; bending stiffness of one without bending

@@ -13,7 +13,7 @@ from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import EPS0, PiezoTensors, isotropic_stiffness
 from tactgen.validation.evidence.boxes import Box, Held, Load, State, Where, even, stacked, statics
 from tactgen.validation.evidence.case import Answer, Case, case
-from tactgen.validation.evidence.fineness import cached
+from tactgen.validation.evidence.mesh_levels import cached
 from tactgen.validation.evidence.section_drawing import section
 
 

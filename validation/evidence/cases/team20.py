@@ -25,7 +25,7 @@ from tactgen.geometry.reluctance.team20 import (
 )
 from tactgen.validation.evidence.case import Check
 from tactgen.validation.evidence.cases.ball import Potential
-from tactgen.validation.evidence.fineness import cached, counted, size
+from tactgen.validation.evidence.mesh_levels import cached, counted, size
 
 #: Direction in which the pole is pulled.
 DOWN = np.array([0.0, 0.0, -1.0])

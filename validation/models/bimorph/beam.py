@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.pieces import CentreLine
+from tactgen.geometry.bimorph.segments import CentreLine
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.results import SAFETY, observed_factor

@@ -11,8 +11,8 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.pieces import CentreLine, beam_pieces
+from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.segments import CentreLine, beam_pieces
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import lumped, transfer_matrix
 from tactgen.tmm.beam import port_quantities as shapes
@@ -20,7 +20,7 @@ from tactgen.tmm.beam.modes import NaturalFrequencies, natural_frequencies
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.ports.elements import attach, tip_stiffness
-from tactgen.tmm.ports.measured_load import OF_THE_TABLE, MeasuredLaw
+from tactgen.tmm.ports.loads import OF_THE_TABLE, MeasuredLaw
 from tactgen.tmm.ports.multiport import Multiport, Response, respond
 from tactgen.validation.catalogue.models import MAPS
 from tactgen.validation.catalogue.row import Need

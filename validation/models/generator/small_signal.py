@@ -14,8 +14,8 @@ from typing import Protocol
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Numbers
-from tactgen.geometry.bimorph.ends import Ends
-from tactgen.tmm.generator.positions import (
+from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.tmm.generator.equilibrium import (
     Pull,
     RestingPlace,
     axial_forces,
@@ -30,16 +30,16 @@ from tactgen.tmm.generator.small_signal import (
     linearised,
     machine,
 )
-from tactgen.tmm.generator.transient.march import error_bar
+from tactgen.tmm.generator.transient.time_integration import error_bar
 from tactgen.tmm.ports.elements import tip_stiffness
-from tactgen.tmm.ports.measured_load import disturbed
+from tactgen.tmm.ports.loads import disturbed
 from tactgen.tmm.ports.multiport import Multiport, in_series, respond, terminate
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.coenergy_fit import thinned
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.network import DirectPull
 from tactgen.validation.engine.model import Refined
-from tactgen.validation.engine.reading import rounding_of_ports
+from tactgen.validation.engine.readout import rounding_of_ports
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.scene.scene import Scene
 

@@ -22,7 +22,7 @@ from tactgen.tmm.generator.transient.machine import (
     bimorph_modes,
     machine,
 )
-from tactgen.tmm.generator.transient.march import Answer, simulate
+from tactgen.tmm.generator.transient.time_integration import Answer, simulate
 from tactgen.tmm.generator.transient.waveform import Sources
 from tactgen.tmm.ports.elements import chain_of
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap

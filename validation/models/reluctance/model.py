@@ -15,7 +15,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.positions import PositionLoop, axial_forces, position_loop
+from tactgen.tmm.generator.equilibrium import PositionLoop, axial_forces, position_loop
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES

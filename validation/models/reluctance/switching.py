@@ -16,7 +16,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.generator.positions import (
+from tactgen.tmm.generator.equilibrium import (
     AxialForces,
     History,
     RestingPlace,
@@ -213,7 +213,7 @@ _MOST_PLACES = 4
 class RestingState:
     """The rod at rest at one current."""
 
-    #: See :class:`tmm.generator.positions.RestingPlace`; m and N
+    #: See :class:`tmm.generator.equilibrium.RestingPlace`; m and N
     position: Estimate
     finger_force: Estimate
     contact_force: Estimate

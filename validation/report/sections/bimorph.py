@@ -14,21 +14,21 @@ from tactgen.validation.evidence import stress as stress_output
 from tactgen.validation.evidence.cases import audit
 from tactgen.validation.models.bimorph.model import LumpedModel
 from tactgen.validation.models.comparison import UNEXPLAINED
+from tactgen.validation.report.report_data import Study
+from tactgen.validation.report.sections import drive_voltage as voltage_section
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections import length as length_section
 from tactgen.validation.report.sections import uncertainty as uncertainty_section
-from tactgen.validation.report.sections import voltage as voltage_section
 from tactgen.validation.report.sections.bimorph_figures import response_plot, response_values
-from tactgen.validation.report.sections.bridge import (
+from tactgen.validation.report.sections.drive_voltage import drive_limits_section
+from tactgen.validation.report.sections.model_differences import (
     bridge_section,
     holding_section,
     material_section,
 )
-from tactgen.validation.report.sections.load import load_section
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.report.sections.voltage import drive_limits_section
-from tactgen.validation.report.study import Study
-from tactgen.validation.scene.nearby import is_papers_bimorph
+from tactgen.validation.report.sections.tip_load import load_section
+from tactgen.validation.scene.variation import is_papers_bimorph
 
 
 def _models(study: Study) -> Context:

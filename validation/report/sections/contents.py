@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from tactgen.validation.engine.plan import asks_display
 from tactgen.validation.engine.results import this_origin
+from tactgen.validation.report.report_data import INVARIANT_TOLERANCE, Study
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.sections.uncertainty import credibility_section
-from tactgen.validation.report.study import INVARIANT_TOLERANCE, Study
 
 #: What is looked up rather than read.
 APPENDIX = ("audit", "parameters", "plan")
@@ -52,8 +52,8 @@ _LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
 
 def _machine(lateral: tuple[Section, ...]) -> tuple[list[Section], tuple[Section, ...]]:
     """Machine's story, and the sections about its bimorph that follow it."""
+    from tactgen.validation.report.sections.generator import MOTIONS, POSITIONS, SUPPORT
     from tactgen.validation.report.sections.large_motion import AMPLITUDE, TIME
-    from tactgen.validation.report.sections.machine import MOTIONS, POSITIONS, SUPPORT
 
     by_id = {section.id: section for section in lateral}
     response, limits = ([by_id[name] for name in names] for names in (_RESPONSE, _LIMITS))

@@ -13,8 +13,8 @@ from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import levels
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.results import Quantity
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.report.study import Study
 from tactgen.validation.show.figures import panels, plain_numbers, shades, svg
 from tactgen.validation.show.page import inline
 

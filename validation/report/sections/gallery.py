@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.request import shown_model
-from tactgen.validation.report.study import Study
 from tactgen.validation.show.page import fragment, inline
 
 if TYPE_CHECKING:
@@ -62,8 +62,8 @@ def beside(study: Study) -> dict[str, Any] | None:
 
 def tetrahedra(solution: Solution) -> dict[str, Any]:
     """Picture of the tetrahedra that a solution has solved on."""
+    from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
     from tactgen.validation.models.bimorph.solid import cells_of
-    from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 
     cad = solution.models["cad"]
     assert isinstance(cad, TwoMeshModel)

@@ -24,10 +24,10 @@ from tactgen.validation.models.backbone import (
     in_state,
     rocking_states,
 )
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.report.study import Study
-from tactgen.validation.scene.nearby import is_papers_bimorph
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.variation import is_papers_bimorph
 from tactgen.validation.show.figures import BLUE, DARK, ORANGE, panels, plain_numbers, shades, svg
 from tactgen.validation.show.page import inline
 from tactgen.validation.show.run_page import fragment

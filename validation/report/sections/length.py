@@ -12,8 +12,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.sensitivities import logarithmic_sensitivities
 from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
-from tactgen.validation.scene.nearby import is_papers_bimorph
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.variation import is_papers_bimorph
 from tactgen.validation.show.figures import (
     BLUE,
     GREEN,

@@ -35,13 +35,13 @@ from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE
 from tactgen.validation.engine.results import Estimate
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import NetworkModel
-from tactgen.validation.report.normal_actuator import NormalActuator
+from tactgen.validation.report.reluctance_data import NormalActuator
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.studies import reconstruction as stated
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint
-    from tactgen.validation.report.study import Study
+    from tactgen.validation.report.report_data import Study
 
 
 #: Line of each model; colours tell currents or gaps.

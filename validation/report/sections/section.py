@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from tactgen.validation.report.study import Study
+from tactgen.validation.report.report_data import Study
 
 #: What a template shows, by name.
 Context = dict[str, Any]

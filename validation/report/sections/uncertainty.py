@@ -12,8 +12,8 @@ from tactgen.validation.catalogue.models import MODELS, gives, ranked
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.evidence.verification import recalled_rows
 from tactgen.validation.models.comparison import Cell, compare
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context
-from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import GREY, SKY, panels, svg
 from tactgen.validation.studies.parameter_uncertainty import (

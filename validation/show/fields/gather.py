@@ -140,8 +140,8 @@ def gather_from(
 
 
 def _fields(model: Model, detail: Detail) -> Fields:
+    from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
     from tactgen.validation.models.bimorph.model import BeamTheoryModel
-    from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
 
     if isinstance(model, TwoMeshModel):
         return SolidFields(model, detail)

@@ -8,7 +8,7 @@ import numpy as np
 
 from tactgen.fem.beam import BeamMatrices
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.pieces import (
+from tactgen.geometry.bimorph.segments import (
     CentreLine,
     RowShape,
     beam_pieces,

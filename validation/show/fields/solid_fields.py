@@ -18,7 +18,7 @@ from tactgen.geometry.arrays import Floats, Ints, Numbers
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, lobatto_points, mirrored_axis
 from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh
 from tactgen.geometry.meshing.structured_tets import whole_mesh
-from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
 from tactgen.validation.show.fields.result import MODE_SIZE, Array
 
 #: Every node, or those on bricks' edges across and all along z: what a picture needs.

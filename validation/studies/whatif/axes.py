@@ -18,7 +18,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.scene import check_key
-from tactgen.validation.studies.whatif.scene_field import SceneField, scene_field
+from tactgen.validation.studies.whatif.key_values import SceneField, scene_field
 
 #: Distributions by name, with what their two numbers are.
 DISTRIBUTIONS = {

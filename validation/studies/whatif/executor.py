@@ -24,7 +24,7 @@ from tactgen.geometry.store.store import library_versions
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.studies.whatif.questions import Question, answer, code_of, keep, solved
+from tactgen.validation.studies.whatif.point_answers import Question, answer, code_of, keep, solved
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection

@@ -20,12 +20,12 @@ from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.answers import Answer, representative
 from tactgen.validation.show.page import plain_page
+from tactgen.validation.studies.whatif.aim_evaluation import Verdict, sentences
 from tactgen.validation.studies.whatif.axes import Axis
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.output_files import heading, table_lines
 from tactgen.validation.studies.whatif.pictures import aim_picture, study_picture
-from tactgen.validation.studies.whatif.run import Study, StudySolver
-from tactgen.validation.studies.whatif.statement import Statement
-from tactgen.validation.studies.whatif.tables import heading, table_lines
-from tactgen.validation.studies.whatif.verdict import Verdict, sentences
+from tactgen.validation.studies.whatif.study import Study, StudySolver
 
 #: File of the page, and the script that moves it.
 FILE = "study.html"

@@ -29,14 +29,14 @@ from tactgen.validation.show.figures import (
     svg,
 )
 from tactgen.validation.studies.whatif.axes import Axis
-from tactgen.validation.studies.whatif.run import Study
-from tactgen.validation.studies.whatif.scene_field import scene_field
-from tactgen.validation.studies.whatif.tables import heading
+from tactgen.validation.studies.whatif.key_values import scene_field
+from tactgen.validation.studies.whatif.output_files import heading
+from tactgen.validation.studies.whatif.study import Study
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.studies.whatif.verdict import Judged, Verdict
+from tactgen.validation.studies.whatif.aim_evaluation import Judged, Verdict
 
 _COLOURS = (BLUE, ORANGE, GREEN, AMBER, SKY, DARK)
 _STYLES = ("-", "--", ":", "-.")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Piezo, Shim
 from tactgen.geometry.errors import InputError

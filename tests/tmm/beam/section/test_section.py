@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.geometry.bimorph.pieces import Layers, Piece
+from tactgen.geometry.bimorph.segments import Layers, Piece
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Glue, Piezo, Rod, Shim
 from tactgen.tmm.beam.sections import section

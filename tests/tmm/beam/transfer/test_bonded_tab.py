@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tactgen.fem import beam as elements
-from tactgen.geometry.bimorph.ends import Ends
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Glue, Shim, Support
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import bending_frequencies

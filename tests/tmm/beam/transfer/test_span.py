@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.tmm.beam.sections import Section, section
 from tactgen.tmm.beam.span import EXTENDED_EPS, Span, ThroughSpan, extended_span, span

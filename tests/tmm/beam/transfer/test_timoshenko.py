@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.geometry.bimorph.pieces import Piece
+from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.tmm.beam.sections import Section, section
 from tactgen.tmm.beam.span import condition, dynamic_stiffness, error_bound, wavenumbers

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Support
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.modes import bending_frequencies

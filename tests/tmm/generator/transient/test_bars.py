@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from tactgen.tmm.generator.transient.march import error_bar, paired, simulate, spread
 from tactgen.tmm.generator.transient.system import Element, Output, Stop, System
+from tactgen.tmm.generator.transient.time_integration import error_bar, paired, simulate, spread
 from tactgen.tmm.generator.transient.waveform import Sources
 
 ONE, UNIT = np.ones(1), np.eye(1)

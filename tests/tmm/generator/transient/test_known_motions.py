@@ -8,9 +8,9 @@ import pytest
 from scipy.special import ellipk
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient import march, step
-from tactgen.tmm.generator.transient import march as passes
-from tactgen.tmm.generator.transient.march import simulate, simulate_steps
+from tactgen.tmm.generator.transient import step
+from tactgen.tmm.generator.transient import time_integration as march
+from tactgen.tmm.generator.transient import time_integration as passes
 from tactgen.tmm.generator.transient.step import StepTooLongError
 from tactgen.tmm.generator.transient.system import (
     Coil,
@@ -22,6 +22,7 @@ from tactgen.tmm.generator.transient.system import (
     Stop,
     System,
 )
+from tactgen.tmm.generator.transient.time_integration import simulate, simulate_steps
 from tactgen.tmm.generator.transient.waveform import (
     Chirp,
     Constant,

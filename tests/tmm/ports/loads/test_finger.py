@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
 
-from tactgen.tmm.ports.measured_load import (
+from tactgen.tmm.ports.loads import (
     FINGER_RANGE,
     finger_impedance,
     finger_spring_damper,

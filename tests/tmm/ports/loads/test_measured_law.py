@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.ends import Ends, TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.geometry.device.load_table import LoadTable
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.measured_load import (
+from tactgen.tmm.ports.loads import (
     MeasuredLaw,
     continued,
     disturbed,

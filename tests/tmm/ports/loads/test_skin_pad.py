@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.geometry.device.parameters import Load, Support, spreads
 from tactgen.tmm.ports.elements import ends_of
-from tactgen.tmm.ports.measured_load import REFERENCE, SkinPad, passive_fit
+from tactgen.tmm.ports.loads import REFERENCE, SkinPad, passive_fit
 
 BAND = np.geomspace(1.0, 1e4, 400)
 

@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from tactgen.geometry.bimorph.ends import TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import TipLoad
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.generator.contact import contact_of, moving_rod
-from tactgen.tmm.generator.positions import axial_forces, resting_place
+from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import linearised
 from tactgen.tmm.generator.small_signal import machine as machine_of_ports
 from tactgen.tmm.generator.transient.machine import machine
-from tactgen.tmm.generator.transient.march import simulate_steps
 from tactgen.tmm.generator.transient.step import Stepper
 from tactgen.tmm.generator.transient.system import Element, Friction, Output, Stop, System
+from tactgen.tmm.generator.transient.time_integration import simulate_steps
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Step
 from tactgen.tmm.ports.elements import chain_of
 from tactgen.tmm.ports.multiport import respond, terminate

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient.march import simulate
 from tactgen.tmm.generator.transient.system import Coil, Element, Output, Stop, System
+from tactgen.tmm.generator.transient.time_integration import simulate
 from tactgen.tmm.generator.transient.waveform import (
     Chirp,
     Constant,

@@ -1,10 +1,10 @@
 """The picture of a study's aims: which one the axes and goals ask for, and that it is right."""
 
 from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict
+from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.page import write_page
-from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.statement import Statement
-from tactgen.validation.studies.whatif.verdict import parse_aims, verdict
+from tactgen.validation.studies.whatif.study import run_study
 
 LENGTH, WIDTH = "bimorph.length=14mm:22mm:5", "bimorph.width=1.5mm:2.1mm:3"
 QUANTITIES = ("static_tip_displacement", "short_circuit_frequencies")

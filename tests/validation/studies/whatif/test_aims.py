@@ -9,10 +9,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.results import Quantity
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif.aims import parse_aim
-from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.statement import Statement
-from tactgen.validation.studies.whatif.verdict import (
+from tactgen.validation.studies.whatif.aim_evaluation import (
     Judged,
     Verdict,
     as_values,
@@ -23,6 +20,9 @@ from tactgen.validation.studies.whatif.verdict import (
     verdict,
     yield_interval,
 )
+from tactgen.validation.studies.whatif.aims import parse_aim
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.study import run_study
 
 
 def quantity(name, value, unit, error=0.0, frequency=None):

@@ -12,8 +12,8 @@ from tactgen.validation.engine.plan import check_models, check_on_contact
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_scenes
 from tactgen.validation.scene.scene import checked_scene, load_scene, scene_values
-from tactgen.validation.studies.whatif.request import chosen
-from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.defaults import chosen
+from tactgen.validation.studies.whatif.definition import Statement
 
 
 @pytest.mark.parametrize("quantities", [None, ["all"]])

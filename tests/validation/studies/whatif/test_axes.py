@@ -6,8 +6,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif.axes import parse_axes
-from tactgen.validation.studies.whatif.request import with_tolerances
-from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.defaults import with_tolerances
+from tactgen.validation.studies.whatif.definition import Statement
 
 
 def one(text, *, sampled=False):

@@ -13,8 +13,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import executor
-from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.statement import Statement, read_statement
+from tactgen.validation.studies.whatif.definition import Statement, read_statement
+from tactgen.validation.studies.whatif.study import run_study
 
 ADDRESS = "tcp://127.0.0.1:8786"
 ASKED = ["whatif", "prototype", "--vary", "bimorph.length=14mm:18mm:3", "--model", "tmm"]

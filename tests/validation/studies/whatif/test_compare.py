@@ -22,8 +22,8 @@ from tactgen.validation.studies.whatif.compare import (
     as_values,
     read_sides,
 )
-from tactgen.validation.studies.whatif.statement import Statement
-from tactgen.validation.studies.whatif.tables import TABLE
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.output_files import TABLE
 
 KEY = Key((), "capacitance_free", "solid", "", "")
 SCENE = load_scene("prototype")[0]

@@ -12,8 +12,8 @@ from tactgen.validation.models import comparison as ladders
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.comparison import Rung, choose_for
 from tactgen.validation.scene.scene import load_scene, scene_values
-from tactgen.validation.studies.whatif.request import judged_points, under_contract
-from tactgen.validation.studies.whatif.statement import Statement, read_statement
+from tactgen.validation.studies.whatif.defaults import judged_points, under_contract
+from tactgen.validation.studies.whatif.definition import Statement, read_statement
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),

@@ -12,12 +12,12 @@ import time
 import pytest
 
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.studies.whatif import questions
+from tactgen.validation.studies.whatif import point_answers as questions
 
 #: A command line that writes down each point as its solution begins, also in workers.
 SCRIPT = """
 import os, sys
-from tactgen.validation.studies.whatif import questions
+from tactgen.validation.studies.whatif import point_answers as questions
 whole = questions.solve
 
 def noted(scene, *arguments, **options):

@@ -9,11 +9,11 @@ import pytest
 from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.studies.whatif import output_files as text_table
 from tactgen.validation.studies.whatif import page as pages
-from tactgen.validation.studies.whatif import tables as text_table
+from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.page import write_page
-from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.study import run_study
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),

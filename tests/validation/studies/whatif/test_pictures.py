@@ -5,8 +5,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import pictures
-from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.study import run_study
 
 
 @pytest.fixture

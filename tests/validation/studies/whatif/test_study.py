@@ -12,11 +12,12 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene, scene_values
-from tactgen.validation.studies.whatif import executor, questions
-from tactgen.validation.studies.whatif.questions import Question
-from tactgen.validation.studies.whatif.run import run_study
-from tactgen.validation.studies.whatif.statement import Statement, read_statement
-from tactgen.validation.studies.whatif.tables import dataset
+from tactgen.validation.studies.whatif import executor
+from tactgen.validation.studies.whatif import point_answers as questions
+from tactgen.validation.studies.whatif.definition import Statement, read_statement
+from tactgen.validation.studies.whatif.output_files import dataset
+from tactgen.validation.studies.whatif.point_answers import Question
+from tactgen.validation.studies.whatif.study import run_study
 
 
 def statement(

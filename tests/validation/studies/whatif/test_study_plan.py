@@ -8,8 +8,8 @@ from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif.run import plan_study, run_study
-from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.study import plan_study, run_study
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),

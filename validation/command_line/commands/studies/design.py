@@ -85,18 +85,18 @@ def run(options: argparse.Namespace) -> int:
 def _search(options: argparse.Namespace) -> int:
     """Search the values of any keys."""
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.scene.nearby import value_of
     from tactgen.validation.scene.scene import checked_scene, scene_values
-    from tactgen.validation.studies.whatif.request import chosen
-    from tactgen.validation.studies.whatif.search import (
+    from tactgen.validation.scene.variation import value_of
+    from tactgen.validation.studies.whatif.aim_evaluation import parse_aims
+    from tactgen.validation.studies.whatif.defaults import chosen
+    from tactgen.validation.studies.whatif.definition import Statement
+    from tactgen.validation.studies.whatif.optimisation import (
         as_values,
         ranges_of,
         search,
         sentences,
         with_aims,
     )
-    from tactgen.validation.studies.whatif.statement import Statement
-    from tactgen.validation.studies.whatif.verdict import parse_aims
 
     for option in ("margin", "band", "lengths", "plot"):
         if getattr(options, option):

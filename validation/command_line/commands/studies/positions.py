@@ -109,7 +109,7 @@ def _currents(text: str) -> Floats:
 def _write(options: argparse.Namespace, loops: list[RodLoop], current: float) -> None:
     if options.plot:
         from tactgen.geometry.files import write_text
-        from tactgen.validation.report.sections.machine import position_plot
+        from tactgen.validation.report.sections.generator import position_plot
 
         write_text(Path(options.plot), position_plot(loops, current))
     if options.csv:

@@ -75,9 +75,9 @@ def run(options: argparse.Namespace) -> int:
         load_warnings,
         slenderness_warnings,
     )
-    from tactgen.validation.scene.nearby import value_of
     from tactgen.validation.scene.parameter_list import ranges
     from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.variation import value_of
     from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
     from tactgen.validation.studies.sensitivity import (
         all_columns,

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from tactgen.validation.models.comparison import Choice
+    from tactgen.validation.studies.whatif.aim_evaluation import Verdict
     from tactgen.validation.studies.whatif.aims import Aim
-    from tactgen.validation.studies.whatif.run import Study
-    from tactgen.validation.studies.whatif.statement import Statement
-    from tactgen.validation.studies.whatif.verdict import Verdict
+    from tactgen.validation.studies.whatif.definition import Statement
+    from tactgen.validation.studies.whatif.study import Study
 
 #: Most warnings that are printed.
 _WARNINGS = 8
@@ -95,9 +95,9 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.geometry.files import writable_folder
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.studies.whatif.run import run_study
-    from tactgen.validation.studies.whatif.statement import write_statement
-    from tactgen.validation.studies.whatif.verdict import parse_aims, verdict
+    from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict
+    from tactgen.validation.studies.whatif.definition import write_statement
+    from tactgen.validation.studies.whatif.study import run_study
 
     folder = Path(options.out) if options.out is not None else None
     processes = whole_number(options.jobs, "--jobs", 1, 512, "2") if options.jobs else 0
@@ -162,7 +162,7 @@ def _draw(file: Path, study: Study) -> None:
 
 def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
     """Study definition from the options, or else from the earlier study."""
-    from tactgen.validation.studies.whatif.statement import FILE, read_statement
+    from tactgen.validation.studies.whatif.definition import FILE, read_statement
 
     if options.resume and folder is None:
         raise InputError("--resume needs the study to go on with; add --out STUDY")
@@ -181,8 +181,8 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
 def _write(
     folder: Path, study: Study, found: Verdict | None, announce: Callable[[str], None]
 ) -> None:
+    from tactgen.validation.studies.whatif.output_files import write_netcdf, write_tidy
     from tactgen.validation.studies.whatif.page import write_page
-    from tactgen.validation.studies.whatif.tables import write_netcdf, write_tidy
 
     write_tidy(folder, study)
     write_netcdf(folder, study)
@@ -193,8 +193,8 @@ def _write(
 def _show(
     options: argparse.Namespace, study: Study, found: Verdict | None, choice: Choice | None
 ) -> None:
-    from tactgen.validation.studies.whatif.tables import table_lines
-    from tactgen.validation.studies.whatif.verdict import as_values, sentences
+    from tactgen.validation.studies.whatif.aim_evaluation import as_values, sentences
+    from tactgen.validation.studies.whatif.output_files import table_lines
 
     warnings = study.warnings
     warn(warnings[:_WARNINGS])

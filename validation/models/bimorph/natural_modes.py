@@ -17,7 +17,7 @@ import numpy as np
 from tactgen.fem.piezo.modal_model import BareMode, ModalModel, Motion
 from tactgen.fem.solvers.pardiso import side_by_side
 from tactgen.geometry.arrays import Bools, Floats
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.store.values import storable
 from tactgen.validation.engine.model import Modes
 from tactgen.validation.engine.results import cancelling, least_difference

@@ -20,8 +20,8 @@ from tactgen.validation.models.comparison import Choice, choose_for
 from tactgen.validation.scene.files import assign, choices
 from tactgen.validation.scene.parameter_list import ranges
 from tactgen.validation.scene.scene import Scene, check_key, checked_scene
-from tactgen.validation.studies.whatif.scene_field import as_stated, scene_field
-from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.key_values import as_stated, scene_field
 
 #: Quick, and exact within their theories: of what the first gives it, of the rest the second.
 _USUAL = ("tmm", "network")

@@ -15,14 +15,15 @@ import numpy as np
 
 from tactgen.fem.piezo.modal_model import Motion
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import Bricks
-from tactgen.geometry.bimorph.ends import Ends
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.engine.model import Modes, Refined
 from tactgen.validation.engine.results import SAFETY, least_difference
-from tactgen.validation.models.bimorph.lowest_modes import (
+from tactgen.validation.models.bimorph.model import BimorphModel
+from tactgen.validation.models.bimorph.natural_modes import (
     MeshModes,
     all_modes,
     coarse_modes,
@@ -33,7 +34,6 @@ from tactgen.validation.models.bimorph.lowest_modes import (
     moved,
     only,
 )
-from tactgen.validation.models.bimorph.model import BimorphModel
 
 if TYPE_CHECKING:
     from tactgen.fem.piezo.krylov import ReducedSolid

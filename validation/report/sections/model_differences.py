@@ -21,9 +21,9 @@ from tactgen.validation.models.difference import (
     clamp_to_rod,
     on_rod,
 )
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.bimorph_figures import breakdown_plot, support_plot
 from tactgen.validation.report.sections.section import Context
-from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
 
 #: The material beside the scene's own: one whose whole tensor is published, or the paper's.
@@ -112,7 +112,7 @@ def _in_rod(study: Study) -> Values | None:
 
 def _support(study: Study) -> dict[str, Any]:
     """Stiffness of tab, glue and rod, and the tab that the fitted springs stand for."""
-    from tactgen.validation.models.bimorph.tab import (
+    from tactgen.validation.models.bimorph.rod_joint import (
         GLUE_MODULI,
         TAB_LENGTHS,
         fitted_springs,
@@ -159,7 +159,7 @@ def material_section(study: Study) -> Context | None:
     """Effect of the assumed constants of the full tensor."""
     if study.quick or not study.asks_field or study.scene.piezo.d31 == 0.0:
         return None
-    from tactgen.validation.models.bimorph.tab import material_effects
+    from tactgen.validation.models.bimorph.rod_joint import material_effects
 
     scene = study.scene
     if scene.support.kind == "rod":

@@ -17,7 +17,7 @@ from tactgen.geometry.files import write_text
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.files import assign
 from tactgen.validation.studies.whatif.axes import MOST, Axis, parse_axes
-from tactgen.validation.studies.whatif.scene_field import as_stated
+from tactgen.validation.studies.whatif.key_values import as_stated
 
 #: Version of the file; another one is refused.
 FORMAT = 1

@@ -13,15 +13,15 @@ from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.plan import check_models, make_plan, stage_prospects, total
 from tactgen.validation.engine.surrogate import Ranges, Surrogate
 from tactgen.validation.scene.scene import checked_scene
-from tactgen.validation.studies.whatif.by_surrogate import Part, find_parts
+from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.executor import Job, execute
-from tactgen.validation.studies.whatif.questions import (
+from tactgen.validation.studies.whatif.interpolation import Part, find_parts
+from tactgen.validation.studies.whatif.point_answers import (
     Questions,
     recall,
     refuse_if_no_scene,
     scenes_nearby,
 )
-from tactgen.validation.studies.whatif.statement import Statement
 
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 #: Of sentences that differ in their numbers, the first is told.

@@ -16,7 +16,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.generator.contact import contact_of, moving_rod, stops_of
-from tactgen.tmm.generator.positions import RestingPlace, axial_forces, resting_places
+from tactgen.tmm.generator.equilibrium import RestingPlace, axial_forces, resting_places
 from tactgen.tmm.ports.elements import attach, outside_known_range
 from tactgen.tmm.ports.multiport import in_series, respond
 from tactgen.validation.catalogue.models import MODELS, ranked
@@ -29,8 +29,8 @@ from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.generator.small_signal import machine_of, measured_poles, of_rod
 from tactgen.validation.models.reluctance.model import NetworkModel, RodLoop, rod_loop
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
 

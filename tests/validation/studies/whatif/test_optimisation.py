@@ -12,8 +12,8 @@ from tactgen.validation.command_line import cli
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.whatif import search as points
-from tactgen.validation.studies.whatif.search import Found, Range
+from tactgen.validation.studies.whatif import optimisation as points
+from tactgen.validation.studies.whatif.optimisation import Found, Range
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),

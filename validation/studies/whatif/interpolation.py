@@ -29,10 +29,10 @@ from tactgen.validation.engine.surrogate import (
     fit_surrogate,
 )
 from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings
-from tactgen.validation.scene.nearby import ScenesNearby
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.studies.whatif.questions import reason
-from tactgen.validation.studies.whatif.scene_field import as_stated, scene_field
+from tactgen.validation.scene.variation import ScenesNearby
+from tactgen.validation.studies.whatif.key_values import as_stated, scene_field
+from tactgen.validation.studies.whatif.point_answers import reason
 
 #: Values by key.
 Point = Mapping[str, Any]

@@ -19,10 +19,10 @@ from tactgen.validation.engine.inputs import values_read
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.scene.files import choices, one_line
-from tactgen.validation.scene.nearby import ScenesNearby
 from tactgen.validation.scene.scene import Scene, checked_scene
-from tactgen.validation.studies.whatif.scene_field import as_stated
-from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.scene.variation import ScenesNearby
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.key_values import as_stated
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,9 @@
 The first pass chooses the steps: the distance from a predictor of second order says how much a
 step errs; steps are halved where that is too much (impacts) and doubled where it is little.
 Another goes over the same steps in pairs, the last in halves: it is the result, and the distances
-between the three give its error bar (tmm.generator.transient.march).  If that exceeds what was
-asked, all are repeated with shorter steps; unless it has grown as large as the motion: then the
-answer says up to which time it is certain.
+between the three give its error.  If that exceeds what was asked, all are repeated with shorter
+steps; unless it has grown as large as the motion: then the answer says up to which time it is
+certain.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient.record import Record, Run
+from tactgen.tmm.generator.transient.results import Record, Run
 from tactgen.tmm.generator.transient.step import Flow, State, Stepper, StepTooLongError
 from tactgen.tmm.generator.transient.system import System
 from tactgen.tmm.generator.transient.waveform import Sources, between_breaks

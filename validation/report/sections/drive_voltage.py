@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.tmm.beam.port_quantities import driven_ceramic
 from tactgen.tmm.beam.transfer_matrix import multiport
 from tactgen.tmm.ports.elements import attach
@@ -21,9 +21,9 @@ from tactgen.validation.catalogue.detection import (
     STATED_VOLTAGES,
 )
 from tactgen.validation.catalogue.quantities import REASONS, voltage_limits
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.length import drawn
 from tactgen.validation.report.sections.section import Context
-from tactgen.validation.report.study import Study
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import BLUE, GREEN, GREY, ORANGE, new_figure, panels, svg
 from tactgen.validation.studies.design_statements import LOADS

@@ -21,11 +21,11 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.plan import check_models
+from tactgen.validation.studies.whatif.aim_evaluation import Judged, felt_at, judged, shown
 from tactgen.validation.studies.whatif.aims import Aim
-from tactgen.validation.studies.whatif.run import StudySolver
-from tactgen.validation.studies.whatif.scene_field import scene_field
-from tactgen.validation.studies.whatif.statement import Statement
-from tactgen.validation.studies.whatif.verdict import Judged, felt_at, judged, shown
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.key_values import scene_field
+from tactgen.validation.studies.whatif.study import StudySolver
 
 #: Share of a range that counts as its end.
 _END = 1e-4

@@ -24,7 +24,7 @@ from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.evidence.case import Outcome, run_check
 from tactgen.validation.evidence.verification import group_rows
 from tactgen.validation.models.comparison import ComparedRow, compare
-from tactgen.validation.report.normal_actuator import NormalActuator, merged
+from tactgen.validation.report.reluctance_data import NormalActuator, merged
 from tactgen.validation.report.request import is_of_rest, prepared, quantities_of, shown_model
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
@@ -32,7 +32,7 @@ from tactgen.validation.scene.scene import Scene
 if TYPE_CHECKING:
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
-    from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+    from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
     from tactgen.validation.models.difference import Cause, Step
     from tactgen.validation.studies.parameter_uncertainty import Uncertainty
 
@@ -164,7 +164,7 @@ class Study:
     @property
     def field(self) -> TwoMeshModel | None:
         """The field model to be shown, if the scene asks for one that has fields."""
-        from tactgen.validation.models.bimorph.two_meshes import TwoMeshModel
+        from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
 
         model = self.solution.models.get(shown_model(self.scene) or "")
         return model if isinstance(model, TwoMeshModel) else None

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.tmm.beam.port_quantities import driven_ceramic
 from tactgen.tmm.ports.elements import attach, tip_stiffness
-from tactgen.tmm.ports.measured_load import OF_THE_TABLE, disturbed
+from tactgen.tmm.ports.loads import OF_THE_TABLE, disturbed
 from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond, round_off
 from tactgen.tmm.ports.readout import ELECTRICAL, ModalReadout, PortMatrix, Readout
 from tactgen.validation.catalogue.row import AnswerReadout, DrivenReadout, LoadReadout, QuantityRow

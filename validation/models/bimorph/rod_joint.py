@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.pieces import Piece, beam_pieces
+from tactgen.geometry.bimorph.segments import Piece, beam_pieces
 from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.errors import InputError

@@ -14,10 +14,10 @@ import numpy as np
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.engine import answers
 from tactgen.validation.engine.answers import Answer, Dataset, Variable, representative
-from tactgen.validation.studies.whatif.questions import code_of
-from tactgen.validation.studies.whatif.run import Study
-from tactgen.validation.studies.whatif.scene_field import scene_field
-from tactgen.validation.studies.whatif.statement import FORMAT
+from tactgen.validation.studies.whatif.definition import FORMAT
+from tactgen.validation.studies.whatif.key_values import scene_field
+from tactgen.validation.studies.whatif.point_answers import code_of
+from tactgen.validation.studies.whatif.study import Study
 
 #: Files in a study's folder.
 TABLE, ARRAYS = "study.csv", "study.nc"

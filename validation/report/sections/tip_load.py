@@ -9,7 +9,7 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.load_table import LoadTable
 from tactgen.tmm.ports.elements import tip_stiffness
-from tactgen.tmm.ports.measured_load import (
+from tactgen.tmm.ports.loads import (
     FINGER_RANGE,
     MeasuredLaw,
     continued,
@@ -18,8 +18,8 @@ from tactgen.tmm.ports.measured_load import (
 )
 from tactgen.validation.catalogue.quantities import LOAD_FORCE, LOAD_POWER
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context
-from tactgen.validation.report.study import Study
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, svg
 
 

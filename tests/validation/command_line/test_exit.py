@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from tactgen.validation.command_line import ending
+from tactgen.validation.command_line import exit as ending
 
 #: Who runs the tests may ignore signals (nohup, a job in the background); children inherit that.
 ENDED = """

@@ -8,7 +8,7 @@ import pytest
 from tactgen.geometry.device.parameters import Contact, Device, Spring
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.tmm.generator.contact import contact_of, moving_rod
-from tactgen.tmm.generator.positions import (
+from tactgen.tmm.generator.equilibrium import (
     axial_forces,
     held_support,
     position_loop,

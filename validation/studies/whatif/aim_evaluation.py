@@ -15,9 +15,9 @@ from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.studies.whatif.aims import THRESHOLD, Aim, at_threshold, parse_aim
-from tactgen.validation.studies.whatif.run import Study
-from tactgen.validation.studies.whatif.scene_field import scene_field
-from tactgen.validation.studies.whatif.statement import Statement
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.key_values import scene_field
+from tactgen.validation.studies.whatif.study import Study
 
 #: 97.5 % quantile of the normal distribution.
 _NORMAL = 1.959963984540054

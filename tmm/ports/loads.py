@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats
-from tactgen.geometry.bimorph.ends import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device.load_table import LoadTable, load_table
 from tactgen.geometry.device.parameters import Load
 from tactgen.geometry.errors import InputError
