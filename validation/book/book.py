@@ -1,4 +1,4 @@
-"""Write the verification book: an index, one page a case, and the matrix of requirements."""
+"""The verification book: an index, one page a case, and the matrix of requirements."""
 
 from __future__ import annotations
 
@@ -15,9 +15,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.files import write_text
-from tactgen.validation.book.orders import DIVISIONS, KINDS
 from tactgen.validation.engine.results import this_origin
-from tactgen.validation.evidence.case import Case, Refinement
+from tactgen.validation.evidence.case import Case
 from tactgen.validation.evidence.faults import kept_rows
 from tactgen.validation.evidence.verification import (
     VERDICTS,
@@ -29,6 +28,149 @@ from tactgen.validation.evidence.verification import (
 )
 from tactgen.validation.show.figures import BLUE, DARK, GREY, ORANGE, new_figure, panels, svg
 from tactgen.validation.show.page import page_templates
+
+#: Problems with a known answer, and why nothing here is compared with it.
+UNANSWERED = {
+    "ANSYS VM190: magnetomotive force round a loop":
+        "the current that a loop encloses is put in, into the right side of one potential and the "
+        "source field of the other, so that its return tests nothing",
+    "ANSYS VM310: electrostatic pull-in":
+        "no model here has an electrostatic force; its magnetic twin is the case SNAP",
+    "NAFEMS LE1 and LE10; stresses of NAFEMS tests 5H and R0031/1 and of ANSYS VM34 and VM231, "
+    "whose field strength, too":
+        "boxes give displacements, forces and charges, and have no elliptic edges; stresses and "
+        "fields are read off the model solid's own bimorph only",
+    "ANSYS VM174: large deflection of a bimetal strip":
+        "all models of the bimorph are linear; small deflections are the cases VM35 and VM144",
+    "ANSYS VM183: two masses on springs":
+        "its answer is the solution of two equations, of which every response here has more",
+    "NASA's example of a grid convergence index (0.97050, 0.96854, 0.96178)":
+        "error bars here are no grid convergence index: how they are made stands beside each, and "
+        "tactgen coverage judges them",
+}  # fmt: skip
+
+#: What each group is about, for the reader who was not there.
+SUBJECTS = {
+    "beams": "Beams in closed form and from handbooks, by the models lumped and tmm; two as solids",
+    "laminates": "Exact laminates in cylindrical bending, bimetal strips, PVDF, a patch in shear",
+    "resonators": "Piezoelectric resonators of IEEE Std 176, patch test of a free block",
+    "elastic": "Elastic bodies: cube, plates, torsion, rods",
+    "coils": "Coils in air: inductance, force, field, circuit",
+    "iron": "Bodies of iron: shielding, demagnetising factor, a slotted gap",
+    "orders": "Observed orders of convergence, each with an absolute bound",
+    "bimorph": "The lateral actuator: exact beam, job J1, models against each other, the paper",
+    "reluctance": "The normal actuator: fields and circuits, TEAM problem 20, the paper",
+    "motion": "The machine in time: oscillators with known motions, circuits, the paper's Fig 16",
+    "amplitude": "Large amplitudes: oscillators with known answers, the paper's Figs 8, 14 and 15",
+    "display": "The display: crosstalk, units that differ, the field between units, what fits",
+    "misprints": "Printed targets that are wrong or coarse, with the proof",
+}
+
+KINDS = ("at rest", "eigenvalue", "driven, with losses")
+_STATIC = "magnetostatics has none"
+#: By way of dividing, the rows that show the order of each kind, or why no order can be seen.
+DIVISIONS: dict[str, tuple[tuple[str, ...] | str, ...]] = {
+    "beam elements of degree five": (
+        "exact on uniform pieces: nothing is left that could converge", ("BEAMO-1",), ("BEAMO-3",),
+    ),
+    **{
+        f"bricks of degree {p}": (
+            (f"MMSB-{4 * p - 3}",), (f"ROD-{p}", *((f"CYLO-{p - 1}",) if p in (2, 3) else ())),
+            (f"MMSB-{4 * p - 1}",),
+        )
+        for p in (1, 2, 3, 4)
+    },
+    **{
+        f"quadratic {cells}": (
+            (f"MMSC-{6 * i + 1}", f"MMSC-{6 * i + 5}"), (f"MMSE-{2 * i + 1}",),
+            (f"MMSC-{6 * i + 3}",),
+        )
+        for i, cells in enumerate((
+            "tetrahedra, straight", "tetrahedra, curved", "hexahedra, rectangular",
+        ))
+    },
+    **{
+        f"quads of a half section, order {p}": (
+            (f"AXIO-{p - 1}", f"AXIO-{p + 3}"), _STATIC, _STATIC,
+        )
+        for p in (2, 4)
+    },
+    **{
+        f"{words}, straight and curved": (
+            (f"MAGO-{4 * i + 1}", f"MAGO-{4 * i + 3}"), _STATIC, _STATIC,
+        )
+        for i, words in enumerate((
+            "second-order edge elements (A)", "quadratic scalar potential (φ)",
+        ))
+    },
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Page:
+    """One case with its rows and figures."""
+
+    group: str
+    case: Case
+    rows: tuple[Verified, ...]
+    convergence: Convergence
+
+    @property
+    def file(self) -> str:
+        """Name of the page."""
+        return f"{self.group}-{self.case.id}.html".lower()
+
+    @property
+    def verdict(self) -> str:
+        """The worst verdict of its rows."""
+        verdicts = {row.verdict for row in self.rows}
+        return next(v for v in ("fail", "explained", "pass", "skipped") if v in verdicts)
+
+
+def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], None]) -> Path:
+    """Write the book of verified rows into a folder and return its index.
+
+    Raises InputError if a page cannot be written.
+    """
+    pages, scatters = [], {}
+    for (group, name), of_case in groupby(rows, key=lambda row: (row.group, row.case.id)):
+        announce(f"convergence of {name}")
+        case_rows = tuple(of_case)
+        pages.append(Page(group, case_rows[0].case, case_rows, converged(case_rows)))
+    for group, of_group in groupby(rows, key=lambda row: row.group):
+        spread = scatter(list(of_group))
+        if spread is not None:
+            scatters[group] = spread
+    common: dict[str, Any] = {
+        "pages": pages, "subjects": SUBJECTS, "scatters": scatters,
+        "scatter_plot": scattered(scatters) if scatters else "",
+        "provenance": _provenance(), "faults": kept_rows(), "unanswered": UNANSWERED,
+        "kinds": KINDS, "divisions": DIVISIONS,
+        "page_of": {row.check.id: page for page in pages for row in page.rows},
+        "counts": {v: sum(r.verdict == v for r in rows) for v in VERDICTS},
+    }  # fmt: skip
+    environment = page_templates("tactgen.validation.book")
+
+    def write(name: str, template: str, **values: Any) -> Path:
+        return write_text(out / name, environment.get_template(template).render(**common, **values))
+
+    for page in pages:
+        write(page.file, "case.html", page=page)
+    write("matrix.html", "matrix.html")
+    return write("index.html", "index.html")
+
+
+def _provenance() -> dict[str, str]:
+    """What made the book: program, commit where there is one, libraries, machine."""
+    origin = this_origin()
+    return {
+        "program": f"{origin.program} {origin.version}",
+        "commit": origin.commit,
+        "libraries": ", ".join(f"{name} {version}" for name, version in origin.libraries.items()),
+        "Python": origin.python,
+        "machine": origin.machine,
+        "date": dt.datetime.now(dt.UTC).strftime("%Y-%m-%d"),
+    }
 
 
 @dataclass(frozen=True)
@@ -130,29 +272,35 @@ _WITHOUT = (
 
 
 class Convergence(NamedTuple):
-    """Figure and caption, or the reason why there is none."""
+    """The figure, empty where there is none; what it shows, or why there is none."""
 
     figure: str
     words: str
 
 
 def converged(rows: Sequence[Verified]) -> Convergence:
-    """Convergence of the first row of a case that has coarser levels."""
+    """How the first of a case's rows that can be solved more coarsely converges."""
     case = rows[0].case
     if case.refinement is not None:
-        return _errors(rows[0].group, case.id, case.refinement)
+        levels, error, order = case.refinement
+        errors = [
+            remembered(rows[0].group, f"{case.id} {level}", partial(error, level))
+            for level in levels
+        ]
+        figure = convergence([Curve("error", levels, errors)], "intervals along an edge", 0.0)
+        return Convergence(figure, f"theory: {order}")
     run = [row for row in rows if row.found is not None]
     if not run:
         return Convergence("", "none of its rows was run; run them with --heavy")
     for row in run:
-        levels = list(_levels(row))
-        if len(levels) > 1:
-            return _values(row, levels)
+        divisions = list(_levels(row))
+        if len(divisions) > 1:
+            return _values(row, divisions)
     return Convergence("", _WITHOUT)
 
 
 def _levels(row: Verified) -> Iterator[Division]:
-    """Yield a row's measurements, from its own level to coarser ones.
+    """Yield what a row measures, from its own level to coarser ones as far as they differ.
 
     Where there is no coarser one, then on the next finer.
     """
@@ -188,157 +336,3 @@ def _values(row: Verified, levels: Sequence[Division]) -> Convergence:
         "the reference's"
     )
     return Convergence(convergence(curves, measure, check.tolerance), words)
-
-
-def _errors(group: str, name: str, refinement: Refinement) -> Convergence:
-    """Errors by which a case shows its order."""
-    errors = [
-        remembered(group, f"{name} {level}", partial(refinement.error, level))
-        for level in refinement.levels
-    ]
-    curve = Curve("error", refinement.levels, errors)
-    return Convergence(
-        convergence([curve], "intervals along an edge", 0.0), f"theory: {refinement.order}"
-    )
-
-
-class Unanswered(NamedTuple):
-    """A problem with a known answer, and why nothing here is held against it."""
-
-    problem: str
-    why: str
-
-
-UNANSWERED: tuple[Unanswered, ...] = (
-    Unanswered(
-        "ANSYS VM190: magnetomotive force round a loop",
-        "the current that a loop encloses is put in, into the right side of one potential and the "
-        "source field of the other, so that its return tests nothing",
-    ),
-    Unanswered(
-        "ANSYS VM310: electrostatic pull-in",
-        "no model here has an electrostatic force; its magnetic twin is the case SNAP",
-    ),
-    Unanswered(
-        "NAFEMS LE1 and LE10; stresses of NAFEMS tests 5H and R0031/1 and of ANSYS VM34 and VM231, "
-        "whose field strength, too",
-        "boxes give displacements, forces and charges, and have no elliptic edges; stresses and "
-        "fields are read off the model solid's own bimorph only",
-    ),
-    Unanswered(
-        "ANSYS VM174: large deflection of a bimetal strip",
-        "all models of the bimorph are linear; small deflections are the cases VM35 and VM144",
-    ),
-    Unanswered(
-        "ANSYS VM183: two masses on springs",
-        "its answer is the solution of two equations, of which every response here has more",
-    ),
-    Unanswered(
-        "NASA's example of a grid convergence index (0.97050, 0.96854, 0.96178)",
-        "error bars here are no grid convergence index: how they are made stands beside each, and "
-        "tactgen coverage judges them",
-    ),
-)
-
-
-#: What each group is about, for the reader who was not there.
-SUBJECTS = {
-    "beams": "Beams in closed form and from handbooks, by the models lumped and tmm; two as solids",
-    "laminates": "Exact laminates in cylindrical bending, bimetal strips, PVDF, a patch in shear",
-    "resonators": "Piezoelectric resonators of IEEE Std 176, patch test of a free block",
-    "elastic": "Elastic bodies: cube, plates, torsion, rods",
-    "coils": "Coils in air: inductance, force, field, circuit",
-    "iron": "Bodies of iron: shielding, demagnetising factor, a slotted gap",
-    "orders": "Observed orders of convergence, each with an absolute bound",
-    "bimorph": "The lateral actuator: exact beam, job J1, models against each other, the paper",
-    "reluctance": "The normal actuator: fields and circuits, TEAM problem 20, the paper",
-    "motion": "The machine in time: oscillators with known motions, circuits, the paper's Fig 16",
-    "amplitude": "Large amplitudes: oscillators with known answers, the paper's Figs 8, 14 and 15",
-    "display": "The display: crosstalk, units that differ, the field between units, what fits",
-    "misprints": "Printed targets that are wrong or coarse, with the proof",
-}
-
-
-@dataclass(frozen=True)
-class Page:
-    """One case with its rows and figures."""
-
-    group: str
-    case: Case
-    rows: tuple[Verified, ...]
-    convergence: Convergence
-    sketch: str
-
-    @property
-    def file(self) -> str:
-        """Name of the page."""
-        return f"{self.group}-{self.case.id}.html".lower()
-
-    @property
-    def verdict(self) -> str:
-        """The worst verdict of its rows."""
-        verdicts = {row.verdict for row in self.rows}
-        return next(v for v in ("fail", "explained", "pass", "skipped") if v in verdicts)
-
-
-def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], None]) -> Path:
-    """Write the book of verified rows into a folder and return its index.
-
-    Raises InputError if a page cannot be written.
-    """
-    by_case = groupby(rows, key=lambda row: (row.group, row.case.id))
-    pages = [_page(tuple(of_case), announce) for _, of_case in by_case]
-    scatters = _scatters(rows)
-    common: dict[str, Any] = {
-        "pages": pages,
-        "subjects": SUBJECTS,
-        "scatters": scatters,
-        "scatter_plot": scattered(scatters) if scatters else "",
-        "provenance": _provenance(),
-        "faults": kept_rows(),
-        "unanswered": UNANSWERED,
-        "kinds": KINDS,
-        "divisions": DIVISIONS,
-        "page_of": {row.check.id: page for page in pages for row in page.rows},
-        "counts": {v: sum(r.verdict == v for r in rows) for v in VERDICTS},
-    }
-    render = _environment()
-    for page in pages:
-        write_text(out / page.file, render("case.html", page=page, **common))
-    write_text(out / "matrix.html", render("matrix.html", **common))
-    return write_text(out / "index.html", render("index.html", **common))
-
-
-def _page(rows: tuple[Verified, ...], announce: Callable[[str], None]) -> Page:
-    group, case = rows[0].group, rows[0].case
-    announce(f"convergence of {case.id}")
-    return Page(group, case, rows, converged(rows), case.setup() if case.setup else "")
-
-
-def _scatters(rows: Sequence[Verified]) -> dict[str, Scatter]:
-    found = {
-        group: scatter(list(of_group)) for group, of_group in groupby(rows, key=lambda r: r.group)
-    }
-    return {group: s for group, s in found.items() if s is not None}
-
-
-def _environment() -> Callable[..., str]:
-    environment = page_templates("tactgen.validation.book")
-
-    def render(name: str, **values: Any) -> str:
-        return environment.get_template(name).render(**values)
-
-    return render
-
-
-def _provenance() -> dict[str, str]:
-    """Provenance of the book: program, commit, libraries, machine."""
-    origin = this_origin()
-    return {
-        "program": f"{origin.program} {origin.version}",
-        "commit": origin.commit,
-        "libraries": ", ".join(f"{name} {version}" for name, version in origin.libraries.items()),
-        "Python": origin.python,
-        "machine": origin.machine,
-        "date": dt.datetime.now(dt.UTC).strftime("%Y-%m-%d"),
-    }

@@ -81,11 +81,11 @@ def test_bars_of_rows(monkeypatch, measure, bar, judged_by, covered_by):
     monkeypatch.setattr(verification, "kept", lambda *key, serves: key[-1]())
     (found,) = verify(("beams",), extent="light", announce=lambda _: None)
     assert found.covered_by == covered_by
-    assert (found.error is None) is (bar is None)
+    assert (found.bar is None) is (bar is None)
     if bar is not None:
-        assert found.error.size == pytest.approx(bar, rel=1e-9)
-        assert judged_by in found.error.judged_by
-        assert found.plain()["bar"] == found.error.size
+        assert found.bar.error == pytest.approx(bar, rel=1e-9)
+        assert judged_by in found.bar.method
+        assert found.plain()["bar"] == found.bar.error
     assert (next_division("beams", found.case, row) is None) is (judged_by in ("own", ""))
 
 

@@ -4,10 +4,8 @@ import pytest
 
 from tactgen.tmm.generator.transient.waveform import Sine, Square
 from tactgen.validation.catalogue import detection
-from tactgen.validation.evidence.cases.amplitude import CASES as AMPLITUDE_CHECKS
-from tactgen.validation.evidence.cases.bimorph import CASES as CHECKS
 from tactgen.validation.evidence.cases.motion import SOURCES
-from tactgen.validation.evidence.cases.reluctance import CASES as MAGNETIC_CHECKS
+from tactgen.validation.evidence.verification import group_rows
 from tactgen.validation.studies import reconstruction as stated
 
 #: References of the validation rows, as printed.
@@ -21,17 +19,17 @@ PRINTED = {
 
 def test_references_of_the_validation_rows():
     """Every number of the paper that a row is held against."""
-    rows = {c.id: c for c in (*CHECKS, *MAGNETIC_CHECKS)}
+    rows = {c.id: c for c in (*group_rows("bimorph"), *group_rows("reluctance"))}
     assert {name: rows[name].reference for name in PRINTED} == PRINTED
-    assert {row.id for row in CHECKS if row.tier == "validation"} == set(PRINTED)
-    force = next(c for c in MAGNETIC_CHECKS if c.source == "paper section 5.1")
+    assert {row.id for row in group_rows("bimorph") if row.tier == "validation"} == set(PRINTED)
+    force = next(c for c in group_rows("reluctance") if c.source == "paper section 5.1")
     assert (force.reference, force.unit) == (0.110, "N")
     assert force.tolerance == pytest.approx(0.5 / 110.0)
 
 
 def test_references_of_the_rocking_head():
     """Figs 14 to 17 as printed; what the paper only says has a range or a count."""
-    rows = {c.id: c.reference for c in AMPLITUDE_CHECKS if c.tier == "validation"}
+    rows = {c.id: c.reference for c in group_rows("amplitude") if c.tier == "validation"}
     printed = [rows[f"ROCK-{number}"] for number in range(7, 20)]
     assert printed == [
         -3.441e-8, -1.164e-8, pytest.approx(3.441 / 1.164, rel=2e-4), 24.8e-6, 3.1e-6, 72.4e-6,
@@ -56,7 +54,7 @@ def test_threshold_and_stated_voltages():
 
 def test_flux_densities_of_team_20():
     """Table 4 of COMPEL 14 (1995) 57, place by place from 1000 to 5000 ampere-turns."""
-    rows = [c for c in MAGNETIC_CHECKS if c.id.startswith("TEAM20-B")]
+    rows = [c for c in group_rows("reluctance") if c.id.startswith("TEAM20-B")]
     printed = {
         "below the pole's centre": (0.36, 0.84, 0.99, 1.03),
         "below its corner": (0.24, 0.63, 0.72, 0.74),

@@ -26,7 +26,7 @@ from tactgen.fem.magnetics.problem_3d import (
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.meshing.mesh import Mesh, unique_edges
-from tactgen.validation.evidence.case import Answer, Case, case
+from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.mesh_levels import cached, counted, intervals
 
 RADIUS, OUTER, CORE = 1.0, 3.0, 0.4
@@ -154,6 +154,11 @@ def _split(hexes: Ints, q: Floats) -> tuple[Ints, Floats]:
 Potential = type[VectorPotential] | type[ScalarPotential]
 
 
+def potential_of(name: str) -> Potential:
+    """Vector potential for "A", scalar potential for "phi"."""
+    return VectorPotential if name == "A" else ScalarPotential
+
+
 def sampled_ball(n: int, iron: MagnetisationCurve, *, curved: bool = True) -> SampledSolid:
     """Problem on `n` intervals per edge, for a field of 1 A/m along z."""
     return sample(
@@ -230,8 +235,8 @@ CASES: tuple[Case, ...] = (
         "leaves a dipole outside, whatever the law; here closed by the outer sphere",
         tolerance=1e-3,
         reason="three intervals per edge leave 4e-3 locally, most of which averages out",
-        answers=[
-            Answer(f"B by the {words} is that of the dipole.", _exact(), "T",
+        rows=[
+            Check(f"B by the {words} is that of the dipole.", _exact(), "T",
                    partial(_mean, potential),
                    heavy=potential is VectorPotential)
             for potential, words in (

@@ -18,11 +18,10 @@ from tactgen.tmm.beam.lumped import lumped_model
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.sections import Section, segmented
 from tactgen.validation.evidence.boxes import Box, Held, Where, graded, statics
-from tactgen.validation.evidence.case import Answer, Case, case, nth
+from tactgen.validation.evidence.case import Case, Check, case, nth
 from tactgen.validation.evidence.cases import special_beams
 from tactgen.validation.evidence.cases.resonators import poled
 from tactgen.validation.evidence.mesh_levels import cached, segments
-from tactgen.validation.evidence.section_drawing import section
 
 #: Stiffness of a "rigid" support over EI/L³, and shear stiffness of a beam without shear over
 #: EI/L²: errors of their inverse.
@@ -74,8 +73,8 @@ _UNIFORM = (
         source="1 + cos x cosh x = μ x (sin x cosh x − cos x sinh x)",
         tolerance=1e-8,
         reason=_CLOSED,
-        answers=[
-            Answer(f"β L of mode {at + 1} with a mass ratio of {ratio:g} is the equation's root.",
+        rows=[
+            Check(f"β L of mode {at + 1} with a mass ratio of {ratio:g} is the equation's root.",
                    value, "1", nth(_with_tip_mass, at, ratio))
             for ratio, values in (
                 (1.0, (1.24791740961, 4.03113943671, 7.13413224094)),
@@ -92,8 +91,8 @@ _UNIFORM = (
         source="the tip mass's equation with μ = EI/(k L): the two problems are dual",
         tolerance=1e-8,
         reason=_CLOSED,
-        answers=[
-            Answer(f"β L at k L/EI = {k:g} is the equation's root.", value, "1",
+        rows=[
+            Check(f"β L at k L/EI = {k:g} is the equation's root.", value, "1",
                    partial(_on_root_spring, k))
             for k, value in ((1.0, 1.24791740961), (10.0, 1.72274152059), (100.0, 1.85678697696))
         ],
@@ -106,7 +105,7 @@ _UNIFORM = (
         source="π/(2 L²) √(EI/m); ANSYS Verification Manual, VM50, prints 28.766 Hz",
         tolerance=1e-7,
         reason=_CLOSED,
-        answers=[Answer("The first frequency is that of the closed form.", 0.5 * math.pi / 80.0**2
+        rows=[Check("The first frequency is that of the closed form.", 0.5 * math.pi / 80.0**2
                         * math.sqrt(30e6 * 4.0 / 3.0 / (1.124 / 386.0)), "Hz", _vm50)],
     ),
 )  # fmt: skip
@@ -142,9 +141,9 @@ _FV5 = case(
     "(FV5) and clamped-free.",
     model=_TMM,
     source="NAFEMS FV5; clamped-free: exact solution of Timoshenko's equations",
-    answers=[
+    rows=[
         *(
-            Answer(f"Flexural frequency {at + 1}, simply supported, is NAFEMS'.", value, "Hz",
+            Check(f"Flexural frequency {at + 1}, simply supported, is NAFEMS'.", value, "Hz",
                    nth(_deep, at, True, 2), tolerance, reason)
             for at, (value, tolerance, reason) in enumerate((
                 (42.650, 2e-4, "printed 1.2e-4 above the closed form with Cowper's factor, 42.645"),
@@ -152,7 +151,7 @@ _FV5 = case(
             ))
         ),
         *(
-            Answer(f"Frequency {at + 1}, clamped-free, is the exact one.", value, "Hz",
+            Check(f"Frequency {at + 1}, clamped-free, is the exact one.", value, "Hz",
                    nth(_deep, at, False, 3), 1e-8, "nine digits of the reference")
             for at, value in enumerate((15.6727306, 84.5597454, 201.540821))
         ),
@@ -210,7 +209,7 @@ _TAPERS = (
         source="ANSYS Verification Manual, VM34",
         tolerance=1.2e-5,
         reason="half a unit of the last printed digit",
-        answers=[Answer("The tip deflects by 0.042667 in.", 0.042667, "in",
+        rows=[Check("The tip deflects by 0.042667 in.", 0.042667, "in",
                         _triangular_deflection)],
     ),
     case(
@@ -223,8 +222,8 @@ _TAPERS = (
         "339: roots of J1 I2 + J2 I1 = 0",
         tolerance=6e-4,
         reason=_POINT + ": 4e-4 in the third mode",
-        answers=[
-            Answer(f"Mode {at + 1} of the wedge is Kirchhoff's.", value, "1",
+        rows=[
+            Check(f"Mode {at + 1} of the wedge is Kirchhoff's.", value, "1",
                    partial(_sharp, 3.0, at))
             for at, value in enumerate((5.3150994, 15.2071680, 30.0198091))
         ],
@@ -238,8 +237,8 @@ _TAPERS = (
         source="roots of the power series of (x w″)″ = λ² x w",
         tolerance=2e-5,
         reason=_POINT + ": 1e-5 in the third mode",
-        answers=[
-            Answer(f"Mode {at + 1} is that of the series.", value, "1", partial(_sharp, 1.0, at))
+        rows=[
+            Check(f"Mode {at + 1} is that of the series.", value, "1", partial(_sharp, 1.0, at))
             for at, value in enumerate((7.15646336, 31.0413039, 75.4866029))
         ],
     ),
@@ -282,8 +281,8 @@ _SMITS = case(
     "of the series bimorph with these constants",
     tolerance=1e-8,
     reason=_CLOSED,
-    answers=[
-        Answer(f"{what} is that of the matrix.", value, unit, nth(_smits, at))
+    rows=[
+        Check(f"{what} is that of the matrix.", value, unit, nth(_smits, at))
         for at, (what, value, unit) in enumerate((
             ("The tip's deflection per volt (its sign is the poling's)", 3.7943787e-7, "m/V"),
             ("The tip's deflection per newton", 1.7773154e-3, "m/N"),
@@ -330,7 +329,7 @@ def _beam() -> Box:
 
 
 def _tip() -> float:
-    """Displacement (m) of the tip's upper face."""
+    """How far (m) the tip's upper face has moved."""
     return abs(statics(_beam()).mean(Where(x=18e-3, z=0.1), "x"))
 
 
@@ -346,7 +345,6 @@ SHEAR: tuple[Case, ...] = (
         tolerance=5e-3,
         reason="the field is singular at the patch's ends and the published mesh is not stated: "
         "quadratic bricks on this one give 0.5 % more than these cubic ones",
-        answers=[Answer("The tip moves by 82.965 nm.", 82.965e-9, "m", _tip)],
-        setup=section(_beam),
+        rows=[Check("The tip moves by 82.965 nm.", 82.965e-9, "m", _tip)],
     ),
 )  # fmt: skip

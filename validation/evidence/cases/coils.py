@@ -22,7 +22,7 @@ from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.reluctance.section_grid import Grid, Region, graded_grid
-from tactgen.validation.evidence.case import Answer, Case, case
+from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.cases.ball import Potential
 from tactgen.validation.evidence.cases.oscillators import settled_current
 from tactgen.validation.evidence.mesh_levels import cached, counted, degree
@@ -121,12 +121,12 @@ _LOOPS = case(
     model=_FIELD,
     source="Maxwell's elliptic integrals, their mean over the wires' square sections; of thin "
     "wires F. W. Grover, Inductance Calculations, example 24",
-    answers=[
-        Answer("Their mutual inductance is Maxwell's.",
+    rows=[
+        Check("Their mutual inductance is Maxwell's.",
                between_windings(_LOW, _HIGH, mutual_inductance), "H",
                lambda: float(_loops().incremental_inductance[0, 1]), 5e-6,
                "walls at eighty radii, 2e-6"),
-        Answer("They attract each other with Maxwell's force.",
+        Check("They attract each other with Maxwell's force.",
                between_windings(_LOW, _HIGH, mutual_inductance_slope), "N",
                lambda: virtual_work_force(_loops()), 5e-5,
                "the mesh across a wire of 1/200 of its radius"),
@@ -175,8 +175,8 @@ _NAGAOKA = case(
     source="L. Lorenz (1879), H. Nagaoka (1909), by elliptic integrals",
     tolerance=5e-5,
     reason="the mesh at the sheet's ends 3e-5; (t/R)² log(R/t) = 7e-6 of its thickness",
-    answers=[
-        Answer(f"Nagaoka's factor at 2R/l = {ratio:g}.", value, "1", partial(_nagaoka, ratio),
+    rows=[
+        Check(f"Nagaoka's factor at 2R/l = {ratio:g}.", value, "1", partial(_nagaoka, ratio),
                heavy=ratio in (0.5, 2.0))
         for ratio, value in (
             (0.2, 0.920092671), (0.5, 0.818135752), (1.0, 0.688422607),
@@ -215,8 +215,8 @@ _VM168 = case(
     "2.12e-6 T",
     tolerance=1e-4,
     reason="far from the coil the grid is coarse; the sheet is 0.1 mm thick; walls at 5 m",
-    answers=[
-        Answer(f"B_z at a height of {height:g} m is that of the sheet.", value, "T",
+    rows=[
+        Check(f"B_z at a height of {height:g} m is that of the sheet.", value, "T",
                partial(_vm168, height))
         for height, value in ((0.0, 1.1206537736e-3), (0.1905, 2.1229234256e-6))
     ],
@@ -256,12 +256,12 @@ _BROOKS = case(
     model=_FIELD + ", and the machine's circuit in time",
     source="F. W. Grover, Inductance Calculations, Brooks coil: 1.6994e-6 a N²; ANSYS Verification "
     "Manual, VM206 and VM207, prints 12.74 mH",
-    answers=[
-        Answer("The inductance is Grover's.", _GROVER * 1.5 * _SIDE * _TURNS**2, "H", _brooks,
+    rows=[
+        Check("The inductance is Grover's.", _GROVER * 1.5 * _SIDE * _TURNS**2, "H", _brooks,
                5e-5, "half a unit of Grover's fifth digit; the mesh 2e-5"),
-        Answer("The current's real part at 60 Hz is printed as 1.192 A.", 1.192, "A",
+        Check("The current's real part at 60 Hz is printed as 1.192 A.", 1.192, "A",
                lambda: _current().real, 5e-4, _IN_TIME),
-        Answer("Its imaginary part at 60 Hz is printed as −1.621 A.", -1.621, "A",
+        Check("Its imaginary part at 60 Hz is printed as −1.621 A.", -1.621, "A",
                lambda: _current().imag, 4e-4, _IN_TIME),
     ],
 )  # fmt: skip

@@ -1,11 +1,11 @@
-"""The checks of the display as declarative rows; see :mod:`validation.evidence.case`."""
+"""The display: crosstalk, units that differ, the field between units, what fits."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from tactgen.fem.magnetics.array_3d import NineForces, array_forces, nine_forces
-from tactgen.geometry.device.parameters import Display
+from tactgen.geometry.device.display import Display
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import drawn_units, levels
 from tactgen.geometry.reluctance.sector_tets import UNITS
@@ -16,12 +16,11 @@ from tactgen.validation.engine.model import make_model
 from tactgen.validation.engine.plan import make_plan
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.stages import Stages
-from tactgen.validation.evidence.case import Check
+from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.mesh_levels import cached
 from tactgen.validation.models.display.field import display_ports, with_device
 from tactgen.validation.scene.scene import Scene, load_scene
 
-_PAPER = "paper section 2: a pitch of 2.4 mm, 45 mm high"
 #: Scatter of the length so small that its square does not matter, and the step of a slope.
 _SMALL, _STEP = 1e-5, 1e-4
 #: Current (A), gap and pitch (m) at which the field between units is looked at: the scene's.
@@ -42,14 +41,6 @@ def _bimorph(scene: Scene) -> Multiport:
     plan = make_plan(scene, ("tmm",), (CROSSTALK_LARGEST.name,))
     found: Multiport = make_model("tmm", scene, Stages(plan.keys)).answer("crosstalk").ports.fine
     return found
-
-
-def _reciprocity() -> float:
-    return float(reciprocity_error(_array()).max())
-
-
-def _passivity() -> float:
-    return float(passivity_margin(_array()).min())
 
 
 def _both_ways() -> float:
@@ -107,14 +98,14 @@ def _mean(pair: tuple[float, float]) -> float:
 
 
 def _reversal(unit: str, reversed_one: str) -> float:
-    """Loss of a unit's force where others' current is reversed (N)."""
+    """Loss of a unit's pull where others' current is reversed (N)."""
     nine = _nine()
     return _mean(getattr(nine["all"], unit)) - _mean(getattr(nine[reversed_one], unit))
 
 
 @cached
 def _all_four() -> float:
-    """Loss of force in an endless array where all nearest neighbours reverse (N)."""
+    """Loss of a unit of an endless array where all nearest neighbours reverse (N)."""
     found = array_forces(_scene().device, _CURRENT, _GAP, _PITCH)
     return _mean(found.same) - _mean(found.alternating)
 
@@ -124,114 +115,97 @@ def _one_driven() -> float:
     return network / _mean(_nine()["alone"].middle)
 
 
-def _four_of_eight() -> float:
-    return _reversal("middle", "beside") / _all_four()
-
-
-def _one_of_four() -> float:
-    return 4.0 * _reversal("beside", "middle") / _all_four()
-
-
-def _on_the_diagonal() -> float:
-    return _reversal("diagonal", "middle") / _reversal("beside", "middle")
-
-
 def _out_of_balance() -> float:
     alone = _nine()["alone"]
     return _mean(alone.unbalanced) / _mean(alone.middle)
 
 
-def _narrowest() -> float:
-    scene = _scene()
-    return clearances(scene.device, scene.display)[0].gap
-
-
-def _height() -> float:
-    scene = _scene()
-    return levels(scene.device, scene.display).total
-
-
-CASES: tuple[Check, ...] = (
-    Check(
-        "ARR-1", "code verification",
-        "Six generators on their board under skin are reciprocal over all tips and voltages.",
-        (0.0, 1e-9), "1", "Maxwell and Betti", 0.0,
-        "rounding of joining and reducing; a wrong sign shows at order one", _reciprocity,
+CASES: tuple[Case, ...] = (
+    case(
+        "ARR", "Generators on one board under one skin",
+        "Each is solved once by model tmm, placed on the upper board and tied at its tip to the "
+        "others. What goes in comes out or stays; what one does to another, the other does to it.",
+        [
+            Check("Six generators on their board under skin are reciprocal over all tips and "
+                  "voltages.", (0.0, 1e-9), "1", lambda: float(reciprocity_error(_array()).max()),
+                  reason="rounding of joining and reducing; a wrong sign shows at order one",
+                  source="Maxwell and Betti"),
+            Check("No power comes out of them, over what goes in.", (-1e-9, np.inf), "1",
+                  lambda: float(passivity_margin(_array()).min()), source="energy",
+                  reason="rounding, as of ARR-1"),
+            Check("The charge at one corner per volt at the other is the same both ways.",
+                  (0.0, 1e-8), "1", _both_ways, source="reciprocity",
+                  reason="the coupling is a small share of what cancels, which magnifies rounding"),
+        ],
+        model="ports joined by name; board as a plate on its spacers, skin as a sheet",
         scene="display",
     ),
-    Check(
-        "ARR-2", "code verification",
-        "No power comes out of them, over what goes in.",
-        (-1e-9, np.inf), "1", "energy", 0.0, "rounding, as of ARR-1", _passivity,
-        scene="display",
+    case(
+        "SPR", "Units as they come out of the shop",
+        "Lengths drawn from a narrow scatter; what it does to the first frequencies of four units.",
+        [Check("A small scatter of lengths spreads the first frequencies as their slope says.", 1.0,
+               "1", _spread)],
+        model="model tmm, each unit on its own contact", scene="display", tolerance=1e-3,
+        source="first order in the scatter, slope by central differences",
+        reason="second order: scatter of 1e-5, step of 1e-4 squared times a few",
     ),
-    Check(
-        "ARR-3", "code verification",
-        "The charge at one corner per volt at the other is the same both ways.",
-        (0.0, 1e-8), "1", "reciprocity", 0.0,
-        "the coupling is a small share of what cancels, which magnifies rounding", _both_ways,
-        scene="display",
+    case(
+        "NEI", "The field between units, by the network",
+        "Permeances between neighbouring heads beside each working gap. Far apart they vanish; one "
+        "driven unit among others without current is where one of an endless array is.",
+        [
+            Check("Far apart, what alternating neighbours take by the network goes with their "
+                  "permeance.", 1.0, "1", _far_apart, 2e-3,
+                  "the permeance falls with the logarithm of the pitch, so the second order is "
+                  "slow to go: it is a part of the loss itself, still 0.4 % at a pitch of 1e8 m",
+                  "limit: first order in the permeance between heads"),
+            Check("One driven unit among eight without current pulls by the network as by nine "
+                  "units' field.", 1.0, "1", _one_driven, 0.33,
+                  "a third, as of an endless array: the network knows no flux between a head and "
+                  "another's sleeve, nor what passes above the heads",
+                  "the nonlinear field of three by three units in open air", tier="cross-model",
+                  heavy=True),
+            Check("Four neighbours reversed take from the middle of nine what they take in an "
+                  "endless array.", 1.0, "1",
+                  lambda: _reversal("middle", "beside") / _all_four(), 0.12,
+                  "the bars of both differences, 6 % each; units farther away than the eight have "
+                  "a share of a percent or two",
+                  "the array's pulls, of which the table's crosstalk is an eighth per ampere",
+                  tier="cross-model", heavy=True),
+            Check("One unit reversed alone takes less from a rod beside it than a quarter of all "
+                  "four.", (0.0, 1.0), "1",
+                  lambda: 4.0 * _reversal("beside", "middle") / _all_four(), 0.0,
+                  "a bound, not a value: where all change alike no force passes from unit to unit, "
+                  "where one does its neighbours' heads draw on each other",
+                  "the table's crosstalk, which lets all four change alike", tier="cross-model",
+                  heavy=True),
+            Check("On the diagonal, which the table leaves out, it takes less than dipoles would.",
+                  (0.0, 2.0**-1.5), "1",
+                  lambda: _reversal("diagonal", "middle") / _reversal("beside", "middle"), 0.0,
+                  "heads and sleeves between shield, so the dipoles' share is a bound",
+                  "a dipole's field falls with the cube of the distance", tier="cross-model",
+                  heavy=True),
+            Check("The forces on all rods and sleeves of nine units balance, over the driven "
+                  "rod's.", (-0.02, 0.02), "1", _out_of_balance, 0.0,
+                  "discretisation: either potential's force has 2.7 % by their difference, of "
+                  "which the mean has less", "Newton's third law", heavy=True),
+        ],
+        model="model network", scene="display",
     ),
-    Check(
-        "SPR-1", "code verification",
-        "A small scatter of lengths spreads the first frequencies as their slope says.",
-        1.0, "1", "first order in the scatter, slope by central differences", 1e-3,
-        "second order: scatter of 1e-5, step of 1e-4 squared times a few", _spread,
-        scene="display",
-    ),
-    Check(
-        "NEI-1", "code verification",
-        "Far apart, what alternating neighbours take by the network goes with their permeance.",
-        1.0, "1", "limit: first order in the permeance between heads", 2e-3,
-        "the permeance falls with the logarithm of the pitch, so the second order is slow to go: "
-        "it is a part of the loss itself, still 0.4 % at a pitch of 1e8 m",
-        _far_apart, scene="display",
-    ),
-    Check(
-        "NEI-2", "cross-model",
-        "One driven unit among eight without current pulls by the network as by nine units' field.",
-        1.0, "1", "the nonlinear field of three by three units in open air", 0.33,
-        "a third, as of an endless array: the network knows no flux between a head and another's "
-        "sleeve, nor what passes above the heads", _one_driven, heavy=True, scene="display",
-    ),
-    Check(
-        "NEI-3", "cross-model",
-        "Four neighbours reversed take from the middle of nine what they take in an endless array.",
-        1.0, "1", "the array's pulls, of which the table's crosstalk is an eighth per ampere", 0.12,
-        "the bars of both differences, 6 % each; units farther away than the eight have a share of "
-        "a percent or two", _four_of_eight, heavy=True, scene="display",
-    ),
-    Check(
-        "NEI-4", "cross-model",
-        "One unit reversed alone takes less from a rod beside it than a quarter of all four.",
-        (0.0, 1.0), "1", "the table's crosstalk, which lets all four change alike", 0.0,
-        "a bound, not a value: where all change alike no force passes from unit to unit, where one "
-        "does its neighbours' heads draw on each other", _one_of_four, heavy=True, scene="display",
-    ),
-    Check(
-        "NEI-5", "cross-model",
-        "On the diagonal, which the table leaves out, it takes less than dipoles would.",
-        (0.0, 2.0**-1.5), "1", "a dipole's field falls with the cube of the distance", 0.0,
-        "heads and sleeves between shield, so the dipoles' share is a bound", _on_the_diagonal,
-        heavy=True, scene="display",
-    ),
-    Check(
-        "NEI-6", "code verification",
-        "The forces on all rods and sleeves of nine units balance, over the driven rod's.",
-        (-0.02, 0.02), "1", "Newton's third law", 0.0,
-        "discretisation: either potential's force has 2.7 % by their difference, of which the mean "
-        "has less", _out_of_balance, heavy=True, scene="display",
-    ),
-    Check(
-        "FIT-1", "validation",
-        "At the paper's pitch no part touches another: the narrowest clearance.",
-        (0.0, 1e-3), "m", _PAPER, 0.0, "an interference is a clearance below 0", _narrowest,
-        scene="display",
-    ),
-    Check(
-        "FIT-2", "validation", "The heights of all parts add up to the paper's.",
-        45e-3, "m", _PAPER, 1e-3, "two printed digits, sums of sizes that are printed to 0.05 mm",
-        _height, scene="display",
-        fitted="the plates' thicknesses, which the paper does not give, make up the sum",
+    case(
+        "FIT", "Sixteen generators in the paper's room",
+        "All distances that could close, and the heights of all parts.",
+        [
+            Check("At the paper's pitch no part touches another: the narrowest clearance.",
+                  (0.0, 1e-3), "m",
+                  lambda: clearances(_scene().device, _scene().display)[0].gap, 0.0,
+                  "an interference is a clearance below 0"),
+            Check("The heights of all parts add up to the paper's.", 45e-3, "m",
+                  lambda: levels(_scene().device, _scene().display).total, 1e-3,
+                  "two printed digits, sums of sizes that are printed to 0.05 mm",
+                  fitted="the plates' thicknesses, which the paper does not give, make up the sum"),
+        ],
+        model="closed form, from the sizes of the parts", tier="validation", scene="display",
+        source="paper section 2: a pitch of 2.4 mm, 45 mm high",
     ),
 )  # fmt: skip

@@ -27,11 +27,10 @@ from tactgen.validation.evidence.boxes import (
     natural_frequencies,
     statics,
 )
-from tactgen.validation.evidence.case import Answer, Case, case, nth
+from tactgen.validation.evidence.case import Case, Check, case, nth
 from tactgen.validation.evidence.cases import laminates
 from tactgen.validation.evidence.cases.manufactured import hexahedra
 from tactgen.validation.evidence.mesh_levels import cached, counted, intervals
-from tactgen.validation.evidence.section_drawing import section
 
 _BRICKS = "bricks of the model solid"
 
@@ -66,12 +65,11 @@ _RUS = case(
     source="W. M. Visscher et al., J. Acoust. Soc. Am. 90 (1991) 2154: Ritz, powers up to 13",
     tolerance=2e-5,
     reason="six digits of a Ritz series that is 1e-5 above its limit",
-    answers=[
-        Answer(f"Mode {mode} of the free cube is that of the Ritz series.", value, "1",
+    rows=[
+        Check(f"Mode {mode} of the free cube is that of the Ritz series.", value, "1",
                nth(_cube, mode - 1))
         for mode, value in ((1, 1.77126), (2, 1.77126), (3, 2.38518), (5, 2.38518), (6, 2.42566))
     ],
-    setup=section(_unit_cube, unit="a"),
 )  # fmt: skip
 
 _LAME = case(
@@ -84,12 +82,11 @@ _LAME = case(
     "shear waves, whatever ν",
     tolerance=5e-8,
     reason="half a cosine by a polynomial of degree 7",
-    answers=[
-        Answer(f"Mode {mode} of the free cube is Lamé's.", math.pi / math.sqrt(1.3), "1",
+    rows=[
+        Check(f"Mode {mode} of the free cube is Lamé's.", math.pi / math.sqrt(1.3), "1",
                nth(_cube, mode - 1))
         for mode in (9, 10, 11)
     ],
-    setup=section(_unit_cube, unit="a"),
 )  # fmt: skip
 
 
@@ -127,12 +124,11 @@ _TORSION = case(
     source="Saint-Venant's series (Timoshenko and Goodier, Theory of Elasticity, art. 109)",
     tolerance=2e-6,
     reason="weak singularities in the corners: 1e-7 for the square, 1e-6 where it is long",
-    answers=[
-        Answer(f"J/(a b³) of a rectangle {ratio:g} : 1 is that of the series.", value, "1",
+    rows=[
+        Check(f"J/(a b³) of a rectangle {ratio:g} : 1 is that of the series.", value, "1",
                partial(_torsion_constant, ratio))
         for ratio, value in ((1.0, 0.140577015), (2.0, 0.228681677), (5.0, 0.291316754))
     ],
-    setup=section(_turned_bar, 2.0, unit="b", plane=("x", "y")),
 )  # fmt: skip
 
 
@@ -159,12 +155,11 @@ _VM61 = case(
     source="ANSYS Verification Manual, VM61 prints 126.70 and 253.40 Hz; n/(2 L) √(E/ρ)",
     tolerance=1e-6,
     reason="two half waves of a cosine by two polynomials of degree 8",
-    answers=[
-        Answer(f"The {words} is that of the closed form.",
+    rows=[
+        Check(f"The {words} is that of the closed form.",
                number * math.sqrt(30e6 / 0.00073) / 1600.0, "Hz", nth(_rod, number - 1))
         for number, words in ((1, "second frequency (the first is 0)"), (2, "third"))
     ],
-    setup=section(_free_rod, unit="in"),
 )  # fmt: skip
 
 
@@ -212,8 +207,8 @@ _FV32 = case(
     tolerance=5e-4,
     reason="the root's two corners, where the stress has no bound: on two thirds of the size "
     "the fifth frequency is 4e-4 lower, and the targets are those of a mesh as well",
-    answers=[
-        Answer(f"Frequency {at + 1} of the membrane is NAFEMS'.", value, "Hz",
+    rows=[
+        Check(f"Frequency {at + 1} of the membrane is NAFEMS'.", value, "Hz",
                nth(_membrane, at))
         for at, value in enumerate((44.623, 130.03, 162.70, 246.05, 379.90, 391.44))
     ],
@@ -334,12 +329,11 @@ PLATES: tuple[Case, ...] = (
         tolerance=5e-6,
         reason="half waves by polynomials of degree 8, 2e-7; with this κ Mindlin's plate is the "
         "solid one to 1e-8",
-        answers=[
-            Answer(f"Frequency {at} is Mindlin's with {m} and {n} half waves.",
+        rows=[
+            Check(f"Frequency {at} is Mindlin's with {m} and {n} half waves.",
                    _mindlin(m, n), "Hz", nth(_supported, at - 1))
             for at, m, n in ((1, 1, 1), (2, 1, 2), (4, 2, 2), (5, 1, 3), (7, 2, 3))
         ],
-        setup=section(_supported_plate, unit="m", plane=("z", "y")),
     ),
     case(
         "P13HD",
@@ -351,8 +345,7 @@ PLATES: tuple[Case, ...] = (
         tolerance=5e-4,
         reason="shear and rotation lower the frequency by 9e-5, a peak of 4 % width by less; four "
         "printed digits",
-        answers=[Answer("The middle's amplitude is that of the sum.", _thin_peak(), "m", _peak)],
-        setup=section(_driven_plate, unit="m", plane=("z", "x")),
+        rows=[Check("The middle's amplitude is that of the sum.", _thin_peak(), "m", _peak)],
     ),
     case(
         "FV12",
@@ -364,14 +357,13 @@ PLATES: tuple[Case, ...] = (
         tolerance=1e-3,
         reason="a plate of h/a = 1/200: shear, rotation and the twist of its free edges take 4e-4 "
         "to 8e-4",
-        answers=[
-            Answer(f"Frequency {at + 7} of the free plate is the thin plate's.",
+        rows=[
+            Check(f"Frequency {at + 7} of the free plate is the thin plate's.",
                    value * _THIN / (2.0 * math.pi), "Hz", nth(free_plate, at))
             for at, value in enumerate(
                 (13.4682, 19.5961, 24.2702, 34.8009, 34.8009, 61.0932, 61.0932, 63.6861)
             )
         ],
-        setup=section(plate, unit="m", plane=("z", "y")),
     ),
     case(
         "FV16",
@@ -382,12 +374,11 @@ PLATES: tuple[Case, ...] = (
         source="converged thin-plate values; NAFEMS' printed targets are up to 1 % higher",
         tolerance=3e-3,
         reason="a plate of h/a = 1/200, and the clamp's singular corners",
-        answers=[
-            Answer(f"Frequency {at + 1} is the converged thin plate's.", value, "1",
+        rows=[
+            Check(f"Frequency {at + 1} is the converged thin plate's.", value, "1",
                    nth(cantilever_plate, at))
             for at, value in enumerate((3.47101, 8.50629, 21.28409, 27.19874, 30.95460, 54.18437))
         ],
-        setup=section(clamped_plate, unit="m", plane=("z", "y")),
     ),
 )  # fmt: skip
 

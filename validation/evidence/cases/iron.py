@@ -18,7 +18,8 @@ from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.fem.magnetics.problem_3d import MagneticField as SolidField
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, sample
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.parameters import Device, Spring
+from tactgen.geometry.device.operation import Spring
+from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import MU0, linear
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
@@ -26,7 +27,7 @@ from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint, Samples
 from tactgen.tmm.reluctance.switching import Switching, switching
-from tactgen.validation.evidence.case import Answer, Case, case
+from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.cases import ball
 from tactgen.validation.evidence.cases.ball import RADIUS, sphere_mesh
 from tactgen.validation.evidence.cases.coils import (
@@ -100,8 +101,8 @@ _SHELL = case(
     source="J. D. Jackson, Classical Electrodynamics, 3rd ed., eq. 5.121",
     tolerance=1e-3,
     reason="the mesh, by its own refinement: 0.06 %, which 2/3 of the size makes a fifth",
-    answers=[
-        Answer("The hollow is shielded to 1.78 % of the field.", 0.0178085173, "1",
+    rows=[
+        Check("The hollow is shielded to 1.78 % of the field.", 0.0178085173, "1",
                _shielded),
     ],
 )  # fmt: skip
@@ -128,8 +129,8 @@ _SPHEROID = case(
     source="J. A. Osborn, Demagnetizing factors of the general ellipsoid, Phys. Rev. 67 (1945)",
     tolerance=5e-3,
     reason="the mesh, by its own refinement: 0.2 % at 2 : 1, 0.3 % on the finer one at 4 : 1",
-    answers=[
-        Answer(f"The factor is Osborn's at {ratio:g} : 1.", value, "1", partial(_factor, ratio, n),
+    rows=[
+        Check(f"The factor is Osborn's at {ratio:g} : 1.", value, "1", partial(_factor, ratio, n),
                heavy=n > 4)
         for ratio, value, n in ((2.0, 0.173564, 4), (4.0, 0.0754072, 6))
     ],
@@ -186,8 +187,8 @@ _CARTER = case(
     tolerance=5e-4,
     reason="the mesh at the edge, where B has no bound: 0.02 %, ten times that at ten times the "
     "size",
-    answers=[
-        Answer(f"Carter's σ at b/g = {ratio:g}.", value, "1", partial(_slot, ratio))
+    rows=[
+        Check(f"Carter's σ at b/g = {ratio:g}.", value, "1", partial(_slot, ratio))
         for ratio, value in (
             (0.5, 0.0787685949), (1.0, 0.153109638), (2.0, 0.2793644), (5.0, 0.505533176),
         )
@@ -223,9 +224,9 @@ IDEAL_GAP: tuple[Case, ...] = (
         source="I² = 8 k g³/(27 µ0 N² A) at a third of the gap (the twin of electrostatic pull-in)",
         tolerance=1e-3,
         reason="the map's cubics over 48 gaps",
-        answers=[
-            Answer("It snaps at 13.734 mA.", 0.0137341938, "A", lambda: _snap().pull_in),
-            Answer("It had moved by a third of the gap.", _GAP / 3.0, "m",
+        rows=[
+            Check("It snaps at 13.734 mA.", 0.0137341938, "A", lambda: _snap().pull_in),
+            Check("It had moved by a third of the gap.", _GAP / 3.0, "m",
                    lambda: _GAP - _snap().pull_in_gap, 5e-3,
                    "the current is at a maximum there: an error ε of the place costs it only ε², "
                    "so the place is known to the root of the current's error at best, √(1e-5) = "
@@ -277,11 +278,11 @@ IMAGES: tuple[Case, ...] = (
         "ed., ch. 5), by Maxwell's elliptic integrals over both sections",
         tolerance=1e-5,
         reason="the mesh and walls at a hundred radii, 2e-6 each",
-        answers=[
-            Answer("The iron adds the image's mutual inductance.",
+        rows=[
+            Check("The iron adds the image's mutual inductance.",
                    _SHARE * between_windings(_ring(-_ABOVE), _ring(), mutual_inductance), "H",
                    _gained),
-            Answer("The iron pulls as the image does.",
+            Check("The iron pulls as the image does.",
                    _SHARE * between_windings(_ring(-_ABOVE), _ring(), mutual_inductance_slope),
                    "N", lambda: virtual_work_force(_solved_images(_PERMEABILITY_IMAGES))),
         ],

@@ -24,10 +24,9 @@ from tactgen.validation.evidence.boxes import (
     stacked,
     statics,
 )
-from tactgen.validation.evidence.case import Answer, Case, case, nth
+from tactgen.validation.evidence.case import Case, Check, case, nth
 from tactgen.validation.evidence.cases import beams, strips
 from tactgen.validation.evidence.mesh_levels import cached
-from tactgen.validation.evidence.section_drawing import section
 
 #: Length of the half wave (m), and the thickness of each layer (m) of three bimorphs.
 _LENGTH = 20e-3
@@ -100,8 +99,8 @@ _CYLINDRICAL = tuple(
         source=_EXACT,
         tolerance=1e-6,
         reason=_SMOOTH,
-        answers=[
-            Answer(
+        rows=[
+            Check(
                 f"The first frequency with {words} is that of the exact solution.",
                 reference, "Hz", partial(_bending_frequency, thickness, grounded),
             )
@@ -110,7 +109,6 @@ _CYLINDRICAL = tuple(
                 (free, False, "no charge on the faces"),
             )
         ],
-        setup=section(bending_bimorph, thickness),
     )
     for number, (thickness, short, free) in enumerate(
         (
@@ -135,13 +133,12 @@ _DRIVEN = tuple(
         source=_EXACT,
         tolerance=1e-6,
         reason=_SMOOTH,
-        answers=[
-            Answer("The lower face's crest moves as the exact solution does.", motion, "m",
+        rows=[
+            Check("The lower face's crest moves as the exact solution does.", motion, "m",
                    nth(_driven, 0, thickness)),
-            Answer("The electric displacement at that crest is exact.", charge, "C/m^2",
+            Check("The electric displacement at that crest is exact.", charge, "C/m^2",
                    nth(_driven, 1, thickness)),
         ],
-        setup=section(bending_bimorph, thickness, volts=1.0),
     )
     for name, thickness, motion, charge in (
         ("CYL4", _THIN, -4.29692165364606e-8, -1.56662847218356e-5),
@@ -205,8 +202,8 @@ _PAGANO = case(
     + _EXACT,
     tolerance=1e-6,
     reason=_SMOOTH,
-    answers=[
-        Answer(f"The deflection at L/h = {s:g} is Pagano's.", value, "1", partial(_pagano, s))
+    rows=[
+        Check(f"The deflection at L/h = {s:g} is Pagano's.", value, "1", partial(_pagano, s))
         for s, value in (
             (4.0, 2.88722515895213),
             (10.0, 0.931642912042631),
@@ -214,7 +211,6 @@ _PAGANO = case(
             (50.0, 0.526975657629369),
         )
     ],
-    setup=section(_laminate, 4.0, unit="h"),
 )  # fmt: skip
 
 
@@ -270,12 +266,11 @@ _PVDF = case(
     source="a layer stiffened by 1/(1 − k²) about its own middle: (1 − k²)/(1 − 3/4 k²)",
     tolerance=1e-5,
     reason="the clamp's zone, h/L of the 0.25 % in question",
-    answers=[
-        Answer("The varying field takes 0.25 % of the deflection, as in closed form.",
+    rows=[
+        Check("The varying field takes 0.25 % of the deflection, as in closed form.",
                (1.0 - _PVDF_K2) / (1.0 - 0.75 * _PVDF_K2), "1",
                lambda: pvdf_deflection(0.06, False) / pvdf_deflection(0.06, True)),
     ],
-    setup=section(pvdf, False),
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (
@@ -350,9 +345,8 @@ SEVEN_LAYERS: tuple[Case, ...] = (
         tolerance=7e-3,
         reason="half a unit of the last printed digit, and lines that load and hold a solid: what "
         "they press in grows without limit on ever finer bricks",
-        answers=[
-            Answer("The lower side moves by −1.06 mm below the load.", -1.06e-3, "m", _deflection)
+        rows=[
+            Check("The lower side moves by −1.06 mm below the load.", -1.06e-3, "m", _deflection)
         ],
-        setup=section(_quarter),
     ),
 )

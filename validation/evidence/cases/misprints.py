@@ -10,18 +10,12 @@ import math
 from functools import cache, partial
 
 from tactgen.tmm.beam.printed_formulas import MISPRINTS
-from tactgen.validation.evidence.case import Answer, Case, case, nth
+from tactgen.validation.evidence.case import Case, Check, case, nth
 from tactgen.validation.evidence.cases.audit import Audit, audit
-from tactgen.validation.evidence.cases.elastic import (
-    cantilever_plate,
-    clamped_plate,
-    free_plate,
-    plate,
-)
-from tactgen.validation.evidence.cases.laminates import pvdf, pvdf_deflection
+from tactgen.validation.evidence.cases.elastic import cantilever_plate, free_plate
+from tactgen.validation.evidence.cases.laminates import pvdf_deflection
 from tactgen.validation.evidence.cases.oscillators import period_of_vm156
 from tactgen.validation.evidence.cases.resonators import CUBE
-from tactgen.validation.evidence.section_drawing import section
 from tactgen.validation.scene.scene import load_scene
 
 # --- the paper's Appendix A --------------------------------------------------------------------
@@ -61,8 +55,8 @@ _APPENDIX = case(
     tolerance=1e-9,
     reason="what is right as printed agrees to 1e-11",
     tier="validation",
-    answers=[
-        Answer(
+    rows=[
+        Check(
             f"Equation {equation} as printed is that of the beam's differential equations.",
             1.0, "1", partial(_as_printed, equation),
             explained=f"printed {MISPRINTS[equation].printed}; "
@@ -90,8 +84,8 @@ _HWANG = case(
     tolerance=4e-3,
     reason="three printed digits in the first number",
     tier="validation",
-    answers=[
-        Answer(f"At {z} mm the table has {value} um.", value * 1e-6, "m",
+    rows=[
+        Check(f"At {z} mm the table has {value} um.", value * 1e-6, "m",
                partial(pvdf_deflection, z * 1e-3, True), explained=explained, known=known)
         for z, value, explained, known in (
             (20, 0.0138, "", 0.0),
@@ -100,10 +94,9 @@ _HWANG = case(
             (80, 0.2208, "", 0.0),
         )
     ] + [
-        Answer("At 200 V the tip is printed to move by 69.00 um.", 69.00e-6, "m",
+        Check("At 200 V the tip is printed to move by 69.00 um.", 69.00e-6, "m",
                lambda: 200.0 * pvdf_deflection(0.1, True)),
     ],
-    setup=section(pvdf, True),
 )  # fmt: skip
 
 _RIGIDITY = 200e9 * 0.05**3 / (12.0 * (1.0 - 0.3**2))
@@ -133,15 +126,14 @@ _FV16 = case(
     tolerance=2e-3,
     reason="four printed digits; a plate of h/a = 1/200",
     tier="validation",
-    answers=[
-        Answer(f"Target {at + 1} is {value} Hz.", value, "Hz", partial(_in_hertz, at),
+    rows=[
+        Check(f"Target {at + 1} is {value} Hz.", value, "Hz", partial(_in_hertz, at),
                explained=_RITZ, known=known)
         for at, (value, known) in enumerate((
             (0.421, -0.0073), (1.029, -0.0056), (2.582, -0.0077),
             (3.306, -0.0102), (3.753, -0.0076), (6.555, -0.0060),
         ))
     ],
-    setup=section(clamped_plate, unit="m", plane=("z", "y")),
 )  # fmt: skip
 
 _FV12 = case(
@@ -154,15 +146,14 @@ _FV12 = case(
     tolerance=2e-3,
     reason="four printed digits; a plate of h/a = 1/200",
     tier="validation",
-    answers=[
-        Answer(f"The target of {mode} is {value} Hz.", value, "Hz",
+    rows=[
+        Check(f"The target of {mode} is {value} Hz.", value, "Hz",
                nth(free_plate, index), known=known,
                explained="the target is as that of a short series: " + _FEW_TERMS)
         for mode, index, value, known in (
             ("modes 7 and 8", 3, 4.233, -0.0104), ("mode 9", 5, 7.416, -0.0083),
         )
     ],
-    setup=section(plate, unit="m", plane=("z", "y")),
 )  # fmt: skip
 
 _VM156 = case(
@@ -174,8 +165,8 @@ _VM156 = case(
     tolerance=5e-4,
     reason="four printed digits",
     tier="validation",
-    answers=[
-        Answer("The period is 0.1447 s.", 0.1447, "s", period_of_vm156,
+    rows=[
+        Check("The period is 0.1447 s.", 0.1447, "s", period_of_vm156,
                explained="the elliptic integral of rows MOT-1 and HB-2 gives 0.14404 s: the "
                "target is 0.46 % too long", known=-4.53e-3),
     ],

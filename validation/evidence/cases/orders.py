@@ -18,15 +18,15 @@ from tactgen.fem.piezo.system import Material
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import isotropic_stiffness
-from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.device.operation import Beam, Support
+from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
 from tactgen.validation.evidence.boxes import Box, Held, Where, block, even, natural_frequencies
-from tactgen.validation.evidence.case import Answer, Case, Refinement, case
+from tactgen.validation.evidence.case import Case, Check, Refinement, case
 from tactgen.validation.evidence.cases import manufactured
 from tactgen.validation.evidence.cases.laminates import bending_bimorph
 from tactgen.validation.evidence.cases.manufactured import EDGE, Cells, quarter_wave_error
 from tactgen.validation.evidence.cases.manufactured_fields import cube_error, rings_error
-from tactgen.validation.evidence.section_drawing import section
 
 #: The lowest natural frequency (Hz) of the bimorph below; see case CYL2.
 _BENDING = 6981.984969234867
@@ -50,7 +50,6 @@ class _Problem:
     coarse: dict[int, int]
     bound: Callable[[int], float]
     reason: str
-    setup: Callable[[], str]
 
 
 def _rod(intervals: int, degree: int) -> Box:
@@ -91,15 +90,15 @@ def _orders(problem: _Problem) -> Case:
         problem.problem,
         model="bricks of the model solid, one degree along z at a time",
         source=_THEORY + " (G. Strang, G. J. Fix, An Analysis of the Finite Element Method, ch. 6)",
-        answers=[
+        rows=[
             *(
-                Answer(f"Bricks of degree {p} converge with order {2 * p}.",
+                Check(f"Bricks of degree {p} converge with order {2 * p}.",
                        (2.0 * p - 0.1, 2.0 * p + 0.1), "1", partial(_order, problem, p), 0.0,
                        "within 0.1 of theory")
                 for p in problem.coarse
             ),
             *(
-                Answer(f"Degree {p} on {2 * n} intervals is off by no more than its bound.",
+                Check(f"Degree {p} on {2 * n} intervals is off by no more than its bound.",
                        (0.0, problem.bound(p)), "1", partial(problem.error, p, 2 * n), 0.0,
                        problem.reason)
                 for p, n in problem.coarse.items()
@@ -119,7 +118,6 @@ _ROD = _orders(_Problem(
     {1: 16, 2: 6, 3: 2, 4: 1},
     lambda p: 2.0 * quarter_wave_error(p, 2 * {1: 16, 2: 6, 3: 2, 4: 1}[p]),
     "twice the leading term of the error",
-    section(_rod, 4, 1, unit="L"),
 ))  # fmt: skip
 
 _BIMORPH = _orders(_Problem(
@@ -132,7 +130,6 @@ _BIMORPH = _orders(_Problem(
     {2: 6, 3: 3},
     lambda _: _PRINTED,
     "below what a report prints",
-    section(bending_bimorph, _THICKNESS),
 ))  # fmt: skip
 
 
@@ -146,16 +143,16 @@ def _rows(
     coarse: int,
     bound: tuple[float, str],
     heavy: bool = False,
-) -> Iterator[Answer]:
+) -> Iterator[Check]:
     """Two rows: the order from `coarse` divisions to twice as many, and a bound on these."""
 
     def order() -> float:
         return math.log2(error(coarse) / error(2 * coarse))
 
     near = (theory - 0.1, theory + 0.1)
-    yield Answer(f"{what} converge with order {theory}.", near, "1", order, 0.0,
+    yield Check(f"{what} converge with order {theory}.", near, "1", order, 0.0,
                  "within 0.1 of theory", heavy=heavy)  # fmt: skip
-    yield Answer(f"{what} on {2 * coarse} divisions are off by no more than their bound.",
+    yield Check(f"{what} on {2 * coarse} divisions are off by no more than their bound.",
                  (0.0, bound[0]), "1", lambda: error(2 * coarse), 0.0, bound[1],
                  heavy=heavy)  # fmt: skip
 
@@ -177,7 +174,7 @@ def interpolation_error(degree: int, divisions: int) -> float:
 
 
 def _solid(what: str, degree: int, error: Callable[[int], float], coarse: int,
-           heavy: bool) -> Iterator[Answer]:  # fmt: skip
+           heavy: bool) -> Iterator[Check]:  # fmt: skip
     bound = 2.0 * interpolation_error(degree, 2 * coarse)
     reason = "twice the largest error of interpolating its shortest wave"
     return _rows(what, degree + 1, error, coarse, (bound, reason), heavy)
@@ -220,7 +217,7 @@ _SOLIDS = (
         _PROBLEM,
         model="bricks of the model solid, degrees 1 to 4",
         source=_STRANG,
-        answers=[
+        rows=[
             answer
             for degree, coarse in ((1, 8), (2, 4), (3, 2), (4, 2))
             for driven, state in _STATES
@@ -230,7 +227,6 @@ _SOLIDS = (
             )
         ],
         refinement=_halved(partial(_bricks, 3, False), 1, 2, 4, order=4),
-        setup=section(_cube),
     ),
     case(
         "MMSC",
@@ -238,7 +234,7 @@ _SOLIDS = (
         _PROBLEM,
         model="the cells of the model cad: quadratic tetrahedra; quadratic hexahedra beside them",
         source=_STRANG,
-        answers=[
+        rows=[
             answer
             for cells, coarse in _CELLS
             for answer in (
@@ -259,7 +255,6 @@ _SOLIDS = (
             )
         ],
         refinement=_halved(partial(_cells, "curved", False), 2, 3, 4, 6, order=3),
-        setup=section(_cube),
     ),
     case(
         "MMSE",
@@ -268,7 +263,7 @@ _SOLIDS = (
         "cube where cells are curved.",
         model="as case MMSC",
         source=f"IEEE Std 176-1987, in closed form; {_STRANG}",
-        answers=[
+        rows=[
             answer
             for cells, _ in _CELLS
             for answer in _rows(
@@ -279,7 +274,6 @@ _SOLIDS = (
             )
         ],
         refinement=_halved(partial(manufactured.plate_error, "straight"), 3, 6, 12, 24, order=4),
-        setup=section(_cube),
     ),
 )  # fmt: skip
 
@@ -324,7 +318,7 @@ _BEAMS = case(
     "at 50 kHz with losses. At rest elements of degree five are exact.",
     model="beam elements of degree five",
     source=f"exact spans of the transfer-matrix model; {_STRANG}",
-    answers=[
+    rows=[
         *_rows("Frequencies by beam elements", 10, _mode_error, 12, (1e-8, _TENTH)),
         *_rows("Ports by beam elements", 10, _port_error, 16, (1e-8, _TENTH)),
     ],
@@ -359,7 +353,7 @@ _FIELDS = (
         "by its own H.",
         model="axisymmetric field, orders 2 and 4",
         source=_STRANG,
-        answers=[
+        rows=[
             answer
             for name, curve in _CURVES
             for order in (2, 4)
@@ -378,7 +372,7 @@ _FIELDS = (
         "driven by its own H and a gradient besides, which only φ sees.",
         model="magnetic3d: second-order edge elements for A, quadratic ones for φ",
         source=_STRANG,
-        answers=[
+        rows=[
             answer
             for potential, wave, cells, coarse in _SPACES
             for answer in _rows(
@@ -389,7 +383,6 @@ _FIELDS = (
             )
         ],
         refinement=_halved(partial(cube_error, "A", "curved"), 1, 2, 3, 4, order=2),
-        setup=section(_cube),
     ),
 )  # fmt: skip
 

@@ -24,10 +24,9 @@ from tactgen.validation.evidence.boxes import (
     natural_frequencies,
     statics,
 )
-from tactgen.validation.evidence.case import Answer, Case, case, nth
+from tactgen.validation.evidence.case import Case, Check, case, nth
 from tactgen.validation.evidence.cases.special_beams import BENT
 from tactgen.validation.evidence.mesh_levels import cached
-from tactgen.validation.evidence.section_drawing import section
 
 _IEEE = "IEEE Std 176-1987, in closed form"
 _BRICKS = "bricks of the model solid, general supports and electrodes"
@@ -84,13 +83,13 @@ def _plate_frequency(shear: bool, grounded: bool) -> float:
     return float(natural_frequencies(box, 1)[0])
 
 
-def _plate_answers(coupling: float, parallel: float, series: float, shear: bool) -> list[Answer]:
+def _plate_answers(coupling: float, parallel: float, series: float, shear: bool) -> list[Check]:
     return [
-        Answer("The charge-free plate resonates at f_p = √(c^D/ρ)/(2 h).", parallel, "Hz",
+        Check("The charge-free plate resonates at f_p = √(c^D/ρ)/(2 h).", parallel, "Hz",
                partial(_plate_frequency, shear, False)),
-        Answer("The short-circuited plate resonates where k² = (π f_s/2 f_p) cot(π f_s/2 f_p).",
+        Check("The short-circuited plate resonates where k² = (π f_s/2 f_p) cot(π f_s/2 f_p).",
                series, "Hz", partial(_plate_frequency, shear, True)),
-        Answer("Its coupling factor from the two is that of the constants.", coupling, "1",
+        Check("Its coupling factor from the two is that of the constants.", coupling, "1",
                lambda: _coupling(_plate_frequency(shear, True), _plate_frequency(shear, False))),
     ]  # fmt: skip
 
@@ -112,8 +111,7 @@ _PLATES = tuple(
         source=_IEEE + ", with the library's PZT-5A",
         tolerance=1e-8,
         reason=_EXPONENTIAL,
-        answers=_plate_answers(*values, shear),
-        setup=section(_plate, shear),
+        rows=_plate_answers(*values, shear),
     )
     for name, words, motion, shear, values in (
         ("TE", "Thickness extension", "poled along its normal, held sideways", False,
@@ -140,7 +138,7 @@ def _bar(along: bool) -> Box:
 
 
 def _mirrored(grounded: Component) -> tuple[Held, ...]:
-    """Symmetry conditions of an eighth; the potential is odd at one plane."""
+    """What holds an eighth at its planes of symmetry; the potential is odd at one."""
     planes = {"x": Where(x=0.0), "y": Where(y=0.0), "z": Where(z=0.0)}
     held = [Held(plane, (axis,)) for axis, plane in planes.items()]  # type: ignore[arg-type]
     return (*held, Held(planes[grounded], ("phi",)))
@@ -165,13 +163,12 @@ _BARS = tuple(
         source=_IEEE + ", with the library's PZT-5A",
         tolerance=3e-5,
         reason=_SLENDER + "; six printed digits",
-        answers=[
-            Answer("Its series resonance is that of the closed form.", series, "Hz",
+        rows=[
+            Check("Its series resonance is that of the closed form.", series, "Hz",
                    partial(_bar_frequency, along, True)),
-            Answer("Its parallel resonance is that of the closed form.", parallel, "Hz",
+            Check("Its parallel resonance is that of the closed form.", parallel, "Hz",
                    partial(_bar_frequency, along, False)),
         ],
-        setup=section(_bar, along),
     )
     for name, words, along, series, parallel in (
         ("BAR31", "across", False, 140248.0, 147495.0),
@@ -207,12 +204,11 @@ _ADMITTANCE = case(
     source=_IEEE + ": ω ε33 (1 − k31²) b L/h (1 + k31²/(1 − k31²) tan q/q), q = ω L √(ρ s11)/2",
     tolerance=1e-3,
     reason="the width's inertia lowers the resonance by 2e-5, which counts 24 times at 160 kHz",
-    answers=[
-        Answer(f"Im Y at {f / 1e3:g} kHz is that of the closed form.", value, "S",
+    rows=[
+        Check(f"Im Y at {f / 1e3:g} kHz is that of the closed form.", value, "S",
                partial(_admittance, f))
         for f, value in ((100e3, 416.150467e-6), (160e3, 355.686270e-6))
     ],
-    setup=section(_driven_bar),
 )  # fmt: skip
 
 # --- a free block, a cube ----------------------------------------------------------------------
@@ -248,11 +244,10 @@ _BLOCK = case(
     source="d31 V L/t and d33 V",
     tolerance=1e-10,
     reason="linear functions contain the answer; rounding",
-    answers=[
-        Answer("It grows along its length by d31 V L/t.", -1.71e-9, "m", lambda: _free_block()[0]),
-        Answer("It grows along the field by d33 V.", 0.374e-9, "m", lambda: _free_block()[1]),
+    rows=[
+        Check("It grows along its length by d31 V L/t.", -1.71e-9, "m", lambda: _free_block()[0]),
+        Check("It grows along the field by d33 V.", 0.374e-9, "m", lambda: _free_block()[1]),
     ],
-    setup=section(_held_block),
 )
 
 
@@ -304,8 +299,8 @@ CUBE = case(
     "Maerfeld, IEEE Trans. Sonics Ultrason. SU-28 (1981) 318, table 1",
     tolerance=1e-3,
     reason="four printed digits",
-    answers=[
-        Answer(f"The cube's {words} frequency is the manual's.", value, "Hz",
+    rows=[
+        Check(f"The cube's {words} frequency is the manual's.", value, "Hz",
                nth(_cube, at, grounded), explained=_PERTURBED, known=known)
         for grounded, words, at, value, known in (
             (True, "first short-circuit", 0, 66560.0, -0.0219),
@@ -314,7 +309,6 @@ CUBE = case(
             (False, "second open-circuit", 4, 93410.0, 0.00179),
         )
     ],
-    setup=section(_eighth, True),
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (*_PLATES, *_BARS, _ADMITTANCE, _BLOCK, BENT)

@@ -27,9 +27,8 @@ from tactgen.validation.evidence.boxes import (
     natural_frequencies,
     statics,
 )
-from tactgen.validation.evidence.case import Answer, Case, case, nth
+from tactgen.validation.evidence.case import Case, Check, case, nth
 from tactgen.validation.evidence.mesh_levels import cached, segments
-from tactgen.validation.evidence.section_drawing import section
 
 #: Shear stiffness of a beam without shear over EI/L²; bending stiffness of one without bending
 #: over GA L².
@@ -126,14 +125,13 @@ CASES: tuple[Case, ...] = (
         model="a quarter in bricks of the model solid, 4 x 4 x 5 degrees, two along the beam",
         source="NAFEMS FV5: 1/(4 L) √(G J/(ρ I_p)) and 1/(4 L) √(E/ρ), printed as 125.0; "
         "Rayleigh's correction (ν π/2L)² I_p/(2 A) = 7.4e-4",
-        answers=[
-            Answer("Torsion is at 71.20 Hz.", 71.20, "Hz", partial(_turned_or_stretched, True),
+        rows=[
+            Check("Torsion is at 71.20 Hz.", 71.20, "Hz", partial(_turned_or_stretched, True),
                    1e-4, "half a unit of the fourth printed digit"),
-            Answer("Motion along the beam is at 125.0 Hz less what the inertia of becoming thinner "
+            Check("Motion along the beam is at 125.0 Hz less what the inertia of becoming thinner "
                    "takes.", 125.0 * (1.0 - _THINNER), "Hz", partial(_turned_or_stretched, False),
                    1e-5, "Rayleigh's correction is the first of a series"),
         ],
-        setup=section(_deep_beam, unit="m"),
     ),
     case(
         "VM148",
@@ -145,8 +143,8 @@ CASES: tuple[Case, ...] = (
         "8 F L³/(E b h³), printed as 0.01067 in",
         tolerance=1e-4,
         reason="32 segments, by the square of their length",
-        answers=[
-            Answer("The tip deflects as the closed form has it.",
+        rows=[
+            Check("The tip deflects as the closed form has it.",
                    8.0 * 1000.0 * 4.0**3 / (30e6 * 0.2 * 2.0**3), "in", _parabolic)
         ],
     ),
@@ -160,10 +158,10 @@ CASES: tuple[Case, ...] = (
         tolerance=2e-4,
         reason="the bending that is left with EI = 1000 GA L² takes 1e-4; stiffer rows cannot be "
         "counted",
-        answers=[
-            Answer("The first frequency is 17.375 Hz.", 17.375, "Hz", nth(_shear_beam, 0)),
-            Answer("The second is three times as high.", 3.0 * 17.375, "Hz", nth(_shear_beam, 1)),
-            Answer(
+        rows=[
+            Check("The first frequency is 17.375 Hz.", 17.375, "Hz", nth(_shear_beam, 0)),
+            Check("The second is three times as high.", 3.0 * 17.375, "Hz", nth(_shear_beam, 1)),
+            Check(
                 "The second is printed as 52.176 Hz.", 52.176, "Hz", nth(_shear_beam, 1),
                 explained="a shear beam's frequencies are as 1 to 3, and so are not 17.375 and "
                 "52.176 Hz: the printed target is 0.1 % too high",
@@ -179,15 +177,14 @@ CASES: tuple[Case, ...] = (
         "damping (a loss factor of 4 %): the peak in the middle.",
         model="two bricks of the model solid along each edge, 3 x 3 x 6 degrees",
         source="NAFEMS R0016, test 5H",
-        answers=[
-            Answer("The middle moves by 13.45 mm.", 13.45e-3, "m", lambda: _deep_beam_at(_PEAK),
+        rows=[
+            Check("The middle moves by 13.45 mm.", 13.45e-3, "m", lambda: _deep_beam_at(_PEAK),
                    4e-3,
                    "the solid's peak is at 42.69 Hz, not 42.65 (1.3e-3 of the amplitude); the sum "
                    "over a Timoshenko beam's modes is 13.486 mm"),
-            Answer("The peak is at 42.65 Hz.", 42.65, "Hz", _deep_beam_peak, 2e-3,
+            Check("The peak is at 42.65 Hz.", 42.65, "Hz", _deep_beam_peak, 2e-3,
                    "the solid's shear against that of NAFEMS' beam", heavy=True),
         ],
-        setup=section(_deep_beam, unit="m"),
     ),
 )  # fmt: skip
 
@@ -241,11 +238,10 @@ BENT = case(
     source="ANSYS Verification Manual, VM231, after Parton, Kudryavtsev and Senik: exact",
     tolerance=5e-5,
     reason="five printed digits, of compliances printed with six; bricks of degree 2 are exact",
-    answers=[
-        Answer(f"The corner {words} as in closed form.", value, unit, nth(_corner, at))
+    rows=[
+        Check(f"The corner {words} as in closed form.", value, unit, nth(_corner, at))
         for at, (words, value, unit) in enumerate(
             zip(_WORDS, (-1.0953e-7, 1.1493e-7, 27.378), ("m", "m", "V"), strict=True)
         )
     ],
-    setup=section(_strip),
 )

@@ -12,9 +12,8 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import EPS0, PiezoTensors, isotropic_stiffness
 from tactgen.validation.evidence.boxes import Box, Held, Load, State, Where, even, stacked, statics
-from tactgen.validation.evidence.case import Answer, Case, case
+from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.mesh_levels import cached
-from tactgen.validation.evidence.section_drawing import section
 
 
 def expanding(modulus: float, strain: float) -> Material:
@@ -123,10 +122,10 @@ CASES: tuple[Case, ...] = (
         source="ANSYS Verification Manual, VM35 (Timoshenko's bimetal in closed form)",
         tolerance=1e-6,
         reason=_TWIN + "; rounding, which a strip of 100 thicknesses magnifies to 1e-7",
-        answers=[
-            Answer("The tip deflects by 0.75 in.", 0.75, "in", lambda: _bimetal(_VM35, 10.0)[0]),
-            Answer("The strip grows by 0.015 in.", 0.015, "in", lambda: _bimetal(_VM35, 10.0)[1]),
-            Answer("The outer fibre of the layer that expands more is stressed to 7500 psi.",
+        rows=[
+            Check("The tip deflects by 0.75 in.", 0.75, "in", lambda: _bimetal(_VM35, 10.0)[0]),
+            Check("The strip grows by 0.015 in.", 0.015, "in", lambda: _bimetal(_VM35, 10.0)[1]),
+            Check("The outer fibre of the layer that expands more is stressed to 7500 psi.",
                    7500.0, "psi", lambda: _bimetal(_VM35, 10.0)[2](0.0)),
         ],
     ),
@@ -141,13 +140,13 @@ CASES: tuple[Case, ...] = (
         "0.832 in, 2258 psi and 1731 psi",
         tolerance=1e-8,
         reason=_TWIN + "; rounding",
-        answers=[
-            Answer("The tip deflects towards the thinner layer as strip theory has it.",
+        rows=[
+            Check("The tip deflects towards the thinner layer as strip theory has it.",
                    -0.5 * _CURVATURE * 8.0**2, "in", lambda: _bimetal(_VM144, 8.0, 20.0)[0]),
-            Answer("So is the thinner layer's outer fibre stressed.",
+            Check("So is the thinner layer's outer fibre stressed.",
                    0.4e6 * (_STRAIN + 0.3 * _CURVATURE - 0.6e-2), "psi",
                    lambda: _bimetal(_VM144, 8.0, 20.0)[2](0.3)),
-            Answer("So is the thicker layer's.", 1.2e6 * (_STRAIN - 1.8e-2), "psi",
+            Check("So is the thicker layer's.", 1.2e6 * (_STRAIN - 1.8e-2), "psi",
                    lambda: _bimetal(_VM144, 8.0, 20.0)[2](0.0)),
         ],
     ),
@@ -198,7 +197,7 @@ def _deflection() -> float:
 
 
 def _rotation() -> float:
-    """Rotation of the end face, by its motion along z."""
+    """That of the end face, by its motion along z, which is 0 in the middle."""
     return -_state(1.0, 0.0).mean(Where(x=2.0 * _H, z=_L), "z").real / _H
 
 
@@ -220,16 +219,15 @@ SMITS: tuple[Case, ...] = (
         "Bernoulli's beam of E I = 2 w h³/(3 s11)",
         tolerance=1e-5,
         reason="shear of a hundred times E adds 5e-6; polynomials of degree 5 contain the rest",
-        answers=[
-            Answer("The tip's deflection per pressure is that of the matrix, 3 s11 L⁴/(16 h³).",
+        rows=[
+            Check("The tip's deflection per pressure is that of the matrix, 3 s11 L⁴/(16 h³).",
                    3.0 * _S11 * _L**4 / (16.0 * _H**3), "m/Pa", _deflection),
-            Answer("The tip's rotation per pressure is s11 L³/(4 h³).",
+            Check("The tip's rotation per pressure is s11 L³/(4 h³).",
                    _S11 * _L**3 / (4.0 * _H**3), "rad/Pa", _rotation),
-            Answer("The volume per pressure is 3 s11 w L⁵/(40 h³).",
+            Check("The volume per pressure is 3 s11 w L⁵/(40 h³).",
                    3.0 * _S11 * _W * _L**5 / (40.0 * _H**3), "m^3/Pa", lambda: _volume(1.0, 0.0)),
-            Answer("The volume per volt, and so the charge per pressure, is −d31 w L³/(8 h²).",
+            Check("The volume per volt, and so the charge per pressure, is −d31 w L³/(8 h²).",
                    -_D31 * _W * _L**3 / (8.0 * _H**2), "m^3/V", lambda: _volume(0.0, 1.0)),
         ],
-        setup=section(_bimorph, 1.0, 0.0),
     ),
 )  # fmt: skip
