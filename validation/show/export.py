@@ -218,7 +218,7 @@ def _refuse_without_lateral(scene: Scene, purpose: str) -> None:
 
 def _refuse_without_motion(scene: Scene, targets: dict[str, Path]) -> None:
     """Refuse fields of a scene that has none, and movement of one in which nothing moves."""
-    from tactgen.validation.show.fields.gather import MAGNETIC, default_models
+    from tactgen.validation.show.gather import MAGNETIC, default_models
 
     if default_models(scene) != (MAGNETIC,):
         return
@@ -280,7 +280,7 @@ def _write_motion(
     """Write fields and their animation."""
     if not {"fields", "animated_glb"} & set(drafts):
         return
-    from tactgen.validation.show.fields.gather import Request, default_models, gather
+    from tactgen.validation.show.gather import Request, default_models, gather
 
     (result,) = gather(scene, default_models(scene), Request(), announce)
     if "fields" in drafts:

@@ -15,7 +15,7 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.files import NotWritten, writable_folder, write_text, written_whole
 from tactgen.geometry.meshing.mesh import Mesh, surface_of
 from tactgen.geometry.meshing.mesh_files import write_mesh
-from tactgen.validation.show.fields.result import FIELDS, Array, FieldResult, State, at_phase
+from tactgen.validation.show.field import FIELDS, Array, FieldResult, State, at_phase
 
 #: Steps of one period in a .pvd.
 STEPS = 24

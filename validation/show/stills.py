@@ -16,18 +16,20 @@ import numpy as np
 
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.meshing.mesh import Surface, surface_of
-from tactgen.validation.show.fields.result import FieldResult, State, at_phase
-from tactgen.validation.show.figures import off_screen
-from tactgen.validation.show.shading import (
+from tactgen.validation.show.field import (
     COLOURS,
     MAGNITUDE,
     MODELS,
     REGIONS,
     SIGNED,
+    FieldResult,
     Shade,
+    State,
+    at_phase,
     enlargement,
     words_of,
 )
+from tactgen.validation.show.figures import off_screen
 
 if TYPE_CHECKING:
     from PIL.Image import Image

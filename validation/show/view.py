@@ -12,19 +12,12 @@ from tactgen.geometry.files import write_text, written_whole
 from tactgen.validation.engine.plan import asks_display
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.export import check_place
-from tactgen.validation.show.fields.gather import (
-    MAGNETIC,
-    Request,
-    default_models,
-    gather,
-    with_fields,
-)
-from tactgen.validation.show.fields.moving import standing
-from tactgen.validation.show.fields.result import FieldResult, State
-from tactgen.validation.show.shading import Shade, shades_of, words_of
+from tactgen.validation.show.field import FieldResult, Shade, State, shades_of, words_of
+from tactgen.validation.show.gather import MAGNETIC, Request, default_models, gather, with_fields
+from tactgen.validation.show.moving import standing
 
 if TYPE_CHECKING:
-    from tactgen.validation.show.fields.lengths import LengthRange
+    from tactgen.validation.show.lengths import LengthRange
     from tactgen.validation.show.page import Still
 import html
 
@@ -97,7 +90,7 @@ def _ranges(
     """Modes over the lengths that the page's slider has, by model."""
     if look.lengths is None:
         return []
-    from tactgen.validation.show.fields.lengths import length_range
+    from tactgen.validation.show.lengths import length_range
 
     if "out" not in files:
         raise InputError("--lengths makes a slider in the page; give --out FILE.html too")

@@ -13,13 +13,14 @@ import numpy as np
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.formats import share, with_bar
 from tactgen.geometry.meshing.mesh import Mesh, Surface, surface_of
-from tactgen.validation.show.fields.lengths import LengthRange, ModeOverLength
-from tactgen.validation.show.fields.result import Array, FieldResult, State
-from tactgen.validation.show.shading import (
+from tactgen.validation.show.field import (
     COLOURS,
     MODELS,
     REGIONS,
+    Array,
+    FieldResult,
     Shade,
+    State,
     drawn_size,
     enlargement,
     magnitude_stops,
@@ -27,6 +28,7 @@ from tactgen.validation.show.shading import (
     signed_stops,
     words_of,
 )
+from tactgen.validation.show.lengths import LengthRange, ModeOverLength
 
 #: Where regions go when the device is drawn apart, in the unit of the slider's reach; those of
 #: `_SIDED` go to the side on which a point lies.

@@ -20,9 +20,9 @@ from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER
 from tactgen.validation.models.generator.transient import Simulation, phases
 from tactgen.validation.scene.files import leaves
-from tactgen.validation.show.fields.gather import body_of
 from tactgen.validation.show.figures import AMBER, BLUE, GREEN, GREY, ORANGE, SKY, panels, svg
-from tactgen.validation.show.run_page import PHASES, Film, run_page
+from tactgen.validation.show.gather import body_of
+from tactgen.validation.show.run import PHASES, Film, run_page
 
 if TYPE_CHECKING:
     from scipy.io import netcdf_file

@@ -4,7 +4,7 @@ import pytest
 
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.fields.gather import Request, gather
+from tactgen.validation.show.gather import Request, gather
 
 
 @pytest.fixture(scope="session")

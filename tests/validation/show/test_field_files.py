@@ -12,7 +12,7 @@ from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.export import export
 from tactgen.validation.show.field_files import STEPS, moving_state, write_fields
-from tactgen.validation.show.fields.gather import Request, gather
+from tactgen.validation.show.gather import Request, gather
 
 
 @pytest.fixture(scope="module")

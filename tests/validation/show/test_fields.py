@@ -11,15 +11,9 @@ from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.fields.gather import (
-    Request,
-    _coupling,
-    default_models,
-    gather,
-    gather_from,
-)
-from tactgen.validation.show.fields.result import FIELDS, at_phase, von_mises
-from tactgen.validation.show.fields.solid_fields import BrickSampler, TetSampler, points_of_regions
+from tactgen.validation.show.field import FIELDS, at_phase, von_mises
+from tactgen.validation.show.gather import Request, _coupling, default_models, gather, gather_from
+from tactgen.validation.show.solid_fields import BrickSampler, TetSampler, points_of_regions
 
 HZ = 300.0
 MODELS = ("solid", "tmm", "beam", "lumped")

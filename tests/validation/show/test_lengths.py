@@ -7,13 +7,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.fields.gather import Request, gather
-from tactgen.validation.show.fields.lengths import (
-    _Lattice,
-    _turned_like,
-    lagrange_weights,
-    length_range,
-)
+from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.lengths import _Lattice, _turned_like, lagrange_weights, length_range
 
 ENDS = 15e-3, 25e-3
 

@@ -5,8 +5,8 @@ import pytest
 
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.fields.gather import Request, gather
-from tactgen.validation.show.fields.magnetic import Section, revolved, section_of
+from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.magnetic import Section, revolved, section_of
 from tactgen.validation.show.viewer import payload
 
 

@@ -13,16 +13,15 @@ from tactgen.geometry.formats import with_bar
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.browser import find_browser, run_browser
-from tactgen.validation.show.fields.gather import Request, gather
-from tactgen.validation.show.fields.lengths import (
+from tactgen.validation.show.field import SHADES, at_phase, enlargement, shades_of
+from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.lengths import (
     LengthRange,
     ModeOverLength,
     lagrange_weights,
     length_range,
 )
-from tactgen.validation.show.fields.result import at_phase
 from tactgen.validation.show.page import Still, page
-from tactgen.validation.show.shading import SHADES, enlargement, shades_of
 from tactgen.validation.show.viewer import Block, payload
 
 PHASES = np.arange(8) * np.pi / 4

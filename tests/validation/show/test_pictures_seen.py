@@ -18,8 +18,8 @@ from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.display import drawn_parts
 from tactgen.validation.show.export import normal_actuator_solids, scene_solids
+from tactgen.validation.show.field import SHADES
 from tactgen.validation.show.figures import assembly_picture, mesh_picture, solids_picture
-from tactgen.validation.show.shading import SHADES
 from tactgen.validation.show.stills import Picture, still
 
 GRIDS = Path(__file__).with_name("pictures.json")

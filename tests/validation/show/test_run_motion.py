@@ -10,9 +10,9 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.waveform import Sources, Step
 from tactgen.validation.models.generator.transient import run_scene
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show import run_page as run_motion
-from tactgen.validation.show.fields.gather import body_of
-from tactgen.validation.show.run_page import write_run_film
+from tactgen.validation.show import run as run_motion
+from tactgen.validation.show.gather import body_of
+from tactgen.validation.show.run import write_run_film
 from tactgen.validation.show.stills import save_film
 
 

@@ -9,7 +9,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.show.browser import find_browser, run_browser
-from tactgen.validation.show.run_page import Film, film_payload
+from tactgen.validation.show.run import Film, film_payload
 from tactgen.validation.studies.simulate import read_film
 
 

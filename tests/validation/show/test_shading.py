@@ -2,7 +2,7 @@
 
 from tactgen.fem.piezo.modal_model import Motion
 from tactgen.validation.catalogue.models import models_of
-from tactgen.validation.show import shading
+from tactgen.validation.show import field as shading
 
 
 def test_every_model_and_class_of_motion_has_words():

@@ -3,8 +3,8 @@
 import pytest
 
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.fields.gather import Request, gather
-from tactgen.validation.show.fields.moving import standing
+from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.moving import standing
 from tactgen.validation.show.viewer import payload
 
 

@@ -8,7 +8,7 @@ from PIL import Image
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.show import stills as films
-from tactgen.validation.show.shading import SHADES, drawn_size
+from tactgen.validation.show.field import SHADES, drawn_size
 from tactgen.validation.show.stills import Picture, check_film, save_film, still, write_film
 
 SMALL = {"width": 300, "height": 200}

@@ -7,9 +7,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show import browser
+from tactgen.validation.show import browser, lengths
 from tactgen.validation.show import view as export_view
-from tactgen.validation.show.fields import lengths
 from tactgen.validation.show.view import Look, _models, harmonic_frequencies, show, view
 
 QUICK = ["j1", "--set", "models=tmm", "--set", "modes=2"]

@@ -14,7 +14,7 @@ from tactgen.validation.show.page import fragment, inline
 
 if TYPE_CHECKING:
     from tactgen.validation.engine.solve import Solution
-    from tactgen.validation.show.fields.result import FieldResult
+    from tactgen.validation.show.field import FieldResult
 
 #: Mode stills, and their size in pixels.
 _MODES = 4
@@ -96,8 +96,8 @@ def moving(study: Study) -> dict[str, Any]:
         SHORT_CIRCUIT_FREQUENCIES,
     )
     from tactgen.validation.engine.solve import solve
-    from tactgen.validation.show.fields.gather import Request, gather_from
-    from tactgen.validation.show.fields.moving import standing
+    from tactgen.validation.show.gather import Request, gather_from
+    from tactgen.validation.show.moving import standing
     from tactgen.validation.show.viewer import payload
 
     models = _moving_models(study)
@@ -120,7 +120,7 @@ def _moving_models(study: Study) -> tuple[str, ...]:
 
 
 def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[dict[str, str]]:
-    from tactgen.validation.show.shading import SHADES, words_of
+    from tactgen.validation.show.field import SHADES, words_of
     from tactgen.validation.show.stills import Picture, still
 
     found = []

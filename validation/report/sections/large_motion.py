@@ -30,7 +30,7 @@ from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import is_papers_bimorph
 from tactgen.validation.show.figures import BLUE, DARK, ORANGE, panels, plain_numbers, shades, svg
 from tactgen.validation.show.page import inline
-from tactgen.validation.show.run_page import fragment
+from tactgen.validation.show.run import fragment
 
 if TYPE_CHECKING:
     from tactgen.validation.models.generator.transient import Simulation
@@ -227,7 +227,7 @@ def _time(study: Study) -> Context:
     """Run of the paper's Fig 16, as a film and as pictures for paper."""
     from tactgen.validation.evidence.cases.motion import SOURCES
     from tactgen.validation.models.generator.transient import phases
-    from tactgen.validation.show.run_page import still_of_run
+    from tactgen.validation.show.run import still_of_run
     from tactgen.validation.studies.simulate import film_of, time_plot
 
     scene = study.scene

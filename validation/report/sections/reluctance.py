@@ -293,7 +293,7 @@ def _field(actuator: NormalActuator) -> Context | None:
 
 def _viewer(actuator: NormalActuator) -> str:
     """Field at the scene's current and gap, revolved, in a frame of its own."""
-    from tactgen.validation.show.fields.magnetic import gather_magnetic
+    from tactgen.validation.show.magnetic import gather_magnetic
     from tactgen.validation.show.page import fragment
     from tactgen.validation.show.viewer import payload
 

@@ -39,7 +39,7 @@ from tactgen.validation.models.generator.transient import (
     support_warnings,
 )
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.run_page import PHASES, run_page
+from tactgen.validation.show.run import PHASES, run_page
 from tactgen.validation.studies.simulate import TITLE, read_film, write_run
 
 FREE = ["load.kind=none"]

@@ -207,7 +207,7 @@ def _write(
     if options.plot:
         write_text(Path(options.plot), time_plot(result))
     if options.fields or options.gif or options.mp4:
-        from tactgen.validation.show.run_page import write_run_film, write_run_steps
+        from tactgen.validation.show.run import write_run_film, write_run_steps
 
         if options.fields:
             announce("time steps for ParaView")

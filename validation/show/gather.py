@@ -20,9 +20,9 @@ from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.generator.transient import Simulation, scene_beam
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.show.fields.moving import MovingBody, moving_body
-from tactgen.validation.show.fields.result import Circuit, FieldResult, State
-from tactgen.validation.show.fields.solid_fields import Detail, Found, SolidFields
+from tactgen.validation.show.field import Circuit, FieldResult, State
+from tactgen.validation.show.moving import MovingBody, moving_body
+from tactgen.validation.show.solid_fields import Detail, Found, SolidFields
 
 #: The model of the normal actuator whose field is shown.
 MAGNETIC = "axisymmetric"
@@ -106,7 +106,7 @@ def gather(
                 f"the model {MAGNETIC} shows the normal actuator and {models[0]} the lateral one; "
                 "ask for them one after the other"
             )
-        from tactgen.validation.show.fields.magnetic import gather_magnetic
+        from tactgen.validation.show.magnetic import gather_magnetic
 
         return [gather_magnetic(scene, announce, opened=request.to_look_at)]
     solution = solve(scene, tuple(models), [name for _, name in _CIRCUITS], announce)
@@ -146,7 +146,7 @@ def _fields(model: Model, detail: Detail) -> Fields:
     if isinstance(model, TwoMeshModel):
         return SolidFields(model, detail)
     assert isinstance(model, BeamTheoryModel)
-    from tactgen.validation.show.fields.moving import RowFields
+    from tactgen.validation.show.moving import RowFields
 
     return RowFields(model)
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.meshing.mesh import surface_of
-from tactgen.validation.show.fields.moving import MovingBody
+from tactgen.validation.show.field import COLOURS
 from tactgen.validation.show.figures import off_screen
-from tactgen.validation.show.shading import COLOURS
+from tactgen.validation.show.moving import MovingBody
 from tactgen.validation.show.stills import surface_part, typeface
 
 if TYPE_CHECKING:
@@ -25,9 +25,9 @@ from pathlib import Path
 
 from tactgen.geometry.arrays import Ints
 from tactgen.validation.models.generator.transient import Simulation, phases
+from tactgen.validation.show.field import Array
 from tactgen.validation.show.field_files import write_steps
-from tactgen.validation.show.fields.gather import body_of
-from tactgen.validation.show.fields.result import Array
+from tactgen.validation.show.gather import body_of
 from tactgen.validation.show.page import asset, document
 from tactgen.validation.show.stills import save_film
 from tactgen.validation.show.viewer import Block

@@ -17,7 +17,7 @@ from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.show.fields.result import FieldResult, State
+from tactgen.validation.show.field import FieldResult, State
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric_field import MagneticField

@@ -21,8 +21,8 @@ from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.tmm.generator.transient.machine import BimorphModes
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.show.fields.result import MODE_SIZE, Array, FieldResult, State
-from tactgen.validation.show.fields.solid_fields import Found
+from tactgen.validation.show.field import MODE_SIZE, Array, FieldResult, State
+from tactgen.validation.show.solid_fields import Found
 
 #: Points around a ring.
 _AROUND = 33

@@ -19,7 +19,7 @@ from tactgen.geometry.bimorph.bricks import Axis, Bricks, lobatto_points, mirror
 from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh
 from tactgen.geometry.meshing.structured_tets import whole_mesh
 from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
-from tactgen.validation.show.fields.result import MODE_SIZE, Array
+from tactgen.validation.show.field import MODE_SIZE, Array
 
 #: Every node, or those on bricks' edges across and all along z: what a picture needs.
 Detail = Literal["nodes", "edges"]

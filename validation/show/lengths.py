@@ -24,8 +24,8 @@ from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate, design_size
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.show.fields.gather import Request, gather
-from tactgen.validation.show.fields.result import Circuit, FieldResult
+from tactgen.validation.show.field import Circuit, FieldResult
+from tactgen.validation.show.gather import Request, gather
 
 #: A mode: its circuit, its class of motion, and its place among those of this class.
 ModeKey = tuple[Circuit, str, int]
