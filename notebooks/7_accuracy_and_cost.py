@@ -9,7 +9,7 @@ from time import process_time
 
 import tactgen
 from tactgen.geometry.errors import InputError
-from tactgen.validation.models.comparison import choose
+from tactgen.validation.engine.comparison import choose
 
 # %% [markdown]
 # ## The solid converges, and its bars know

@@ -7,11 +7,10 @@ import pytest
 
 from tactgen.geometry.device.parameters import Parameters
 from tactgen.geometry.device.profile import Profile
-from tactgen.validation.engine.inputs import values_read
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models import backbone as states
 from tactgen.validation.models.backbone import held_head, in_state
+from tactgen.validation.scene.inputs import values_read
 from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
 from tactgen.validation.studies.whatif.point_answers import question
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.inputs import idle
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import load_scene
 

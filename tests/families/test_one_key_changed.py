@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from tactgen.geometry.device.parameters import Parameters
 from tactgen.validation.catalogue.models import MODELS, stage_reads
-from tactgen.validation.engine.inputs import keys_read
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.inputs import keys_read
 from tactgen.validation.scene.scene import load_scene
 
 #: A change of one key by text, as a user writes it, for each model and quantity.

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.inputs import keys_read, stage_keys
-from tactgen.validation.engine.plan import make_plan, stages_for
+from tactgen.validation.engine.solve import make_plan, stages_for
+from tactgen.validation.scene.inputs import keys_read, stage_keys
 from tactgen.validation.scene.scene import load_scene
 
 SCENES = {

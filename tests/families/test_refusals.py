@@ -18,7 +18,7 @@ from tactgen.geometry.meshing.mesh import check_areas, check_volumes
 from tactgen.geometry.store.values import from_bytes, storable, to_bytes
 from tactgen.tmm.generator.transient import step as newton
 from tactgen.validation.command_line.streams import _plainly
-from tactgen.validation.models import comparison as ladder
+from tactgen.validation.engine import comparison as ladder
 from tactgen.validation.show import browser
 from tactgen.validation.studies import measured_data
 from tactgen.validation.studies.simulate import _film

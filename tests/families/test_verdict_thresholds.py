@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.validation.engine.results import Quantity
+from tactgen.validation.engine.comparison import compare
 from tactgen.validation.evidence.case import Check, judged
 from tactgen.validation.evidence.coverage import PROMISED, Judged, rows
-from tactgen.validation.models.comparison import compare
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif.compare import Number, _beyond
 

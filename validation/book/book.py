@@ -15,7 +15,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.files import write_text
-from tactgen.validation.engine.results import this_origin
+from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.evidence.case import Case
 from tactgen.validation.evidence.faults import kept_rows
 from tactgen.validation.evidence.verification import (

@@ -1,7 +1,7 @@
-"""Every model by name: module, quantities, and inputs of its stages.
+"""Every model by name: its quantities, and the inputs of its stages.
 
-One row a model; plan, solver, report and command line derive from it.  A model's module is
-imported when the model runs and not before.
+One row a model; plan, solver, report and command line derive from it.  The classes are listed in
+:mod:`validation.models.classes`.
 """
 
 from __future__ import annotations
@@ -10,8 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.row import Actuator, Need, QuantityRow
+from tactgen.validation.catalogue.quantities import QUANTITIES, Actuator, Need, QuantityRow
 
 #: Conditions of keys, whichever analysis reads them.
 CONDITIONS: Mapping[str, str] = {
@@ -126,9 +125,6 @@ class ModelRow:
     name: str
     description: str
     actuator: Actuator  #: What it is a model of
-    #: Where its class is, a :class:`validation.engine.model.Model`
-    module: str
-    kind: str
     theory: Theory  #: The equations it solves
     rank: int  #: How much it knows compared with others of its actuator: the highest judges them
     #: Its stages in the order in which they run, each with the scene keys that it reads
@@ -231,53 +227,51 @@ def _in_array(own: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
 _ROWS = (
     ModelRow(
         "lumped", "static closed forms, consistent mass, one-mode circuit", "bimorph",
-        "tactgen.validation.models.bimorph.model", "LumpedModel", theory="beam", rank=1,
+        theory="beam", rank=1,
         stages=_row_stages(), gives=_ROW_GIVES, quick=True,
         shortcut="the inertia is that of the static shapes",
     ),
     ModelRow(
         "tmm", "exact Timoshenko transfer-matrix model (paper appendix A, corrected)", "bimorph",
-        "tactgen.validation.models.bimorph.model", "TmmModel", theory="beam", rank=2,
+        theory="beam", rank=2,
         stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True,
     ),
     ModelRow(
         "beam", "Timoshenko beam finite elements", "bimorph",
-        "tactgen.validation.models.bimorph.beam", "BeamModel", theory="beam", rank=3,
+        theory="beam", rank=3,
         stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True,
         kept=("ports", "static", "modes"),
     ),
     ModelRow(
         "solid", "3D piezoelectric solid on bricks of high order", "bimorph",
-        "tactgen.validation.models.bimorph.solid", "SolidModel", theory="solid", rank=5,
+        theory="solid", rank=5,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the bar", kept=_SOLID_KEPT,
         finest=6e-5,
     ),
     ModelRow(
         "cad", "3D piezoelectric solid on the CAD solids: fTetWild's tetrahedra in scikit-fem",
-        "bimorph", "tactgen.validation.models.bimorph.solid", "CadModel", theory="solid", rank=4,
+        "bimorph", theory="solid", rank=4,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the bar",
         kept=_SOLID_KEPT, loads=_MESHER,
     ),
     ModelRow(
         "network", "lumped reluctance network with fringing, leakage and saturation", "reluctance",
-        "tactgen.validation.models.reluctance.model", "NetworkModel", theory="circuit", rank=1,
+        theory="circuit", rank=1,
         stages=_magnetic_stages(CIRCUIT, wanted=()) | _in_array(CIRCUIT),
         gives=_IN_ARRAY_GIVES, quick=True, kept=_MAGNETIC_KEPT,
     ),
     ModelRow(
         "axisymmetric", "nonlinear magnetic field in the half section, finite elements",
-        "reluctance", "tactgen.validation.models.reluctance.field", "AxisymmetricModel",
-        theory="field", rank=3,
+        "reluctance", theory="field", rank=3,
         stages=_magnetic_stages(MAGNETIC),
         gives=_MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
         kept=_MAGNETIC_KEPT,
     ),
     ModelRow(
         "magnetic3d", "nonlinear magnetic field in 3D by vector and scalar potential",
-        "reluctance", "tactgen.validation.models.reluctance.field", "Magnetic3dModel",
-        theory="field", rank=2,
+        "reluctance", theory="field", rank=2,
         stages=_magnetic_stages(MAGNETIC, "mesh.kind") | _in_array(MAGNETIC),
         gives=_IN_ARRAY_GIVES, remedy="its finest mesh was used, so accept the bar",
         kept=(*_MAGNETIC_KEPT, "neighbours"), loads=_MESHER,
@@ -286,10 +280,6 @@ _ROWS = (
 
 #: Cheapest first within each actuator.
 MODELS: dict[str, ModelRow] = {row.name: row for row in _ROWS}
-
-
-#: Module that gives a scene's co-energy map by the model that the scene asks for.
-MAPS = "tactgen.validation.models.reluctance.maps"
 
 
 def map_model(models: Iterable[str]) -> str:
@@ -342,12 +332,3 @@ def stage_reads() -> dict[str, tuple[str, ...]]:
 def reading(model: str) -> tuple[str, ...]:
     """Entries of keys that a model's answers are read with, beside its stages'."""
     return READING[MODELS[model].actuator]
-
-
-def stage_code() -> dict[str, tuple[str, ...]]:
-    """Return, of each stage whose result is kept, the modules that compute it."""
-    return {
-        f"{row.name}.{stage}": (row.module, *row.loads)
-        for row in MODELS.values()
-        for stage in row.kept
-    }

@@ -10,10 +10,9 @@ import numpy as np
 
 from tactgen.geometry.formats import engineering, share
 from tactgen.validation.catalogue.models import ranked
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.row import Actuator
-from tactgen.validation.engine.results import Quantity
+from tactgen.validation.catalogue.quantities import QUANTITIES, Actuator
 from tactgen.validation.engine.solve import Solution
+from tactgen.validation.models.model import Quantity
 
 #: Error bars below this share of their value are not shown.
 _FINE = 1e-5

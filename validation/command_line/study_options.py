@@ -11,7 +11,7 @@ from tactgen.geometry.units import quoted
 from tactgen.validation.command_line.streams import say
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.comparison import Choice
+    from tactgen.validation.engine.comparison import Choice
     from tactgen.validation.studies.whatif.definition import Statement
 
 #: Most samples that can be drawn.

@@ -22,7 +22,7 @@ from tactgen.geometry.formats import engineering, share, with_bar
 from tactgen.geometry.store.values import storable
 from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.results import Quantity
+from tactgen.validation.models.model import Quantity
 
 Array = NDArray[Any]
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import value_of
 

@@ -16,11 +16,15 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.tmm.beam.port_quantities import driven_ceramic
 from tactgen.tmm.ports.elements import attach, tip_stiffness
 from tactgen.tmm.ports.loads import OF_THE_TABLE, disturbed
-from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond, round_off
+from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond
 from tactgen.tmm.ports.readout import ELECTRICAL, ModalReadout, PortMatrix, Readout
-from tactgen.validation.catalogue.row import AnswerReadout, DrivenReadout, LoadReadout, QuantityRow
-from tactgen.validation.engine.model import Model, Modes, Refined
-from tactgen.validation.engine.results import Estimate
+from tactgen.validation.catalogue.quantities import (
+    AnswerReadout,
+    DrivenReadout,
+    LoadReadout,
+    QuantityRow,
+)
+from tactgen.validation.models.model import Estimate, Model, Modes, Refined, rounding_of_ports
 from tactgen.validation.scene.scene import Scene
 
 Array = NDArray[Any]
@@ -79,14 +83,6 @@ def _judge(
     apart = np.maximum(apart, refined.least * size(value))
     bar = apart + size(value) * (rounding + refined.rounding)
     return Estimate(value, np.asarray(bar, dtype=float), refined.method)
-
-
-def rounding_of_ports(
-    refined: Refined[Multiport], attached: Multiport, driven: Sequence[str] = ("voltage",)
-) -> Any:
-    """Relative rounding (n,) of the port equations that no other result tells."""
-    bound = round_off(attached, driven)
-    return np.full_like(bound, np.finfo(float).eps) if refined.rounds_apart else bound
 
 
 def _at_ports(

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+import contextlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
+from tactgen.geometry.display.clearances import check_display
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.store.store import (
+    SUFFIX,
+    Damaged,
+    is_kept,
+    read_entry,
+    sealed,
+    store_folder,
+    write_entry,
+)
 from tactgen.validation.catalogue.detection import threshold_of
-from tactgen.validation.catalogue.models import MAPS, MODELS, gives
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.row import Actuator
+from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
+from tactgen.validation.catalogue.quantities import NEEDS, QUANTITIES, Actuator
 from tactgen.validation.engine.answers import quantity_json
-from tactgen.validation.engine.model import Model, make_model
-from tactgen.validation.engine.plan import Plan, Step, make_plan, record, stages_for
 from tactgen.validation.engine.readout import read
-from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.stages import Stages
 from tactgen.validation.engine.warnings import (
     accuracy_warnings,
     check_held,
@@ -28,7 +34,208 @@ from tactgen.validation.engine.warnings import (
     slenderness_warnings,
     stress_warnings,
 )
+from tactgen.validation.models.classes import make_model, map_of, model_class, stage_code
+from tactgen.validation.models.model import Model, Quantity, Stages
+from tactgen.validation.scene.inputs import stage_keys
 from tactgen.validation.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Step:
+    """A stage that will run: its name, why, and the key of its inputs."""
+
+    stage: str
+    reason: str
+    key: str
+
+
+@dataclass(frozen=True)
+class Skip:
+    """A stage that will not run, and why."""
+
+    stage: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Stages in the order in which they run, and those that do not."""
+
+    run: tuple[Step, ...]
+    skipped: tuple[Skip, ...]
+
+    @property
+    def keys(self) -> dict[str, str]:
+        """Stages that run, with the key of each."""
+        return {step.stage: step.key for step in self.run}
+
+
+#: Quantities of what stands on its rod's contact: one generator, or many.
+_OF_MACHINES = ("generator", "display")
+
+
+def asks_display(quantities: Iterable[str]) -> bool:
+    """Whether one of the quantities is of the display."""
+    return any(QUANTITIES[name].actuator == "display" for name in quantities)
+
+
+def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> Plan:
+    """Derive the plan from the wanted quantities.
+
+    Raises InputError if a model cannot take the scene, or a quantity has no model.
+    """
+    scene = scene.asking(models)
+    check_models(models, quantities)
+    check_scene(scene, models, quantities)
+    reasons: dict[str, list[str]] = {}
+    for model in models:
+        for quantity in (q for q in quantities if gives(model, q)):
+            for stage in stages_for(scene, model, quantity):
+                reasons.setdefault(stage, []).append(quantity)
+    stages = [stage for stage in stage_reads() if stage in reasons]
+    first = f"{scene.map_model}.map"  # before what stands on the rod that it pulls
+    if first in stages and any(MODELS[model].actuator == "bimorph" for model in models):
+        stages = [first, *(stage for stage in stages if stage != first)]
+    keys = stage_keys(stages, scene)
+    run = tuple(Step(stage, "for " + _list(reasons[stage]), keys[stage]) for stage in stages)
+    skipped = tuple(
+        Skip(stage, _why_not(stage, models)) for stage in stage_reads() if stage not in reasons
+    )
+    return Plan(run, skipped)
+
+
+def check_scene(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> None:
+    """Refuse a scene that one of the models cannot take, or of which quantities say nothing.
+
+    Raises InputError with the remedy.
+    """
+    check_on_contact(scene, quantities)
+    for model in models:
+        model_class(model).check(scene)
+
+
+def stages_for(scene: Scene, model: str, quantity: str) -> tuple[str, ...]:
+    """Stages that a quantity by a model needs, and the map that pulls at the rod."""
+    own = MODELS[model].stages_for(QUANTITIES[quantity])
+    return (f"{scene.map_model}.map", *own) if _needs_map(scene, model, quantity) else own
+
+
+def _needs_map(scene: Scene, model: str, quantity: str) -> bool:
+    """Whether a quantity of the bimorph or the machine depends on the pull at the rod."""
+    needs = set(QUANTITIES[quantity].needs)
+    if needs & {"small_signal", "machine_poles"}:
+        return True
+    held = scene.support.kind == "contact" and scene.coil.current != 0.0
+    return held and MODELS[model].actuator == "bimorph" and needs != {"load"}
+
+
+def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:
+    """Refuse a quantity that none of the models can compute.
+
+    Raises InputError with the models that can.
+    """
+    for quantity in quantities:
+        if not any(gives(model, quantity) for model in models):
+            able = [model for model in MODELS if gives(model, quantity)]
+            # the cheapest that takes no shortcut
+            enough = next((model for model in able if not MODELS[model].shortcut), able[0])
+            raise InputError(
+                f'quantity "{quantity}" is computed by {", ".join(able)}, not by '
+                f"{', '.join(models)}; write for example --set models={','.join([*models, enough])}"
+            )
+
+
+def check_on_contact(scene: Scene, quantities: Sequence[str]) -> None:
+    """Refuse the machine, or the display, of a bimorph that does not stand on its rod's contact.
+
+    And a display whose parts run into each other.
+
+    Raises InputError with the remedy.
+    """
+    asked = [name for name in quantities if QUANTITIES[name].actuator in _OF_MACHINES]
+    if asked and scene.support.kind != "contact":
+        raise InputError(
+            f'{asked[0]} is of the machine on its rod, of which support.kind = "'
+            f'{scene.support.kind}" says nothing; set support.kind=contact'
+        )
+    if asks_display(quantities):
+        check_display(scene.device, scene.display)
+
+
+def _list(names: list[str]) -> str:
+    unique = list(dict.fromkeys(names))
+    if len(unique) > 3:
+        return f"{unique[0]}, {unique[1]} and {len(unique) - 2} more"
+    return ", ".join(unique)
+
+
+def _why_not(stage: str, models: Sequence[str]) -> str:
+    model, _, own = stage.partition(".")
+    if model not in models:
+        return f"model {model} is not asked for"
+    needs = [NEEDS[n].words for n, stages in MODELS[model].gives.items() if own in stages]
+    return f"no quantity that is wanted needs {' or '.join(needs)}"
+
+
+_NAME = "costs"
+#: Stages that take less (s) are not worth a line in a file.
+_LEAST = 0.02
+#: Change of a cost (as a share) that is worth writing it down again.
+_CHANGED = 0.25
+
+
+def recorded() -> dict[str, float]:
+    """Seconds that stages took when they last ran, by name; of none that never did."""
+    try:
+        found: dict[str, float] = read_entry(store_folder() / (_NAME + SUFFIX))
+    except (FileNotFoundError, Damaged):
+        return {}
+    return found
+
+
+def record(seconds: Mapping[str, float]) -> None:
+    """Record the cost of the stages that ran now, where possible.
+
+    Of two processes that write at once one wins: it is an estimate.
+    """
+    worth = {stage: cost for stage, cost in seconds.items() if cost >= _LEAST}
+    before = recorded() if worth else {}
+    news = {
+        stage: cost
+        for stage, cost in worth.items()
+        if abs(cost - before.get(stage, 0.0)) > _CHANGED * cost
+    }
+    if news:
+        with contextlib.suppress(OSError, InputError):
+            path = store_folder() / (_NAME + SUFFIX)
+            write_entry(path, sealed(path, {**before, **news}))
+
+
+@dataclass(frozen=True)
+class Prospect:
+    """One stage of a plan: whether its result is kept, and the seconds recorded, if any are."""
+
+    kept: bool
+    seconds: float | None
+
+
+def stage_prospects(plan: Plan) -> dict[str, Prospect]:
+    """Prospects of a plan's stages, by name.
+
+    Costs are those of the last run on this machine, of whatever scene: an order of magnitude.
+    """
+    costs = recorded()
+    return {
+        stage: Prospect(
+            bool(code := stage_code(stage)) and is_kept(stage, (key,), code), costs.get(stage)
+        )
+        for stage, key in plan.keys.items()
+    }  # fmt: skip
+
+
+def total(prospects: dict[str, Prospect]) -> float:
+    """Seconds of all that is not kept and of which a cost is recorded."""
+    return sum(p.seconds for p in prospects.values() if not p.kept and p.seconds is not None)
 
 
 @dataclass(frozen=True)
@@ -45,12 +252,6 @@ class Solution:
     def get(self, name: str, model: str) -> Quantity:
         """One quantity of one model."""
         return self.by_model(name)[model]
-
-    def beside(self, quantities: tuple[Quantity, ...], stages: Stages) -> Solution:
-        """Solution with another process's results of the same scene."""
-        both = replace(self.stages, keys=self.stages.keys | stages.keys)
-        both.adopt(stages)
-        return replace(self, quantities=self.quantities + quantities, stages=both)
 
     def by_model(self, name: str) -> dict[str, Quantity]:
         """One quantity of all models that were asked for and give it."""
@@ -86,8 +287,9 @@ def solve(
     if reuse is not None:
         stages.adopt(reuse.stages)
     if f"{scene.map_model}.map" in plan.keys:
-        importlib.import_module(MAPS).map_of(scene, stages)
+        map_of(scene, stages)
     if awaited:
+        map_of(scene)
         warnings += _of_held(scene, names, quantities)
     made = {name: make_model(name, scene, stages) for name in names}
     same = reuse.quantities if reuse is not None and reuse.scene == scene else ()

@@ -29,8 +29,8 @@ import numpy as np
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.results import Estimate, Quantity
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.model import Estimate, Quantity
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import with_values
 

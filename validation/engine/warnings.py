@@ -13,11 +13,9 @@ from tactgen.tmm.ports.loads import FINGER_RANGE, MeasuredLaw
 from tactgen.tmm.ports.readout import Readout
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives, ranked
-from tactgen.validation.catalogue.quantities import CERAMIC_STRESS, QUANTITIES
-from tactgen.validation.catalogue.row import DrivenReadout
-from tactgen.validation.engine.model import Model
+from tactgen.validation.catalogue.quantities import CERAMIC_STRESS, QUANTITIES, DrivenReadout
 from tactgen.validation.engine.readout import read
-from tactgen.validation.engine.results import Quantity
+from tactgen.validation.models.model import Model, Quantity
 from tactgen.validation.scene.scene import Scene
 
 #: Largest displacement (share of the length) that linear theory of bending is about.

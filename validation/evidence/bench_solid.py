@@ -20,13 +20,13 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
-from tactgen.validation.engine.results import BRICK_FACTOR
 from tactgen.validation.evidence import bench_jobs
 from tactgen.validation.evidence.bench import Bench, Point, Target, Timing, front, time_at_error
 from tactgen.validation.evidence.bench_jobs import BRICKS, j1, job
 from tactgen.validation.evidence.peers import PEERS, missing, solve
 from tactgen.validation.evidence.peers.job import Answer, Job
 from tactgen.validation.evidence.single_core import on_one_core
+from tactgen.validation.models.model import BRICK_FACTOR
 
 #: Solves J1, or J2 at the frequencies (Hz) given.
 Solve = Callable[[list[float]], Answer]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
-from tactgen.validation.engine.results import Estimate
+from tactgen.validation.models.model import Estimate
 
 Tier = Literal["code verification", "solution verification", "cross-model", "validation"]
 Status = Literal["pass", "fail", "explained"]

@@ -23,17 +23,15 @@ from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.map_range import map_grid, network_pull
 from tactgen.tmm.reluctance.network import DirectPull, network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.row import AnswerReadout
-from tactgen.validation.engine.model import make_model
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.stages import Stages
+from tactgen.validation.catalogue.quantities import QUANTITIES, AnswerReadout
+from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.evidence import random_devices
 from tactgen.validation.evidence.coverage import Judged, relative
 from tactgen.validation.evidence.random_devices import accepted, between
+from tactgen.validation.models.classes import make_model, map_of
 from tactgen.validation.models.generator.small_signal import JudgedRod, SmallSignal, rod_by_network
 from tactgen.validation.models.generator.transient import scene_machine
+from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import Scene, load_scene
 
 #: The reference's order, refinement of the grid, and how many times as far its walls are.
@@ -152,7 +150,7 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
 
 def _finer_rod(scene: Scene) -> Linearised:
     """Rod by a network finer than any that judges it, without a map anywhere."""
-    coarse = DirectPull(scene.device, CELLS, scene.pull.gap_limits)
+    coarse = DirectPull(scene.device, CELLS, map_of(scene).gap_limits)
     forces = axial_forces(scene.device, coarse, scene.load.normal_force)
     place = resting_place(forces, abs(scene.coil.current), scene.coil.history)
     finest = replace(coarse, cells=_FINEST * CELLS, step=_LONGER * coarse.step)

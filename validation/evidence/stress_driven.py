@@ -13,7 +13,6 @@ from functools import partial
 
 import numpy as np
 
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.coverage import PROMISED
 from tactgen.validation.evidence.random_devices import any_scene
@@ -28,6 +27,7 @@ from tactgen.validation.evidence.stress import (
     Stress,
     answered,
 )
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene, load_scene
 
 #: A point of a sweep: its name for people, and the overrides of the scene there.

@@ -24,6 +24,7 @@ from tactgen.validation.evidence.stress import (
     answered,
 )
 from tactgen.validation.evidence.stress_driven import MACHINE, MACHINE_PAIR, Sweep, driven, families
+from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.generator.small_signal import CELLS_AT_REST
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.scene.scene import Scene, load_scene
@@ -79,7 +80,7 @@ def slow_row(quick: bool) -> Row:
 
 def _network_forces(scene: Scene) -> AxialForces:
     """Axial forces on the rod, the magnetic force by the network."""
-    exact = DirectPull(scene.device, CELLS_AT_REST, scene.pull.gap_limits)
+    exact = DirectPull(scene.device, CELLS_AT_REST, map_of(scene).gap_limits)
     return axial_forces(scene.device, exact, scene.load.normal_force)
 
 

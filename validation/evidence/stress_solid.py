@@ -24,8 +24,8 @@ from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Bimorph, Device, Glue, Shim
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
-from tactgen.validation.engine.results import BRICK_FACTOR, least_difference
 from tactgen.validation.evidence.stress import Asked, Family, Stress, table
+from tactgen.validation.models.model import BRICK_FACTOR, least_difference
 
 _TWO_LEVELS = 1.25
 _ONE_ELEMENT = BrickMeshing((2, 2, 2), smallest=0.5)

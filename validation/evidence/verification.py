@@ -17,9 +17,9 @@ from typing import Any, Literal, get_args
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept, recalled
 from tactgen.geometry.store.values import storable
-from tactgen.validation.engine.results import Estimate
 from tactgen.validation.evidence.case import Case, Check, Outcome, judged, value_of
 from tactgen.validation.evidence.mesh_levels import Kind, on_level
+from tactgen.validation.models.model import Estimate
 
 Verdict = Literal["pass", "explained", "fail", "skipped"]
 #: All verdicts, in the order in which they are counted.

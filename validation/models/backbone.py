@@ -31,8 +31,9 @@ from tactgen.tmm.harmonic_balance.steady import (
     unstable_exponents,
 )
 from tactgen.tmm.ports.elements import ends_of
-from tactgen.validation.engine.inputs import values_read
+from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.five_port import five_port
+from tactgen.validation.scene.inputs import values_read
 from tactgen.validation.scene.scene import Scene
 
 #: Harmonics are added until those left out would move less than this share.
@@ -252,7 +253,7 @@ def held_head(scene: Scene, model: str = "tmm") -> RockingHead:
             "on its stop"
         )
     device, current = scene.device, abs(scene.coil.current)
-    pull = scene.pull if current else None
+    pull = map_of(scene) if current else None
     forces = axial_forces(device, pull, scene.load.normal_force)
     place = resting_place(forces, current, scene.coil.history)
     if place.kind == "floating":

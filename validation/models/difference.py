@@ -7,7 +7,7 @@ assumption more; beside its effect stands what a closed form, or the simple mode
     clamp_to_rod      all layers clamped -> shim alone -> tab -> glue and rod
     formula_to_field  one-gap formula -> reluctance network -> field
 
-A difference that no step measures is the remainder; see :mod:`validation.models.comparison`.
+A difference that no step measures is the remainder; see :mod:`validation.engine.comparison`.
 """
 
 from __future__ import annotations

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from tactgen.geometry.files import writable_folder, write_text, written_whole
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.comparison import ComparedRow
 from tactgen.validation.engine.warnings import accuracy_warnings
-from tactgen.validation.models.comparison import ComparedRow
 from tactgen.validation.models.difference import Band, expected_differences
 from tactgen.validation.report.provenance import FILE, read_record, recorded, seal, unseal
 from tactgen.validation.report.report_data import Study

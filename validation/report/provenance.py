@@ -18,8 +18,9 @@ import numpy as np
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import read_text, write_text
 from tactgen.validation.engine.answers import quantity_from_json, quantity_json
-from tactgen.validation.engine.results import Origin, Quantity, this_origin
+from tactgen.validation.engine.origin import Origin, this_origin
 from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 
 #: Name of the file, and what its first line says it is.

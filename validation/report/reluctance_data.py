@@ -13,11 +13,9 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE, QUANTITIES
-from tactgen.validation.engine.model import Model
-from tactgen.validation.engine.plan import Plan
-from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.models.comparison import ComparedRow, compare
+from tactgen.validation.engine.comparison import ComparedRow, compare
+from tactgen.validation.engine.solve import Plan, Solution, solve
+from tactgen.validation.models.model import Model, Quantity
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import (
     MagneticModel,

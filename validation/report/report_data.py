@@ -19,11 +19,10 @@ from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES, TIP_DISPLACEMENT
-from tactgen.validation.engine.plan import Plan, asks_display
-from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.engine.comparison import ComparedRow, compare
+from tactgen.validation.engine.solve import Plan, Solution, asks_display, solve
 from tactgen.validation.evidence.case import Outcome, run_check
 from tactgen.validation.evidence.verification import group_rows
-from tactgen.validation.models.comparison import ComparedRow, compare
 from tactgen.validation.report.reluctance_data import NormalActuator, merged
 from tactgen.validation.report.request import is_of_rest, prepared, quantities_of, shown_model
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows

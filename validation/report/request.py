@@ -10,8 +10,7 @@ import numpy as np
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.plan import check_models
-from tactgen.validation.engine.solve import check_request
+from tactgen.validation.engine.solve import check_models, check_request
 from tactgen.validation.report.reluctance_data import needs_map
 from tactgen.validation.scene.scene import Scene
 

@@ -6,7 +6,6 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Container, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -32,7 +31,7 @@ from tactgen.geometry.names import nearest
 from tactgen.geometry.units import WholeNumber, quoted
 from tactgen.tmm.ports.elements import ends_of
 from tactgen.validation.catalogue.detection import threshold_of
-from tactgen.validation.catalogue.models import MAPS, MODELS, all_given, gives, map_model, models_of
+from tactgen.validation.catalogue.models import MODELS, all_given, gives, map_model, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.files import (
     assign,
@@ -137,7 +136,7 @@ class Scene(p.Device):
 
     @property
     def rest(self) -> tuple[RestingPlace, p.Support] | None:
-        """Equilibrium of the rod and the springs of its contact; None without a contact.
+        """Where the rod rests and the springs of its contact; None without a contact.
 
         Without current nothing magnetic is touched.
 
@@ -155,19 +154,39 @@ class Scene(p.Device):
 
     @property
     def pull(self) -> CoenergyMap:
-        """The co-energy map by that model; a field's takes half a minute once, then is kept."""
-        found: CoenergyMap = importlib.import_module(MAPS).map_of(self)
-        return found
+        """Co-energy map by that model: the network's formula, or a field's that was solved before.
+
+        Raises LookupError if a field was not solved: models.classes.map_of does that.
+        """
+        if MODELS[self.map_model].theory == "field":
+            return _FIELD_MAPS[self._circuit]
+        from tactgen.tmm.reluctance.map_range import network_pull
+
+        return network_pull(self.device)
+
+    @property
+    def has_map(self) -> bool:
+        """Whether `pull` is at hand: always by the network, by a field once it was solved."""
+        return MODELS[self.map_model].theory != "field" or self._circuit in _FIELD_MAPS
 
     @property
     def awaits_map(self) -> bool:
-        """Whether where the rod rests asks for a field's map that this process has not got yet."""
-        return (
-            self.support.kind == "contact"
-            and self.coil.current != 0.0
-            and MODELS[self.map_model].theory == "field"
-            and not importlib.import_module(MAPS).is_at_hand(self)
-        )
+        """Whether where the rod rests follows from a field that was not solved yet."""
+        return self.support.kind == "contact" and self.coil.current != 0.0 and not self.has_map
+
+    def take_map(self, found: CoenergyMap) -> None:
+        """Take the map by `map_model`, for this scene and all of the same magnetic circuit."""
+        if MODELS[self.map_model].theory == "field":
+            while len(_FIELD_MAPS) >= _MOST_MAPS:
+                del _FIELD_MAPS[next(iter(_FIELD_MAPS))]
+            _FIELD_MAPS[self._circuit] = found
+
+    @property
+    def _circuit(self) -> tuple[object, ...]:
+        """All that a field's map depends on."""
+        coil = self.coil.model_copy(update={"history": "rising"})
+        parts = (self.rod, coil, self.sleeve, self.steel, self.gap, self.spring)
+        return (self.map_model, self.mesh.kind, *parts)
 
     def asking(self, models: Sequence[str]) -> Scene:
         """Scene as one that asks for these models, if they bring another map."""
@@ -196,6 +215,11 @@ class Scene(p.Device):
     def _quantities(cls, value: Any, info: ValidationInfo) -> Any:
         named = choices(value, tuple(QUANTITIES), "quantity", "quantities")
         return all_given(info.data.get("models", ())) if named == tuple(QUANTITIES) else named
+
+
+#: Maps by field models that this process has solved or read, by circuit; the oldest goes first.
+_FIELD_MAPS: dict[tuple[object, ...], CoenergyMap] = {}
+_MOST_MAPS = 32
 
 
 @lru_cache(maxsize=64)

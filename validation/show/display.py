@@ -27,10 +27,10 @@ from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.formats import engineering
 from tactgen.tmm.display.array import tip_motions
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.engine.model import make_model
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.stages import Stages
+from tactgen.validation.engine.solve import make_plan
+from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.display.field import display_ports
+from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import assembly_picture
 from tactgen.validation.show.stills import check_ffmpeg, save_film

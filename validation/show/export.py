@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactgen.geometry.errors import InputError
+from tactgen.validation.models.classes import map_of
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ from tactgen.geometry.files import written_whole
 from tactgen.tmm.generator.transient.machine import MachineStateSpace, machine_state_space
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.plan import asks_display
+from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.models.generator.small_signal import rod_of
 from tactgen.validation.models.generator.transient import scene_modes
 
@@ -108,7 +109,7 @@ def scene_state_space(scene: Scene) -> MachineStateSpace:
     Raises InputError if the rod rests nowhere.
     """
     check_machine(scene)
-    rod = rod_of(scene, scene.pull)
+    rod = rod_of(scene, map_of(scene))
     return machine_state_space(rod, scene_modes(scene), supply=scene.coil.supply)
 
 
@@ -307,9 +308,9 @@ def _magnetic_model(scene: Scene) -> str:
 
 
 def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
-    from tactgen.validation.engine.model import make_model
-    from tactgen.validation.engine.plan import make_plan
-    from tactgen.validation.engine.stages import Stages
+    from tactgen.validation.engine.solve import make_plan
+    from tactgen.validation.models.classes import make_model
+    from tactgen.validation.models.model import Stages
     from tactgen.validation.models.reluctance.model import MagneticModel
 
     name = _magnetic_model(scene)

@@ -15,10 +15,9 @@ from tactgen.validation.catalogue.quantities import (
     OPEN_CIRCUIT_FREQUENCIES,
     SHORT_CIRCUIT_FREQUENCIES,
 )
-from tactgen.validation.engine.model import Model
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.generator.transient import Simulation, scene_beam
+from tactgen.validation.models.model import Model, Quantity
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import Circuit, FieldResult, State
 from tactgen.validation.show.moving import MovingBody, moving_body

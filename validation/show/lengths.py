@@ -20,9 +20,9 @@ from tactgen.validation.catalogue.quantities import (
     OPEN_CIRCUIT_FREQUENCIES,
     SHORT_CIRCUIT_FREQUENCIES,
 )
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate, design_size
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import Circuit, FieldResult
 from tactgen.validation.show.gather import Request, gather

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
-from tactgen.validation.engine.plan import asks_display
+from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.export import check_place
 from tactgen.validation.show.field import FieldResult, Shade, State, shades_of, words_of

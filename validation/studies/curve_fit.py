@@ -24,9 +24,9 @@ from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.tmm.beam.transfer_matrix import multiport
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, in_series
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.row import AnswerReadout
-from tactgen.validation.engine.model import Refined
+from tactgen.validation.catalogue.quantities import QUANTITIES, AnswerReadout
+from tactgen.validation.models.classes import map_of
+from tactgen.validation.models.model import Refined
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import with_values
 from tactgen.validation.studies.measured_data import MeasuredCurve
@@ -118,7 +118,7 @@ def _port(scene: Scene, frequencies: Floats) -> Multiport:
 def _of_machine(scene: Scene, port: Multiport, read: AnswerReadout) -> Complex:
     from tactgen.validation.models.generator.small_signal import JudgedRod, SmallSignal, rod_of
 
-    rod = JudgedRod(rod_of(scene, scene.pull))
+    rod = JudgedRod(rod_of(scene, map_of(scene)))
     value: Complex = read.of(SmallSignal(scene, Refined(port, (), ""), rod)).value
     return value
 

@@ -13,9 +13,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.inputs import idle
-from tactgen.validation.engine.plan import check_on_contact
+from tactgen.validation.engine.solve import check_on_contact
 from tactgen.validation.engine.warnings import load_warnings
+from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import value_of, with_values

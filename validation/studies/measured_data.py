@@ -31,8 +31,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import FREQUENCY, PHASE, Unit, quoted
 from tactgen.tmm.beam.parametric import check_length_free
-from tactgen.validation.catalogue.quantities import measurable
-from tactgen.validation.catalogue.row import QuantityRow
+from tactgen.validation.catalogue.quantities import QuantityRow, measurable
 from tactgen.validation.scene.files import one_line
 from tactgen.validation.scene.scene import Scene, scene_keys
 from tactgen.validation.scene.variation import SYMBOLS, value_of

@@ -24,10 +24,14 @@ from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonanc
 from tactgen.tmm.beam.sensitivities import derivatives, values
 from tactgen.tmm.beam.transfer_matrix import is_tapered
 from tactgen.tmm.ports.readout import Circuit, ModalReadout, Readout
-from tactgen.validation.catalogue.quantities import QUANTITIES, TIP_DISPLACEMENT, TIP_VELOCITY
-from tactgen.validation.catalogue.row import QuantityRow
-from tactgen.validation.engine.inputs import idle
+from tactgen.validation.catalogue.quantities import (
+    QUANTITIES,
+    TIP_DISPLACEMENT,
+    TIP_VELOCITY,
+    QuantityRow,
+)
 from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ranges, show
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import value_of

@@ -22,14 +22,12 @@ from tactgen.tmm.beam.parametric import Actuator, check_keys, parameter_keys
 from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives, reading
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.row import QuantityRow
+from tactgen.validation.catalogue.quantities import QUANTITIES, QuantityRow
 from tactgen.validation.engine.derivatives import NEAREST, Changed, derivatives
-from tactgen.validation.engine.inputs import idle, keys_read
-from tactgen.validation.engine.plan import check_models
-from tactgen.validation.engine.solve import check_request
+from tactgen.validation.engine.solve import check_models, check_request
 from tactgen.validation.engine.warnings import check_held
 from tactgen.validation.scene.files import assign
+from tactgen.validation.scene.inputs import idle, keys_read
 from tactgen.validation.scene.scene import Scene, checked_scene, scene_keys, scene_values
 from tactgen.validation.scene.variation import SYMBOLS, value_of
 from tactgen.validation.studies.length_map import actuator

@@ -8,8 +8,8 @@ from tactgen.geometry.device.checks import check_fit
 from tactgen.geometry.device.layout import layout
 from tactgen.geometry.device.parameters import Bimorph, Device, Support
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.inputs import scene_warnings
-from tactgen.validation.engine.plan import make_plan
+from tactgen.validation.engine.solve import make_plan
+from tactgen.validation.scene.inputs import scene_warnings
 from tactgen.validation.scene.scene import load_scene
 
 STEP = ((0.0, 2.1e-3), (8e-3, 2.1e-3), (8e-3, 1e-3), (20e-3, 1e-3))

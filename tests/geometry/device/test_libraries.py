@@ -10,7 +10,7 @@ from tactgen.geometry.device.parameters import Piezo, Shim, Steel, sources, spre
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.inputs import scene_warnings
+from tactgen.validation.scene.inputs import scene_warnings
 from tactgen.validation.scene.scene import load_scene
 
 #: E (GPa), Poisson ratio, density (g/cm³), range of E, and what the source is of.

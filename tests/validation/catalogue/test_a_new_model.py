@@ -1,8 +1,5 @@
 """One row and one class make a model: added at run time, it is in solve, plan and report."""
 
-import sys
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -10,10 +7,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.validation.catalogue.models import MODELS, ModelRow
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.engine.model import Model, Modes, Refined
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.comparison import compare
+from tactgen.validation.engine.comparison import compare
+from tactgen.validation.engine.solve import make_plan, solve
+from tactgen.validation.models.classes import CLASSES
+from tactgen.validation.models.model import Model, Modes, Refined
 from tactgen.validation.report import page
 from tactgen.validation.report.sections.contents import sections as all_sections
 from tactgen.validation.scene.scene import load_scene
@@ -52,8 +49,6 @@ ROW = ModelRow(
     "rayleigh",
     "slender beam on a clamp",
     "bimorph",
-    module=__name__,
-    kind="Rayleigh",
     theory="beam",
     rank=0,
     stages={"modes": ("bimorph", "piezo", "shim", "beam", "support.kind")},
@@ -68,6 +63,7 @@ FIRST = "short_circuit_frequencies"
 def registered(monkeypatch):
     """Add the row for one test."""
     monkeypatch.setitem(MODELS, ROW.name, ROW)
+    monkeypatch.setitem(CLASSES, ROW.name, lambda: Rayleigh)
 
 
 def clamped(*overrides):
@@ -106,15 +102,6 @@ def test_what_it_does_not_know_is_refused():
         make_plan(scene, ("rayleigh",), ("tip_velocity",))
     with pytest.raises(InputError, match=r"set support\.kind=clamped"):
         make_plan(load_scene("prototype")[0], ("rayleigh",), (FIRST,))
-
-
-def test_its_module_is_not_loaded_until_it_runs(monkeypatch):
-    """A model whose module is missing disturbs no other."""
-    monkeypatch.setitem(MODELS, ROW.name, replace(ROW, module="no_such_module"))
-    solve(load_scene("prototype", ["models=tmm", "quantities=capacitance_free"])[0])
-    assert "no_such_module" not in sys.modules
-    with pytest.raises(ModuleNotFoundError, match="no_such_module"):
-        make_plan(clamped(), ("rayleigh",), (FIRST,))
 
 
 def test_it_is_compared():

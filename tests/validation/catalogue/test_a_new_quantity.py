@@ -7,13 +7,11 @@ import pytest
 
 from tactgen.geometry.units import Unit
 from tactgen.tmm.ports.readout import ModalReadout, Readout
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.row import AnswerReadout, QuantityRow
+from tactgen.validation.catalogue.quantities import QUANTITIES, AnswerReadout, QuantityRow
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.results import Estimate
-from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.comparison import compare
+from tactgen.validation.engine.comparison import compare
+from tactgen.validation.engine.solve import make_plan, solve
+from tactgen.validation.models.model import Estimate
 from tactgen.validation.scene.parameter_list import template
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.curve_fit import curve_model

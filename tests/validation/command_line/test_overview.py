@@ -13,8 +13,8 @@ from tactgen.validation.command_line import overview
 from tactgen.validation.command_line.cli import commands, main
 from tactgen.validation.command_line.overview import print_overview
 from tactgen.validation.engine.answers import format_error, format_value
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.files import built_in_scenes
 from tactgen.validation.scene.scene import load_scene, scene_keys
 

@@ -11,8 +11,8 @@ import pytest
 
 from tactgen.geometry.store import store
 from tactgen.geometry.store.store import Damaged, read_entry
-from tactgen.validation.engine.inputs import stage_key
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.inputs import stage_key
 from tactgen.validation.scene.scene import load_scene
 
 #: Scenes whose answers leave entries behind, by what they cost.

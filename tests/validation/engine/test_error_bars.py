@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
-from tactgen.validation.engine.results import (
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.coverage import PROMISED, median_width
+from tactgen.validation.evidence.coverage_bimorph import judged, varied_cases
+from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.bimorph.solid import _BRICK_BARS, BrickPair, level_for
+from tactgen.validation.models.model import (
     LEAST_HALVED,
     SAFETY,
     SURPLUS_FACTOR,
@@ -16,11 +21,6 @@ from tactgen.validation.engine.results import (
     observed_factor,
     two_mesh_factor,
 )
-from tactgen.validation.engine.solve import solve
-from tactgen.validation.evidence.coverage import PROMISED, median_width
-from tactgen.validation.evidence.coverage_bimorph import judged, varied_cases
-from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.bimorph.solid import _BRICK_BARS, BrickPair, level_for
 from tactgen.validation.scene.scene import load_scene
 
 

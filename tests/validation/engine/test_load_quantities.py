@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.tmm.ports.loads import finger_impedance
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.scene.scene import load_scene
 
 F = np.array([10.0, 300.0, 900.0])

@@ -6,9 +6,9 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.loads import OF_THE_TABLE
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.engine.inputs import scene_warnings, values_read
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph.model import MeasuredLoad
+from tactgen.validation.scene.inputs import scene_warnings, values_read
 from tactgen.validation.scene.scene import load_scene
 
 SPRING = ("load.kind=spring_damper", "load.stiffness=300N/m", "load.damping=0.5N*s/m")

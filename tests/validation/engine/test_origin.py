@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tactgen.validation.engine import results as origin
+from tactgen.validation.engine import origin
 
 NONE = "installed without its repository"
 pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="no git on this machine")

@@ -9,8 +9,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.engine.inputs import scene_warnings, values_read
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.inputs import scene_warnings, values_read
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.sensitivity import sensitivity_columns
 from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict

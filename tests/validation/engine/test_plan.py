@@ -5,11 +5,10 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.inputs import stage_key
-from tactgen.validation.engine.plan import Prospect, make_plan, total
-from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.stages import Stages
+from tactgen.validation.engine.solve import Prospect, make_plan, solve, total
+from tactgen.validation.models.model import Stages
 from tactgen.validation.models.reluctance import field
+from tactgen.validation.scene.inputs import stage_key
 from tactgen.validation.scene.scene import load_scene
 
 #: Quantities of the normal actuator at one current and gap.

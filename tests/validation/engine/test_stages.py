@@ -13,12 +13,13 @@ import pytest
 from tactgen.geometry.store.store import holdings
 from tactgen.geometry.store.values import source_digest
 from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.validation.catalogue.models import gives, stage_code, stage_reads
+from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine import inputs, stages
 from tactgen.validation.engine.solve import as_json, solve
-from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.classes import CLASSES, model_class, stage_code
+from tactgen.validation.models.model import Stages
+from tactgen.validation.scene import inputs
 from tactgen.validation.scene.scene import load_scene
 
 #: Solid and fields, small.
@@ -56,26 +57,32 @@ def answers(name, *overrides, announce=lambda _: None):
 
 
 def test_declarations_are_whole():
-    """What is kept is a stage, and every module that it names has a source."""
-    assert set(stage_code()) <= set(stage_reads())
-    for modules in set(stage_code().values()):
-        assert len(source_digest(modules)) == 64
+    """A result is kept by stages with sources; the list of models has a class for every row."""
+    assert set(CLASSES) == set(MODELS)
+    for stage in stage_reads():
+        model, _, own = stage.partition(".")
+        code = stage_code(stage)
+        assert bool(code) is (own in MODELS[model].kept)
+        assert model_class(model).name == model
+        if code:
+            assert len(source_digest(code)) == 64
+    assert all(set(row.kept) <= set(row.stages) for row in MODELS.values())
 
 
 @pytest.mark.usefixtures("own_store")
-def test_only_what_is_declared_is_kept(monkeypatch):
+def test_only_what_is_of_some_code_is_kept():
     """Found by the next run under the same key; computed again under another, or if not kept."""
-    monkeypatch.setattr(stages, "stage_code", lambda: {"tmm.static": ("tactgen.tmm.beam",)})
     computed, announced = [], []
 
     def work():
         computed.append(1)
         return len(computed)
 
-    def run(stage, key):
-        return Stages({stage: key}, announced.append).run(stage, work)
+    def run(stage, key, *code):
+        return Stages({stage: key}, announced.append).run(stage, work, code)
 
-    assert [run("tmm.static", "a"), run("tmm.static", "a"), run("tmm.static", "b")] == [1, 1, 2]
+    of = ("tmm.static", "a", "tactgen.tmm.beam"), ("tmm.static", "b", "tactgen.tmm.beam")
+    assert [run(*of[0]), run(*of[0]), run(*of[1])] == [1, 1, 2]
     assert [run("tmm.modes", "a"), run("tmm.modes", "a")] == [3, 4]
     assert announced == ["tmm.static", "tmm.static", "tmm.modes", "tmm.modes"]
 
@@ -162,7 +169,7 @@ def test_one_scene_at_once_is_solved_once(own_store):
         found.append(json.loads(out))
     (ran, values), (other_ran, other_values) = found
     assert values == other_values
-    computed = [stage for stage in (*ran, *other_ran) if stage in stage_code()]
+    computed = [stage for stage in (*ran, *other_ran) if stage_code(stage)]
     assert sorted(computed) == sorted(set(computed))
     assert {"solid.static", "solid.modal", "solid.ports"} <= set(computed)
     assert holdings()["solid.static"].entries == 1

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import (
     Box,
@@ -15,6 +14,7 @@ from tactgen.validation.engine.surrogate import (
     design_size,
     fit_surrogate,
 )
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.scene.variation import with_values
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings, held_warnings
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import load_scene
 
 

@@ -9,10 +9,10 @@ import pytest
 from tactgen.fem import beam
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient import results as record
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.evidence import stress_driven as sweep
 from tactgen.validation.evidence import stress_machine as machine
 from tactgen.validation.evidence.stress import Asked
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import load_scene
 
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.results import Estimate
 from tactgen.validation.evidence import mesh_levels as fineness
 from tactgen.validation.evidence import verification
 from tactgen.validation.evidence.cases import beams
 from tactgen.validation.evidence.verification import division, next_division, verify
+from tactgen.validation.models.model import Estimate
 
 LEVELS = (-1, 0, 1, 2, 3)
 

@@ -24,7 +24,6 @@ from tactgen.geometry.meshing.tetwild.mesher import (
     sizing_for,
 )
 from tactgen.geometry.store.values import fingerprint
-from tactgen.validation.engine.results import SAFETY, two_mesh_factor
 from tactgen.validation.models.bimorph import adaptive_meshes
 from tactgen.validation.models.bimorph.adaptive_meshes import (
     AdaptedPair,
@@ -32,6 +31,7 @@ from tactgen.validation.models.bimorph.adaptive_meshes import (
     _judged,
     adapted_pair,
 )
+from tactgen.validation.models.model import SAFETY, two_mesh_factor
 from tactgen.validation.scene.scene import load_scene
 
 

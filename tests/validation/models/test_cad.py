@@ -8,16 +8,15 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import whole_mesh
-from tactgen.validation.engine.model import make_model
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import evaluate, solve
-from tactgen.validation.engine.stages import Stages
+from tactgen.validation.engine.comparison import compare
+from tactgen.validation.engine.solve import evaluate, make_plan, solve
 from tactgen.validation.evidence.coverage import PROMISED, median_width
 from tactgen.validation.evidence.coverage_bimorph import cad_cases, judged
 from tactgen.validation.models.bimorph import adaptive_meshes
 from tactgen.validation.models.bimorph import mesh_pair as two_meshes
 from tactgen.validation.models.bimorph.solid import cells_of, mesh_pair
-from tactgen.validation.models.comparison import compare
+from tactgen.validation.models.classes import make_model
+from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import load_scene
 
 SHORT = ("bimorph.length=6mm", "support.kind=clamped", "load.kind=none", "accuracy=2e-2")

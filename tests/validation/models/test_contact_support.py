@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from tactgen.tmm.generator.contact import contact_of, moving_rod
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.scene.scene import load_scene
 
 UP = ("support.kind=contact", "coil.current=0mA")

@@ -7,12 +7,11 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import quantities_of
-from tactgen.validation.engine.inputs import scene_warnings
-from tactgen.validation.engine.model import Modes, Refined
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.display.field import display_ports, first_frequency
 from tactgen.validation.models.five_port import five_port
+from tactgen.validation.models.model import Modes, Refined
+from tactgen.validation.scene.inputs import scene_warnings
 from tactgen.validation.scene.scene import load_scene
 
 CROSSTALK = tuple(q for q in quantities_of("display") if q.startswith("crosstalk"))

@@ -10,10 +10,10 @@ import pytest
 from tactgen.fem.magnetics import array_3d as array
 from tactgen.fem.magnetics import array_3d as nine
 from tactgen.fem.magnetics.array_3d import NineForces
-from tactgen.validation.engine.model import make_model
-from tactgen.validation.engine.stages import Stages
 from tactgen.validation.evidence.cases import display
+from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.display import field
+from tactgen.validation.models.model import Stages
 from tactgen.validation.models.reluctance import field as field_model
 from tactgen.validation.scene.scene import load_scene
 
@@ -141,17 +141,18 @@ def test_what_a_new_process_knows_to_read():
     assert "NeighbourField" in done.stdout.split()
 
 
+@pytest.mark.usefixtures("own_store")
 @pytest.mark.parametrize("model", ["network", "magnetic3d"])
 def test_a_model_of_the_display_says_what_neighbours_do(monkeypatch, model):
     """By the field or by the network; one that knows one actuator has nothing to say."""
     way = "by_network" if model == "network" else "by_field"
-    monkeypatch.setattr(field_model, "by_field", lambda scene: ("by_field", scene))
-    monkeypatch.setattr(field, "by_network", lambda scene: ("by_network", scene))
+    monkeypatch.setattr(field_model, "by_field", lambda scene: ("by_field", 1.0))
+    monkeypatch.setattr(field, "by_network", lambda scene: ("by_network", 1.0))
     scene = load_scene("display")[0]
 
     def made(name):
-        return make_model(name, scene, Stages({f"{name}.neighbours": ""}, keeps=False))
+        return make_model(name, scene, Stages({f"{name}.neighbours": ""}))
 
-    assert made(model).answer("neighbours") == (way, scene)
+    assert made(model).answer("neighbours") == (way, 1.0)
     with pytest.raises(NotImplementedError, match="axisymmetric knows one actuator"):
         made("axisymmetric").answer("neighbours")

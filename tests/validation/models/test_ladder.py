@@ -8,11 +8,10 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.engine.plan import record, recorded
-from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.comparison import Rung, _error, choose, ladder
+from tactgen.validation.engine.solve import record, recorded, solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.comparison import Rung, _error, choose, ladder
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import load_scene
 
 STATIC = ("static_tip_displacement",)

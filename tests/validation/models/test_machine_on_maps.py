@@ -11,11 +11,11 @@ from tactgen.tmm.reluctance.coenergy_fit import fit, thinned
 from tactgen.tmm.reluctance.map_range import map_grid, network_pull
 from tactgen.tmm.reluctance.network import DirectPull, network_samples
 from tactgen.validation.catalogue.models import map_model
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.solve import make_plan, solve
+from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.generator.small_signal import HalvedMap, rod_by_network
-from tactgen.validation.models.reluctance import maps
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
+from tactgen.validation.scene import scene as scenes
 from tactgen.validation.scene.scene import load_scene
 
 HELD = ("load.kind=none", "frequency=100,500", "coil.current=50mA", "coil.history=falling")
@@ -36,7 +36,7 @@ def field(monkeypatch, own_store):
         return fit(replace(samples, model=self.name, **more))
 
     monkeypatch.setattr(AxisymmetricModel, "_map", larger)
-    monkeypatch.setattr(maps, "_AT_HAND", {})
+    monkeypatch.setattr(scenes, "_FIELD_MAPS", {})
     return solved
 
 
@@ -89,7 +89,7 @@ def test_contact_and_machine_take_its_pull(field):
         a, b = (s.get(name, "tmm").value for s in (one, other))
         assert (np.abs(a - b) > 1e-3 * np.abs(a)).all()
     solve(generator("tmm,axisymmetric"), ("tmm",), names)
-    maps._AT_HAND.clear()
+    scenes._FIELD_MAPS.clear()
     solve(generator("tmm,axisymmetric"), ("tmm",), names)  # from the store
     assert len(field) == 1
 
@@ -116,7 +116,7 @@ def test_where_the_network_holds_no_rod_near_a_place_it_is_looked_for_anew():
     scene = generator("tmm,network")
     held = scene.rest[0]
     right, found = (
-        rod_by_network(scene, DirectPull(scene.device, CELLS, scene.pull.gap_limits), near)
+        rod_by_network(scene, DirectPull(scene.device, CELLS, map_of(scene).gap_limits), near)
         for near in (held, replace(held, lift=-0.4 * scene.gap))
     )
     np.testing.assert_allclose(found.stiffness, right.stiffness, rtol=1e-9)

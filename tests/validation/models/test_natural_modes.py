@@ -7,9 +7,9 @@ import pytest
 
 from tactgen.fem.piezo.bricks import assemble_bricks
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
-from tactgen.validation.engine.model import Modes
 from tactgen.validation.models.bimorph import natural_modes as lowest_modes
 from tactgen.validation.models.bimorph import solid
+from tactgen.validation.models.model import Modes
 from tactgen.validation.scene.scene import load_scene
 
 

@@ -7,10 +7,9 @@ import pytest
 
 from tactgen.fem.magnetics import actuator_3d as actuator
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.stages import Stages
+from tactgen.validation.engine.solve import make_plan
 from tactgen.validation.engine.warnings import accuracy_warnings
+from tactgen.validation.models.model import Quantity, Stages
 from tactgen.validation.models.reluctance.field import Magnetic3dModel, _fine_enough
 from tactgen.validation.scene.scene import load_scene
 

@@ -11,8 +11,8 @@ from tactgen.tmm.reluctance.coenergy_map import MapError
 from tactgen.tmm.reluctance.map_range import map_grid, network_pull
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import switching
-from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.switching import resting_state
 from tactgen.validation.scene.scene import load_scene
 

@@ -10,8 +10,8 @@ from tactgen.tmm.reluctance import map_range as network_pull
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.network import network_samples
-from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import as_json, solve
+from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.switching import MagneticPoint, switching_currents
 from tactgen.validation.scene.scene import load_scene
 

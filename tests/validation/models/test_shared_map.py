@@ -59,7 +59,7 @@ def test_currents_are_those_of_the_closed_form(mapped):
 @pytest.mark.heavy
 def test_the_shared_map_holds_points_solved_alone(own_store):
     """Held out, at currents and gaps between its samples, of a scene that did not ask for it."""
-    from tactgen.validation.models.reluctance.maps import map_of
+    from tactgen.validation.models.classes import map_of
 
     scene, _ = load_scene("reluctance", [*SETS, "spring.stiffness=90 N/m"])
     found = map_of(scene)

@@ -11,8 +11,8 @@ from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.generator.small_signal import machine
 from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.catalogue.quantities import quantities_of
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.solve import make_plan, solve
+from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.generator.small_signal import machine_of
 from tactgen.validation.scene.scene import load_scene
 
@@ -37,7 +37,7 @@ def test_the_support_and_the_machine_tell_one_lateral_motion():
     found = answers(*overrides, quantities=names)
     springs = found["tmm", names[1]].value / 50.0
     scene, _ = load_scene("paper", overrides)
-    linear = machine_of(scene, scene.pull).fine
+    linear = machine_of(scene, map_of(scene)).fine
     turning, axial = linear.mass[1, 1], linear.mass[2, 2]
     damping = np.diag([0.0, *np.diag(linear.damping)[1:]])
     light = replace(linear, mass=np.diag([0.0, turning, axial]), damping=damping)

@@ -5,10 +5,9 @@ import pytest
 
 from tactgen.fem.magnetics import actuator_3d as actuator
 from tactgen.fem.magnetics.actuator_3d import SolidPoint, SolidValues
-from tactgen.validation.engine.model import make_model
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.stages import Stages
+from tactgen.validation.engine.solve import make_plan, solve
+from tactgen.validation.models.classes import make_model
+from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import load_scene
 
 

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from tactgen.validation.catalogue.row import Actuator
-from tactgen.validation.engine.results import Quantity
+from tactgen.validation.catalogue.quantities import Actuator
+from tactgen.validation.engine.comparison import compare
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.comparison import compare
 from tactgen.validation.models.difference import (
     HEADLINE,
     beam_to_solid,
@@ -14,6 +13,7 @@ from tactgen.validation.models.difference import (
     causes_on_rod,
     chain,
 )
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import load_scene
 
 

@@ -11,8 +11,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import store_folder
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import quantity_from_json, quantity_json
-from tactgen.validation.engine.results import Quantity
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.report import page as report_page
 from tactgen.validation.report import provenance as again
 from tactgen.validation.report import provenance as files

@@ -6,7 +6,7 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import stage_reads
-from tactgen.validation.engine.inputs import stage_key
+from tactgen.validation.scene.inputs import stage_key
 from tactgen.validation.scene.parameter_list import parameter_rows, ranges
 from tactgen.validation.scene.scene import load_scene
 

@@ -17,7 +17,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.comparison import Choice
+    from tactgen.validation.engine.comparison import Choice
     from tactgen.validation.scene.scene import Scene
 
 
@@ -80,6 +80,14 @@ def overrides_of(option: str, key: str, given: str | list[str] | None, example: 
     return [f"{key}={text}"]
 
 
+def settle(scene: Scene) -> None:
+    """Solve the field that where the rod rests follows from, if the scene asks for one."""
+    if scene.awaits_map:
+        from tactgen.validation.models.classes import map_of
+
+        map_of(scene)
+
+
 def lateral_scene(
     name: str, overrides: Sequence[str], command: str
 ) -> tuple[Scene, dict[str, str]]:
@@ -98,6 +106,7 @@ def lateral_scene(
             f"actuator, and {command} is about the lateral one; take the scene paper or --set "
             "models=tmm"
         )
+    settle(scene)
     return scene, origins
 
 
@@ -164,7 +173,7 @@ def under_contract(
     """
     if "accuracy" not in origins or "models" in origins:
         return scene, None
-    from tactgen.validation.models.comparison import choose
+    from tactgen.validation.engine.comparison import choose
 
     choice = choose(scene, scene.quantities, announce)
     return scene.model_copy(update={"models": choice.models}), choice

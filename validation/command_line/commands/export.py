@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+from tactgen.validation.command_line.commands.common import Commands, scene_options, settle, warn
 
 
 def add(commands: Commands) -> None:
@@ -54,6 +54,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.show.export import export
 
     scene, _ = load_scene(options.scene, options.overrides)
+    settle(scene)
     kinds = ("step", "glb", "mesh", "map", "ports", "state_space", "fields", "animated_glb", "fmu",
              "machine")  # fmt: skip
     targets = {kind: getattr(options, kind) for kind in kinds}

@@ -22,7 +22,7 @@ from tactgen.validation.command_line.study_options import (
 )
 
 if TYPE_CHECKING:
-    from tactgen.validation.engine.plan import Plan, Prospect
+    from tactgen.validation.engine.solve import Plan, Prospect
 
 
 def add(commands: Commands) -> None:
@@ -47,8 +47,7 @@ def run(options: argparse.Namespace) -> int:
     _refuse_unused(options)
     from tactgen.validation.command_line.commands.common import under_contract
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.engine.plan import make_plan, stage_prospects
-    from tactgen.validation.engine.solve import plan_json
+    from tactgen.validation.engine.solve import make_plan, plan_json, stage_prospects
     from tactgen.validation.scene.scene import load_scene
 
     scene, origins = load_scene(options.scene, [*options.overrides, *asked_overrides(options)])
@@ -74,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
     """Print the stages that run, with their last cost, and the skipped ones with reasons."""
-    from tactgen.validation.engine.plan import total
+    from tactgen.validation.engine.solve import total
 
     print(f"scene {scene}")
     print("runs:")

@@ -47,8 +47,8 @@ def run(options: argparse.Namespace) -> int:
     if options.reproduce is not None:
         return _reproduce(options)
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.report.page import print_report, write_report
+    from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.show.browser import need_browser
 

@@ -39,8 +39,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.command_line.commands.common import under_contract
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.engine.solve import as_json, check_request, solve
+    from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.scene import ON_COMMAND_LINE, load_scene
 
     scene, origins = load_scene(options.scene, [*options.overrides, *asked_overrides(options)])

@@ -7,7 +7,13 @@ import webbrowser
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import PAPER, Commands, scene_options, warn
+from tactgen.validation.command_line.commands.common import (
+    PAPER,
+    Commands,
+    scene_options,
+    settle,
+    warn,
+)
 
 #: Options that ask something of a scene, which a run's file has answered.
 _OF_A_SCENE = ("scene", "model", "frequency", "lengths", "png", "gif", "mp4", "state", "field")
@@ -57,12 +63,13 @@ def run(options: argparse.Namespace) -> int:
     options.scene = PAPER if options.scene is None else options.scene
     _refuse_unused(options)
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.engine.inputs import scene_warnings
+    from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.show.view import Look, harmonic_frequencies, view
 
     asked = [] if options.frequency is None else [f"frequency={options.frequency}"]
     scene, origins = load_scene(options.scene, [*options.overrides, *asked])
+    settle(scene)
     warn(scene_warnings(scene, origins))
     named = {kind: getattr(options, kind) for kind in ("out", "png", "gif", "mp4")}
     files = {kind: Path(name) for kind, name in named.items() if name}

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.ports.loads import finger_spring_damper
-from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.mesh_levels import cached, level
 from tactgen.validation.models.backbone import STATES, State
+from tactgen.validation.models.model import Estimate
 from tactgen.validation.scene.scene import load_scene
 
 if TYPE_CHECKING:

@@ -12,13 +12,12 @@ from tactgen.geometry.reluctance.sector_tets import UNITS
 from tactgen.tmm.display.array import between_heads, network_forces
 from tactgen.tmm.ports.multiport import Multiport, passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.quantities import CROSSTALK_LARGEST, SHORT_CIRCUIT_FREQUENCIES
-from tactgen.validation.engine.model import make_model
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.stages import Stages
+from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.mesh_levels import cached
+from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.display.field import display_ports, with_device
+from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import Scene, load_scene
 
 #: Scatter of the length so small that its square does not matter, and the step of a slope.

@@ -13,11 +13,11 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.transient.system import CubicSpring, Element, RoughPoint, System
 from tactgen.tmm.generator.transient.time_integration import simulate_steps
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square, Step
-from tactgen.validation.engine.results import Estimate
 from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.cases.actuator import field_point
 from tactgen.validation.evidence.cases.oscillators import run_of_coil
 from tactgen.validation.evidence.mesh_levels import steps
+from tactgen.validation.models.model import Estimate
 
 if TYPE_CHECKING:
     from tactgen.validation.models.generator.transient import Phase, Simulation

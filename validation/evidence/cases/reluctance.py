@@ -21,13 +21,14 @@ from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples, closed_loo
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import largest_rms_current, network_samples
 from tactgen.tmm.reluctance.switching import spring_force
-from tactgen.validation.engine.results import Estimate
 from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.cases import actuator, coils, team20
 from tactgen.validation.evidence.cases.actuator import SQUARE_LAW_GAP, field_point
 from tactgen.validation.evidence.cases.ball import ball_error, potential_of
 from tactgen.validation.evidence.mesh_levels import cached, degree, intervals, size
+from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.generator.small_signal import rod_of
+from tactgen.validation.models.model import Estimate
 from tactgen.validation.scene.scene import load_scene
 
 _AXISYMMETRIC = "model axisymmetric: quadrilaterals of order 4 to 6 in the half section"
@@ -351,7 +352,7 @@ def _rod(model: str, history: str) -> Linearised:
     """The generator's rod at 50 mA in small motions."""
     held = ("coil.current=50mA", f"coil.history={history}", f"models=tmm,{model}")
     scene, _ = load_scene("generator", held)
-    return rod_of(scene, scene.pull)
+    return rod_of(scene, map_of(scene))
 
 
 def _machine(number: Callable[[Linearised], float], history: str) -> float:

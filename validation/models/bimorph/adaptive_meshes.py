@@ -19,8 +19,8 @@ import numpy as np
 from tactgen.geometry.device.layout import Standing
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.tetwild.mesher import Mesher, Sizing, sizing_for
-from tactgen.validation.engine.results import SAFETY, two_mesh_factor
 from tactgen.validation.models.bimorph.mesh_pair import MeshPair
+from tactgen.validation.models.model import SAFETY, two_mesh_factor
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:

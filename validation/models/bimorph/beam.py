@@ -11,9 +11,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import CentreLine
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.engine.model import Modes, Refined
-from tactgen.validation.engine.results import SAFETY, observed_factor
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
+from tactgen.validation.models.model import SAFETY, Modes, Refined, observed_factor
 
 if TYPE_CHECKING:
     from tactgen.fem.beam import BeamMatrices

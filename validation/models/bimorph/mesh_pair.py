@@ -20,8 +20,6 @@ from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.engine.model import Modes, Refined
-from tactgen.validation.engine.results import SAFETY, least_difference
 from tactgen.validation.models.bimorph.model import BimorphModel
 from tactgen.validation.models.bimorph.natural_modes import (
     MeshModes,
@@ -34,6 +32,7 @@ from tactgen.validation.models.bimorph.natural_modes import (
     moved,
     only,
 )
+from tactgen.validation.models.model import SAFETY, Modes, Refined, least_difference
 
 if TYPE_CHECKING:
     from tactgen.fem.piezo.krylov import ReducedSolid

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass
@@ -22,12 +21,9 @@ from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.ports.elements import attach, tip_stiffness
 from tactgen.tmm.ports.loads import OF_THE_TABLE, MeasuredLaw
 from tactgen.tmm.ports.multiport import Multiport, Response, respond
-from tactgen.validation.catalogue.models import MAPS
-from tactgen.validation.catalogue.row import Need
-from tactgen.validation.engine.model import Model, Modes, Refined
-from tactgen.validation.engine.results import SAFETY, Estimate
-from tactgen.validation.engine.stages import Stages
+from tactgen.validation.catalogue.quantities import Need
 from tactgen.validation.models.difference import end_share
+from tactgen.validation.models.model import SAFETY, Estimate, Model, Modes, Refined, Stages
 from tactgen.validation.scene.scene import Scene
 
 #: Rounding of a formula.
@@ -91,8 +87,7 @@ class BimorphModel(Model):
             measured_poles,
         )
 
-        pull = importlib.import_module(MAPS).map_of(self.scene, self.stages)
-        linear = self.run("machine", lambda: machine_of(self.scene, pull))
+        linear = self.run("machine", lambda: machine_of(self.scene, self.scene.pull))
         if need == "machine_poles":
             return measured_poles(self.scene, linear)
         return SmallSignal(self.scene, self.ports(), linear)

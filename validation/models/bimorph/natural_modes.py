@@ -19,8 +19,7 @@ from tactgen.fem.solvers.pardiso import side_by_side
 from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.store.values import storable
-from tactgen.validation.engine.model import Modes
-from tactgen.validation.engine.results import cancelling, least_difference
+from tactgen.validation.models.model import Modes, cancelling, least_difference
 
 if TYPE_CHECKING:
     from tactgen.fem.piezo.system import SolidSystem, Surplus

@@ -12,8 +12,8 @@ from tactgen.geometry.bimorph.bricks import LEVELS, Bricks, bimorph_bricks
 from tactgen.geometry.device.checks import check_bonded, check_constant_section
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.results import SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES
 from tactgen.validation.models.bimorph.mesh_pair import MeshPair, TwoMeshModel
+from tactgen.validation.models.model import SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 from tactgen.geometry.device.checks import check_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import whole_mesh
-from tactgen.validation.engine.stages import Stages
 from tactgen.validation.models.bimorph.natural_modes import MeshModes
+from tactgen.validation.models.model import Stages
 
 if TYPE_CHECKING:
     from tactgen.fem.piezo.system import SolidSystem

@@ -16,8 +16,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.display.array import board, joined, sheet, tip_motions, unit_ports
 from tactgen.tmm.ports.multiport import Multiport, in_series
-from tactgen.validation.engine.model import Modes, Refined
-from tactgen.validation.engine.results import Estimate
+from tactgen.validation.models.model import Estimate, Modes, Refined
 from tactgen.validation.scene.scene import Scene
 
 #: Nearest neighbours in a square array.

@@ -38,9 +38,7 @@ from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.coenergy_fit import thinned
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.network import DirectPull
-from tactgen.validation.engine.model import Refined
-from tactgen.validation.engine.readout import rounding_of_ports
-from tactgen.validation.engine.results import Estimate
+from tactgen.validation.models.model import Estimate, Refined, rounding_of_ports
 from tactgen.validation.scene.scene import Scene
 
 #: The model that is solved where the rod rests, and its ladder's cells there: twice the map's, as

@@ -16,12 +16,12 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import kept
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
-from tactgen.validation.catalogue.models import MODELS, STROKE, stage_code
-from tactgen.validation.engine.inputs import values_read
-from tactgen.validation.engine.results import Estimate
+from tactgen.validation.catalogue.models import MODELS, STROKE
 from tactgen.validation.models.display.field import by_field  # its result may be in the store
+from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.model import MagneticModel
 from tactgen.validation.models.reluctance.switching import MagneticPoint, Solver
+from tactgen.validation.scene.inputs import values_read
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ class AxisymmetricModel(_FieldModel):
             rows = solve_map(device, gaps.tolist(), currents.tolist(), order=MAP_ORDER)
             return self._samples(currents, gaps, rows)
 
-        code, announce = stage_code()["axisymmetric.map"], self.stages.announce
+        code, announce = self.code(), self.stages.announce
         return self._fitted(kept(SAMPLES, self.samples_inputs(), code, work, announce=announce))
 
     def samples_inputs(self) -> tuple[object, ...]:
@@ -210,7 +210,7 @@ class Magnetic3dModel(_FieldModel):
                 kept(
                     "magnetic3d.row",
                     (geometry, currents.tolist(), gap),
-                    stage_code()["magnetic3d.map"],
+                    self.code(),
                     partial(solve_row, device, gap, currents, sector),
                     announce=announce,
                 )

@@ -18,10 +18,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.equilibrium import PositionLoop, axial_forces, position_loop
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS
-from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.catalogue.row import AnswerReadout, Need
-from tactgen.validation.engine.model import Model
-from tactgen.validation.engine.results import Estimate
+from tactgen.validation.catalogue.quantities import QUANTITIES, AnswerReadout, Need
+from tactgen.validation.models.model import Estimate, Model
 from tactgen.validation.models.reluctance.switching import (
     MagneticPoint,
     RestingState,

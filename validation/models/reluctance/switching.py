@@ -26,7 +26,7 @@ from tactgen.tmm.generator.equilibrium import (
 )
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.switching import spring_force, switching
-from tactgen.validation.engine.results import Estimate
+from tactgen.validation.models.model import Estimate
 
 
 @storable

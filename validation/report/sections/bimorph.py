@@ -10,10 +10,10 @@ from tactgen.validation.catalogue.quantities import (
     QUANTITIES,
     SHORT_CIRCUIT_FREQUENCIES,
 )
+from tactgen.validation.engine.comparison import UNEXPLAINED
 from tactgen.validation.evidence import stress as stress_output
 from tactgen.validation.evidence.cases import audit
 from tactgen.validation.models.bimorph.model import LumpedModel
-from tactgen.validation.models.comparison import UNEXPLAINED
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections import drive_voltage as voltage_section
 from tactgen.validation.report.sections import gallery

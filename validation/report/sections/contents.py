@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tactgen.validation.engine.plan import asks_display
-from tactgen.validation.engine.results import this_origin
+from tactgen.validation.engine.origin import this_origin
+from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.report.report_data import INVARIANT_TOLERANCE, Study
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.section import Context, Section

@@ -12,7 +12,7 @@ from tactgen.geometry.display.bill import bill_of_parts, total_mass, wiring
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import levels
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.results import Quantity
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.show.figures import panels, plain_numbers, shades, svg

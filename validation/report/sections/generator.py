@@ -25,9 +25,10 @@ from tactgen.validation.catalogue.quantities import (
     QUANTITIES,
     SHORT_CIRCUIT_FREQUENCIES,
 )
-from tactgen.validation.engine.results import Estimate
 from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.generator.small_signal import machine_of, measured_poles, of_rod
+from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.model import NetworkModel, RodLoop, rod_loop
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
@@ -175,7 +176,7 @@ def _positions(study: Study) -> Context | None:
         return None
 
     current = abs(scene.coil.current)
-    forces = axial_forces(scene.device, scene.pull, scene.load.normal_force)
+    forces = axial_forces(scene.device, map_of(scene), scene.load.normal_force)
     return {
         "loops": loops,
         "loop": position_plot(loops, current),
@@ -209,7 +210,7 @@ def _motions(study: Study) -> Context | None:
         scene = _with(scene, current=_HELD, history="falling")
         names = [name for name, row in QUANTITIES.items() if row.unit in TRANSFERS]
         solution = solve(scene, ("tmm",), names)
-    linear = machine_of(scene, scene.pull)
+    linear = machine_of(scene, map_of(scene))
     shown = any(q.unit in TRANSFERS for q in solution.quantities)
     return {
         "of": scene,
@@ -232,7 +233,7 @@ def _maps_asked(scene: Scene) -> list[str]:
 def _on_map(scene: Scene, model: str) -> MapRow:
     """Rod in small motions by one model's map, the supply holding the current."""
     made = scene.asking((model,))
-    rod = machine_of(made, made.pull)
+    rod = machine_of(made, map_of(made))
     poles = measured_poles(_with(made, supply="current"), rod).listed
     first = int(np.argmax(poles.value.imag))
     return MapRow(
@@ -284,10 +285,10 @@ def _with(scene: Scene, **coil: Any) -> Scene:
 
 
 def _row(scene: Scene, state: str, made: Scene) -> SupportRow:
+    answer = solve(made, ["tmm"], [SHORT_CIRCUIT_FREQUENCIES.name]).quantities[0]
     assert made.rest is not None
     place, springs = made.rest
     law = stops_of(made.device).holding(place.lift)
-    answer = solve(made, ["tmm"], [SHORT_CIRCUIT_FREQUENCIES.name]).quantities[0]
     return SupportRow(
         state=state,
         place=place,

@@ -32,7 +32,7 @@ from tactgen.geometry.device.winding import winding
 from tactgen.tmm.reluctance.network import largest_rms_current, thermal_statement
 from tactgen.tmm.reluctance.switching import Equilibrium
 from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE, QUANTITIES
-from tactgen.validation.engine.results import Estimate
+from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.report.reluctance_data import NormalActuator

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tactgen.validation.catalogue.models import MODELS, gives, ranked
+from tactgen.validation.engine.comparison import Cell, compare
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.evidence.verification import recalled_rows
-from tactgen.validation.models.comparison import Cell, compare
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context
 from tactgen.validation.scene.scene import Scene

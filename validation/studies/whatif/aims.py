@@ -24,7 +24,7 @@ from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted, unit_registry
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.results import Quantity
+from tactgen.validation.models.model import Quantity
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+)|(?P<name>[A-Za-z_]\w*)"

@@ -16,7 +16,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS, all_given, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
-from tactgen.validation.models.comparison import Choice, choose_for
+from tactgen.validation.engine.comparison import Choice, choose_for
 from tactgen.validation.scene.files import assign, choices
 from tactgen.validation.scene.parameter_list import ranges
 from tactgen.validation.scene.scene import Scene, check_key, checked_scene

@@ -16,9 +16,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, reading
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.engine.plan import check_scene
-from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.solve import request_warnings
+from tactgen.validation.engine.solve import check_scene, request_warnings
 from tactgen.validation.engine.surrogate import (
     MOST_KEYS,
     Ranges,
@@ -29,6 +27,7 @@ from tactgen.validation.engine.surrogate import (
     fit_surrogate,
 )
 from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import ScenesNearby
 from tactgen.validation.studies.whatif.key_values import as_stated, scene_field

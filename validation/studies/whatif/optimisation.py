@@ -20,7 +20,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
-from tactgen.validation.engine.plan import check_models
+from tactgen.validation.engine.solve import check_models
 from tactgen.validation.studies.whatif.aim_evaluation import Judged, felt_at, judged, shown
 from tactgen.validation.studies.whatif.aims import Aim
 from tactgen.validation.studies.whatif.definition import Statement

@@ -15,10 +15,10 @@ from tactgen.geometry.store.store import kept, recalled
 from tactgen.geometry.store.values import source_digest
 from tactgen.validation.catalogue.models import MODELS, gives, models_of, reading
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.engine.inputs import values_read
-from tactgen.validation.engine.plan import make_plan
-from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.engine.solve import Solution, make_plan, solve
+from tactgen.validation.models.classes import model_class
 from tactgen.validation.scene.files import choices, one_line
+from tactgen.validation.scene.inputs import values_read
 from tactgen.validation.scene.scene import Scene, checked_scene
 from tactgen.validation.scene.variation import ScenesNearby
 from tactgen.validation.studies.whatif.definition import Statement
@@ -137,8 +137,7 @@ def _kind(asked: Question) -> str:
 
 
 def _made_of(model: str) -> tuple[str, ...]:
-    row = MODELS[model]
-    return (__name__, row.module, *row.loads)
+    return (__name__, *model_class(model).code())
 
 
 def _serving(retry: bool) -> Callable[[Answer], bool]:

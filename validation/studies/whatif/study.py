@@ -10,7 +10,7 @@ from typing import Any
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.engine.plan import check_models, make_plan, stage_prospects, total
+from tactgen.validation.engine.solve import check_models, make_plan, stage_prospects, total
 from tactgen.validation.engine.surrogate import Ranges, Surrogate
 from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.studies.whatif.definition import Statement

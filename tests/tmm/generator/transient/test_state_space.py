@@ -7,6 +7,7 @@ import pytest
 
 from tactgen.tmm.generator.small_signal import axial_poles
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.generator.small_signal import rod_of
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show import export as machine_state_space
@@ -43,7 +44,7 @@ def test_its_poles_are_the_axial_ones_and_decay(found):
     part = made.a[np.ix_(axial, axial)], made.b[axial, 2:], made.c[1:2, axial], [[0.0]]
     whole = np.linalg.eigvals(made.a)
     assert (whole.real < 0.0).all()
-    exact = axial_poles(rod_of(scene, scene.pull), voltage=scene.coil.supply == "voltage")
+    exact = axial_poles(rod_of(scene, map_of(scene)), voltage=scene.coil.supply == "voltage")
     with warnings.catch_warnings():
         # scipy warns of every system without feed-through
         warnings.simplefilter("ignore", BadCoefficients)

@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.engine.results import Quantity
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif.aim_evaluation import (
     Judged,

@@ -8,9 +8,9 @@ from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import whatif
-from tactgen.validation.models import comparison as ladders
+from tactgen.validation.engine import comparison as ladders
+from tactgen.validation.engine.comparison import Rung, choose_for
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.comparison import Rung, choose_for
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif.defaults import judged_points, under_contract
 from tactgen.validation.studies.whatif.definition import Statement, read_statement

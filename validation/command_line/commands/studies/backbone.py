@@ -52,8 +52,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.geometry.units import VOLTAGE
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.models.backbone import backbone, held_head
+    from tactgen.validation.scene.inputs import scene_warnings
 
     scene, origins = lateral_scene(options.scene, options.overrides, "backbone")
     voltages = [abs(scene.drive.voltage)]

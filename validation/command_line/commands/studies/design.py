@@ -134,8 +134,8 @@ def _length_design(options: argparse.Namespace) -> int:
 
     from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.engine.warnings import field_warnings
+    from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.studies.design import CURVES, design
     from tactgen.validation.studies.design_statements import dependences
     from tactgen.validation.studies.length_map import length_map

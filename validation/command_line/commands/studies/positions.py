@@ -8,7 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import Commands, scene_options, values_of, warn
+from tactgen.validation.command_line.commands.common import (
+    Commands,
+    scene_options,
+    settle,
+    values_of,
+    warn,
+)
 from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
@@ -57,6 +63,7 @@ def run(options: argparse.Namespace) -> int:
             check_place(f"--{option}", Path(path), (suffix,))
     currents = _currents(options.current) if options.current else None
     scene, _ = load_scene(options.scene, options.overrides)
+    settle(scene)
     models = _models(options.model, scene.models)
     with announcer() as announce:
         solution = solve(scene, models, ("pull_in_current", "drop_out_current"), announce)

@@ -68,13 +68,13 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.catalogue.models import models_of
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.engine.inputs import scene_warnings
     from tactgen.validation.engine.warnings import (
         field_warnings,
         level_warnings,
         load_warnings,
         slenderness_warnings,
     )
+    from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.parameter_list import ranges
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.scene.variation import value_of

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import Commands, scene_options, warn
+from tactgen.validation.command_line.commands.common import Commands, scene_options, settle, warn
 from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
@@ -59,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
 
     _check_files(options)
     scene, _ = load_scene(options.scene, options.overrides)
+    settle(scene)
     voltage = parsed(options.voltage, "--voltage", (VOLTS,))
     coil = parsed(options.coil, "--coil", (AMPERES, VOLTS))
     until, accuracy = _until(options.until), _accuracy(options.accuracy)

@@ -22,7 +22,7 @@ from tactgen.validation.command_line.study_options import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from tactgen.validation.models.comparison import Choice
+    from tactgen.validation.engine.comparison import Choice
     from tactgen.validation.studies.whatif.aim_evaluation import Verdict
     from tactgen.validation.studies.whatif.aims import Aim
     from tactgen.validation.studies.whatif.definition import Statement

@@ -18,13 +18,11 @@ import numpy as np
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.readout import ModalReadout
 from tactgen.validation.catalogue.models import MODELS, ModelRow, gives, ranked
-from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
-from tactgen.validation.catalogue.row import Actuator, QuantityRow
-from tactgen.validation.engine.model import model_class
-from tactgen.validation.engine.plan import recorded
-from tactgen.validation.engine.results import Quantity
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.catalogue.quantities import QUANTITIES, Actuator, QuantityRow, quantities_of
+from tactgen.validation.engine.solve import recorded, solve
+from tactgen.validation.models.classes import model_class
 from tactgen.validation.models.difference import Cause
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 
 Verdict = Literal["reference", "agrees", "explained", "model form", "differs"]
