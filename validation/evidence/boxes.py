@@ -11,7 +11,7 @@ free, given, or one of a group that moves together (an electrode that floats).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, TypeAlias
 
@@ -28,8 +28,10 @@ from tactgen.validation.evidence import mesh_levels as fineness
 
 #: A value, or a function of the coordinates (x, y, z) in metres.
 Profile: TypeAlias = float | Callable[[Floats, Floats, Floats], Floats]
-Component = Literal["x", "y", "z", "phi"]
-_COMPONENTS: tuple[Component, ...] = ("x", "y", "z", "phi")
+#: A coordinate (m), or a part of an axis; by the axes that are stated a plane, a line or a point.
+Span: TypeAlias = float | tuple[float, float]
+Place: TypeAlias = dict[str, Span]
+_COMPONENTS = "xyzV"
 #: brick_matrices speaks of the whole body by a quarter.
 _QUARTERS = 4.0
 #: Unknowns up to which frequencies are sought without Lanczos.
@@ -46,66 +48,50 @@ def even(length: float, intervals: int, degree: int) -> Axis:
     return graded(np.linspace(0.0, length, intervals + 1), degree)
 
 
-def stacked(thicknesses: tuple[float, ...], degree: int) -> Axis:
-    """Axis with one interval for each layer, from 0."""
-    return graded(np.concatenate([[0.0], np.cumsum(thicknesses)]), degree)
-
-
 @dataclass(frozen=True)
-class Where:
-    """A plane, line or point: the coordinates (m) that are stated; or a part of one, by `to`.
+class Condition:
+    """Support, tie or load on a plane, line or point: the coordinates (m) that are stated."""
 
-    ``Where(z=0.0)`` is a plane; ``Where(x=0.0, z=(0.0, 1e-3))`` a strip of one.
-    """
-
-    x: float | tuple[float, float] | None = None
-    y: float | tuple[float, float] | None = None
-    z: float | tuple[float, float] | None = None
-
-
-@dataclass(frozen=True)
-class Held:
-    """Components that have a given value (m or V) there."""
-
-    where: Where
-    components: tuple[Component, ...]
-    value: Profile = 0.0
-
-
-@dataclass(frozen=True)
-class Together:
-    """A component whose value there is unknown, and everywhere the same."""
-
-    where: Where
-    component: Component
-
-
-@dataclass(frozen=True)
-class Load:
-    """Force per area (Pa), or charge per area (C/m²) for ``phi``, on a plane; on a line per length.
-
-    The coordinates that are stated are not integrated over.
-    """
-
-    where: Where
-    component: Component
+    kind: Literal["held", "together", "load"]
+    components: str  # of "xyzV", V the potential
     value: Profile
+    where: Place
+
+
+def held(components: str, value: Profile = 0.0, **where: Span) -> Condition:
+    """Components that have a value (m or V): ``held("xy", z=0.0)`` on a plane.
+
+    ``held("z", x=0.0, z=(0.0, 1e-3))`` on a strip of one.
+    """
+    return Condition("held", components, value, where)
+
+
+def together(component: str, **where: Span) -> Condition:
+    """A component whose value there is unknown, and everywhere the same."""
+    return Condition("together", component, 0.0, where)
+
+
+def load(component: str, value: Profile, **where: Span) -> Condition:
+    """Force per area (Pa), or charge per area (C/m²) for V, on a plane; on a line per length."""
+    return Condition("load", component, value, where)
 
 
 @dataclass(frozen=True)
 class Box:
     """A body of bricks with all that acts on it (SI)."""
 
-    #: Break points and degrees
     x: Axis
     y: Axis
     z: Axis
-    #: What is where; `Slab.region` must be one name per material
-    parts: tuple[tuple[Slab, Material], ...]
-    #: See there
-    held: tuple[Held, ...] = ()
-    together: tuple[Together, ...] = ()
-    loads: tuple[Load, ...] = ()
+    parts: tuple[tuple[Slab, Material], ...]  # `Slab.region` must be one name per material
+    conditions: tuple[Condition, ...] = ()
+
+    def under(self, *conditions: Condition) -> Box:
+        """The body with more that acts on it."""
+        return replace(self, conditions=(*self.conditions, *conditions))
+
+    def _all(self, kind: str) -> list[Condition]:
+        return [condition for condition in self.conditions if condition.kind == kind]
 
     @cached_property
     def bricks(self) -> Bricks:
@@ -135,28 +121,27 @@ class Box:
         x, y, z = np.meshgrid(*nodes, indexing="ij")
         return x, y, z
 
-    def nodes(self, where: Where) -> Bools:
+    def nodes(self, **where: Span) -> Bools:
         """Mask (nx, ny, nz) of the used nodes there."""
         mask = self.bricks.used().copy()
-        for axis, coordinate, wanted in zip(
-            self.bricks.axes, self.grid, (where.x, where.y, where.z), strict=True
-        ):
-            if wanted is None:
-                continue
-            low, high = wanted if isinstance(wanted, tuple) else (wanted, wanted)
-            slack = 1e-9 * (axis.breaks[-1] - axis.breaks[0])
-            mask &= (coordinate >= low - slack) & (coordinate <= high + slack)
+        for name, axis, coordinate in zip("xyz", self.bricks.axes, self.grid, strict=True):
+            if name in where:
+                wanted = where[name]
+                low, high = wanted if isinstance(wanted, tuple) else (wanted, wanted)
+                slack = 1e-9 * (axis.breaks[-1] - axis.breaks[0])
+                mask &= (coordinate >= low - slack) & (coordinate <= high + slack)
         if not mask.any():
             raise ValueError(f"no node at {where}")
         return mask
 
-    def weights(self, where: Where) -> Floats:
+    def weights(self, **where: Span) -> Floats:
         """∫ N (nx, ny, nz) over the coordinates that are not stated, or over their part.
 
         Exact where a part begins and ends at break points.
         """
         lines = []
-        for axis, wanted in zip(self.bricks.axes, (where.x, where.y, where.z), strict=True):
+        for name, axis in zip("xyz", self.bricks.axes, strict=True):
+            wanted = where.get(name)
             if wanted is None or isinstance(wanted, tuple):
                 lines.append(_line_integral(axis, wanted))
             else:
@@ -166,19 +151,17 @@ class Box:
     @cached_property
     def _constraints(self) -> tuple[Sparse, Floats]:
         """T (4 n, m) and g (4 n,) with values in the units of the unknowns."""
-        material = np.zeros((*self.bricks.shape, 4), dtype=bool)
-        material[self.bricks.used(), :3] = True
+        free = np.zeros((*self.bricks.shape, 4), dtype=bool)
+        free[self.bricks.used(), :3] = True
         electric = [s.region for s, m in self.parts if m.piezo is not None]
         if electric:
-            material[self.bricks.nodes_of(*electric), 3] = True
-        free, given = material.copy(), np.zeros(material.shape)
-        group = np.full(material.shape, -1)
-        for number, tie in enumerate(self.together):
-            group[self.nodes(tie.where), _COMPONENTS.index(tie.component)] = number
-        for hold in self.held:
-            mask = self.nodes(hold.where)
-            for component in hold.components:
-                at = _COMPONENTS.index(component)
+            free[self.bricks.nodes_of(*electric), 3] = True
+        given, group, ties = np.zeros(free.shape), np.full(free.shape, -1), self._all("together")
+        for number, tie in enumerate(ties):
+            group[self.nodes(**tie.where), _COMPONENTS.index(tie.components)] = number
+        for hold in self._all("held"):
+            mask = self.nodes(**hold.where)
+            for at in map(_COMPONENTS.index, hold.components):
                 values = _profile(hold.value, *(c[mask] for c in self.grid))
                 free[mask, at] = False
                 given[mask, at] = values / (self.unit if at == 3 else 1.0)
@@ -187,17 +170,16 @@ class Box:
         tied = np.flatnonzero(loose & (member >= 0))
         rows = np.concatenate([single, tied])
         columns = np.concatenate([np.arange(single.size), single.size + member[tied]])
-        shape = (loose.size, single.size + len(self.together))
+        shape = (loose.size, single.size + len(ties))
         return sparse.csr_matrix((np.ones(rows.size), (rows, columns)), shape=shape), given.ravel()
 
     @cached_property
     def _loads(self) -> Floats:
         """All loads as work per value (4 n,); charge counts negatively, as in the matrices."""
         out = np.zeros((*self.bricks.shape, 4))
-        for load in self.loads:
-            at = _COMPONENTS.index(load.component)
-            density = _profile(load.value, *self.grid)
-            work = self.weights(load.where) * density
+        for one in self._all("load"):
+            at = _COMPONENTS.index(one.components)
+            work = self.weights(**one.where) * _profile(one.value, *self.grid)
             out[..., at] += -self.unit * work if at == 3 else work
         return out.ravel()
 
@@ -208,11 +190,24 @@ class Box:
         return (stiffness + shift * mass).tocsr(), mass
 
 
-def block(axes: tuple[Axis, Axis, Axis], material: Material, *held: Held) -> Box:
+def block(axes: tuple[Axis, Axis, Axis], material: Material, *conditions: Condition) -> Box:
     """Box of one material."""
     x, y, z = axes
     slab = Slab("body", (0, x.intervals), (0, z.intervals))
-    return Box(x, y, z, ((slab, material),), held)
+    return Box(x, y, z, ((slab, material),), conditions)
+
+
+def layered(
+    thicknesses: Sequence[float], materials: Sequence[Material], y: Axis, z: Axis, degree: int,
+    *conditions: Condition,
+) -> Box:  # fmt: skip
+    """Box of layers along x, each as thick as stated, one interval for each."""
+    parts = tuple(
+        (Slab(f"layer{i}", (i, i + 1), (0, z.intervals)), material)
+        for i, material in enumerate(materials)
+    )
+    x = graded(np.concatenate([[0.0], np.cumsum(thicknesses)]), degree)
+    return Box(x, y, z, parts, conditions)
 
 
 @dataclass(frozen=True)
@@ -223,16 +218,16 @@ class State:
     values: Numbers
     forces: Numbers
 
-    def mean(self, where: Where, component: Component) -> complex:
+    def mean(self, component: str, **where: Span) -> complex:
         """Mean value over a plane, line or point."""
-        weights = self.box.weights(where) * self.box.nodes(where)
-        at = _COMPONENTS.index(component)
-        return complex((weights * self.values[..., at]).sum() / weights.sum())
+        weights = self.box.weights(**where) * self.box.nodes(**where)
+        values = self.values[..., _COMPONENTS.index(component)]
+        return complex((weights * values).sum() / weights.sum())
 
-    def force(self, where: Where, component: Component) -> complex:
+    def force(self, component: str, **where: Span) -> complex:
         """Sum of the forces (N), or the charge (C), that hold the values there."""
-        total = self.forces[self.box.nodes(where), _COMPONENTS.index(component)].sum()
-        return complex(-total / self.box.unit if component == "phi" else total)
+        total = self.forces[self.box.nodes(**where), _COMPONENTS.index(component)].sum()
+        return complex(-total / self.box.unit if component == "V" else total)
 
 
 def statics(box: Box) -> State:

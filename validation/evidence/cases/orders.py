@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import Literal
 
@@ -16,16 +16,15 @@ import numpy as np
 
 from tactgen.fem.piezo.system import Material
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.geometry.device.operation import Beam, Support
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
-from tactgen.validation.evidence.boxes import Box, Held, Where, block, even, natural_frequencies
+from tactgen.validation.evidence.boxes import block, even, held, natural_frequencies
 from tactgen.validation.evidence.case import Case, Check, Refinement, case
 from tactgen.validation.evidence.cases import manufactured
 from tactgen.validation.evidence.cases.laminates import bending_bimorph
-from tactgen.validation.evidence.cases.manufactured import EDGE, Cells, quarter_wave_error
+from tactgen.validation.evidence.cases.manufactured import Cells, quarter_wave_error
 from tactgen.validation.evidence.cases.manufactured_fields import cube_error, rings_error
 
 #: The lowest natural frequency (Hz) of the bimorph below; see case CYL2.
@@ -52,19 +51,13 @@ class _Problem:
     reason: str
 
 
-def _rod(intervals: int, degree: int) -> Box:
-    """Quarter wave of a rod without Poisson's ratio: ω = π/2 in units of the rod."""
-    unit = even(1.0, 1, 1)
-    slab = Slab("rod", (0, 1), (0, intervals))
-    material = Material(isotropic_stiffness(1.0, 0.0), 1.0)
-    box = Box(unit, unit, even(1.0, intervals, degree), ((slab, material),))
-    return replace(box, held=(Held(Where(), ("x", "y")), Held(Where(z=0.0), ("z",))))
-
-
 @cache
 def _rod_error(degree: int, intervals: int) -> float:
-    found = float(natural_frequencies(_rod(intervals, degree), 1)[0])
-    return abs(found / 0.25 - 1.0)
+    """Of a quarter wave of a rod without Poisson's ratio: ω = π/2 in units of the rod."""
+    unit = even(1.0, 1, 1)
+    material = Material(isotropic_stiffness(1.0, 0.0), 1.0)
+    rod = block((unit, unit, even(1.0, intervals, degree)), material, held("xy"), held("z", z=0.0))
+    return abs(float(natural_frequencies(rod, 1)[0]) / 0.25 - 1.0)
 
 
 @cache
@@ -190,10 +183,6 @@ def _cells(cells: Cells, driven: bool, divisions: int) -> float:
 
 def _slopes(cells: Cells, divisions: int) -> float:
     return float(manufactured.solid_error(cells, divisions, False)[0])
-
-
-def _cube() -> Box:
-    return block((even(EDGE, 4, 2),) * 3, manufactured.ceramic(lossy=False))
 
 
 _STATES = ((False, "at rest"), (True, "at 0.5 MHz with losses"))
