@@ -35,6 +35,8 @@ SUFFIX, LOCK = ".kept", ".claim"
 _LIBRARIES = ("numpy", "scipy", "scikit-fem", "pytetwild", "cadquery", "mkl")
 #: Most bytes in the store if nothing else is said.
 _LIMIT = 5_000_000_000
+#: Environment variable with another limit.
+LIMIT = "TACTGEN_CACHE_LIMIT"
 _UNITS = {"B": 1, "kB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12}
 
 _said: set[str] = set()
@@ -292,7 +294,7 @@ def size_limit() -> int:
 
     Raises InputError if that is not a size with its unit.
     """
-    text = os.environ.get("TACTGEN_CACHE_LIMIT", "").strip()
+    text = os.environ.get(LIMIT, "").strip()
     if not text:
         return _LIMIT
     found = re.fullmatch(r"([0-9]{1,9}(?:\.[0-9]{1,9})?) *([kMGT]?B)", text)

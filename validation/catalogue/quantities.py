@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -101,11 +102,11 @@ class QuantityRow:
 
     def at_threshold(self, threshold: ThresholdCurve) -> QuantityRow:
         """Row with a level, if it has one, that is this detection threshold."""
-        if not (isinstance(self.read, Readout) and self.read.level is not None):
+        if not self.has_level:
             return self
-        return replace(self, read=replace(self.read, level=threshold.at))
+        return replace(self, read=replace(self.port_readout, level=threshold.at))
 
-    @property
+    @cached_property
     def needs(self) -> tuple[Need, ...]:
         """Answers of a model that it is computed from."""
         match self.read:
@@ -119,49 +120,48 @@ class QuantityRow:
             case _:
                 return ("harmonic",)
 
-    @property
+    @cached_property
     def port_readout(self) -> Readout:
         """Readout from terminated ports, if there is one."""
         assert isinstance(self.read, Readout), f"{self.name} is not read off terminated ports"
         return self.read
 
-    @property
+    @cached_property
     def actuator(self) -> Actuator:
         """Actuator that the quantity belongs to."""
         return NEEDS[self.needs[0]].actuator
 
-    @property
+    @cached_property
     def by_frequency(self) -> bool:
         """Whether it is an array over the frequencies asked for."""
         return bool({"harmonic", "small_signal", "crosstalk", "load"} & set(self.needs))
 
-    @property
+    @cached_property
     def static(self) -> bool:
         """Whether it is a value at 0 Hz."""
         return "static" in self.needs
 
-    @property
+    @cached_property
     def loaded(self) -> bool:
         """Whether the tip's load enters with its losses."""
-        if self._is_driven or {"small_signal", "crosstalk", "load"} & set(self.needs):
-            return True
-        return isinstance(self.read, Readout) and self.read.is_loaded
+        if isinstance(self.read, Readout):
+            return self.read.is_loaded
+        driven = isinstance(self.read, DrivenReadout | LoadReadout)
+        return driven or bool({"small_signal", "crosstalk", "load"} & set(self.needs))
 
-    @property
+    @cached_property
     def held_by_support(self) -> bool:
         """Whether only the support keeps the actuator from moving as a rigid body."""
-        return self._is_driven or (isinstance(self.read, Readout) and self.read.has_free_ports)
-
-    @property
-    def _is_driven(self) -> bool:
+        if isinstance(self.read, Readout):
+            return self.read.has_free_ports
         return isinstance(self.read, DrivenReadout | LoadReadout)
 
-    @property
+    @cached_property
     def has_level(self) -> bool:
         """Whether it is held against a level, which is stated in a range only."""
         return isinstance(self.read, Readout) and self.read.level is not None
 
-    @property
+    @cached_property
     def is_transduced(self) -> bool:
         """Whether it is nothing without piezoelectricity."""
         return isinstance(self.read, Readout | ModalReadout) and self.read.is_transduced

@@ -135,13 +135,15 @@ class _Version(argparse.Action):
 
 def _check_settings() -> None:
     """Refuse bad settings now, not after meshing."""
-    from tactgen.fem.solvers.pardiso import thread_count
+    from tactgen.fem.solvers.pardiso import VARIABLE, thread_count
     from tactgen.geometry.cad.system_libraries import require_room
-    from tactgen.geometry.store.store import size_limit
+    from tactgen.geometry.store.store import LIMIT, size_limit
 
     require_room(_LEAST, "numpy, scipy and MKL")
-    thread_count()
-    size_limit()
+    if VARIABLE in os.environ:
+        thread_count()
+    if LIMIT in os.environ:
+        size_limit()
 
 
 def _spare_imports() -> None:

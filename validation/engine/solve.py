@@ -62,16 +62,17 @@ class Plan:
     """Stages in the order in which they run, and those that do not."""
 
     run: tuple[Step, ...]
-    skipped: tuple[Skip, ...]
+    models: tuple[str, ...]
+    #: Stages that run, with the key of each
+    keys: dict[str, str]
 
     @property
-    def keys(self) -> dict[str, str]:
-        """Stages that run, with the key of each."""
-        return {step.stage: step.key for step in self.run}
-
-
-#: Quantities of what stands on its rod's contact: one generator, or many.
-_OF_MACHINES = ("generator", "display")
+    def skipped(self) -> tuple[Skip, ...]:
+        """Stages that do not run, and why."""
+        return tuple(
+            Skip(stage, _why_not(stage, self.models))
+            for stage in stage_reads() if stage not in self.keys
+        )  # fmt: skip
 
 
 def asks_display(quantities: Iterable[str]) -> bool:
@@ -89,8 +90,8 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
     check_scene(scene, models, quantities)
     reasons: dict[str, list[str]] = {}
     for model in models:
-        for quantity in (q for q in quantities if gives(model, q)):
-            for stage in stages_for(scene, model, quantity):
+        for quantity in quantities:
+            for stage in stages_for(scene, model, quantity) if gives(model, quantity) else ():
                 reasons.setdefault(stage, []).append(quantity)
     stages = [stage for stage in stage_reads() if stage in reasons]
     first = f"{scene.map_model}.map"  # before what stands on the rod that it pulls
@@ -98,10 +99,7 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
         stages = [first, *(stage for stage in stages if stage != first)]
     keys = stage_keys(stages, scene)
     run = tuple(Step(stage, "for " + _list(reasons[stage]), keys[stage]) for stage in stages)
-    skipped = tuple(
-        Skip(stage, _why_not(stage, models)) for stage in stage_reads() if stage not in reasons
-    )
-    return Plan(run, skipped)
+    return Plan(run, tuple(models), keys)
 
 
 def check_scene(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> None:
@@ -116,17 +114,14 @@ def check_scene(scene: Scene, models: Sequence[str], quantities: Sequence[str]) 
 
 def stages_for(scene: Scene, model: str, quantity: str) -> tuple[str, ...]:
     """Stages that a quantity by a model needs, and the map that pulls at the rod."""
-    own = MODELS[model].stages_for(QUANTITIES[quantity])
-    return (f"{scene.map_model}.map", *own) if _needs_map(scene, model, quantity) else own
-
-
-def _needs_map(scene: Scene, model: str, quantity: str) -> bool:
-    """Whether a quantity of the bimorph or the machine depends on the pull at the rod."""
-    needs = set(QUANTITIES[quantity].needs)
-    if needs & {"small_signal", "machine_poles"}:
-        return True
-    held = scene.support.kind == "contact" and scene.coil.current != 0.0
-    return held and MODELS[model].actuator == "bimorph" and needs != {"load"}
+    row, needs = MODELS[model], QUANTITIES[quantity].needs
+    own = row.stages_for(QUANTITIES[quantity])
+    pulled = scene.support.kind == "contact" and scene.coil.current != 0.0
+    if needs[0] in ("small_signal", "machine_poles") or (
+        pulled and row.actuator == "bimorph" and needs != ("load",)
+    ):
+        return (f"{scene.map_model}.map", *own)
+    return own
 
 
 def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:
@@ -152,14 +147,15 @@ def check_on_contact(scene: Scene, quantities: Sequence[str]) -> None:
 
     Raises InputError with the remedy.
     """
-    asked = [name for name in quantities if QUANTITIES[name].actuator in _OF_MACHINES]
-    if asked and scene.support.kind != "contact":
-        raise InputError(
-            f'{asked[0]} is of the machine on its rod, of which support.kind = "'
-            f'{scene.support.kind}" says nothing; set support.kind=contact'
-        )
-    if asks_display(quantities):
-        check_display(scene.device, scene.display)
+    for name in quantities:
+        actuator = QUANTITIES[name].actuator
+        if actuator in ("generator", "display") and scene.support.kind != "contact":
+            raise InputError(
+                f'{name} is of the machine on its rod, of which support.kind = "'
+                f'{scene.support.kind}" says nothing; set support.kind=contact'
+            )
+        if actuator == "display":
+            check_display(scene.device, scene.display)
 
 
 def _list(names: list[str]) -> str:
@@ -199,7 +195,7 @@ def record(seconds: Mapping[str, float]) -> None:
     Of two processes that write at once one wins: it is an estimate.
     """
     worth = {stage: cost for stage, cost in seconds.items() if cost >= _LEAST}
-    before = recorded() if worth else {}
+    before = recorded()
     news = {
         stage: cost
         for stage, cost in worth.items()
@@ -268,12 +264,13 @@ def solve(
     quantities: Sequence[str] | None = None,
     announce: Callable[[str], None] = lambda _: None,
     reuse: Solution | None = None,
+    checked: tuple[Plan, tuple[str, ...]] | None = None,
 ) -> Solution:
     """Compute the wanted quantities with the wanted models (the scene's by default).
 
     Stages whose inputs are those of an earlier solution, `reuse`, are not run again: a
     new load, support spring or voltage needs no new field solution.  Of the very same scene its
-    quantities are taken as they are.
+    quantities are taken as they are.  `checked` is what :func:`check_request` gave, if it ran.
 
     Raises InputError if a loaded response is asked for only where the finger's load is not known,
     or the threshold voltage alone where the threshold is not.
@@ -282,7 +279,7 @@ def solve(
     quantities = tuple(quantities or scene.quantities)
     scene = scene.asking(names)
     awaited = scene.awaits_map
-    plan, warnings = check_request(scene, names, quantities)
+    plan, warnings = checked or check_request(scene, names, quantities)
     stages = Stages(plan.keys, announce)
     if reuse is not None:
         stages.adopt(reuse.stages)
@@ -305,7 +302,9 @@ def solve(
     warnings += accuracy_warnings(scene, found)
     warnings += deflection_warnings(scene, found)
     warnings += stress_warnings(scene, made, quantities, found)
-    record({stage: stages.seconds[stage] for stage in stages.computed})
+    costs = {stage: stages.seconds[stage] for stage in stages.computed}
+    if max(costs.values(), default=0.0) >= _LEAST:
+        record(costs)
     # models of one theory say the same
     return Solution(scene, tuple(found), plan, tuple(dict.fromkeys(warnings)), made, stages)
 
@@ -329,40 +328,38 @@ def request_warnings(
     Raises InputError if it cannot be answered, whichever the models.
     """
     scene = scene.asking(models)
-    held = () if scene.awaits_map else _of_held(scene, models, quantities)
-    warnings = load_warnings(scene, quantities) + level_warnings(scene, quantities)
-    warnings += held + field_warnings(scene, quantities)
-    warnings += slenderness_warnings(scene, models)
-    return warnings
+    rows = [QUANTITIES[name] for name in quantities]
+    warnings = load_warnings(scene, quantities) if any(row.loaded for row in rows) else ()
+    if any(row.has_level for row in rows):
+        warnings += level_warnings(scene, quantities)
+    if not scene.awaits_map:
+        warnings += _of_held(scene, models, quantities)
+    return warnings + field_warnings(scene, quantities) + slenderness_warnings(scene, models)
 
 
 def _of_held(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> tuple[str, ...]:
     """Check the bimorph's support, and return warnings."""
     check_held(scene, quantities)
-    return held_warnings(scene, models)
+    return held_warnings(scene, models) if scene.support.kind == "contact" else ()
 
 
 def evaluate(name: str, model: Model) -> Quantity:
-    """Quantity by a model, with its numerical error bar."""
-    row = QUANTITIES[name].at_threshold(threshold_of(model.scene.threshold))
-    judged = read(row, model)
+    """Quantity by a model, with its numerical error bar and the cost of all stages it needs."""
+    row, scene = QUANTITIES[name], model.scene
+    if row.has_level:
+        row = row.at_threshold(threshold_of(scene.threshold))
+    found, seconds = read(row, model), model.stages.seconds
     return Quantity(
         name=name,
         model=model.name,
-        value=judged.value,
+        value=found.value,
         unit=row.unit,
-        error=judged.error,
-        method=judged.method,
-        seconds=_cost(name, model),
-        frequency=model.scene.frequency if row.by_frequency else None,
-        classes=judged.classes,
+        error=found.error,
+        method=found.method,
+        seconds=sum(seconds.get(s, 0.0) for s in stages_for(scene, model.name, name)),
+        frequency=scene.frequency if row.by_frequency else None,
+        classes=found.classes,
     )
-
-
-def _cost(name: str, model: Model) -> float:
-    """Seconds of all stages this quantity needs, shared or not."""
-    needed = stages_for(model.scene, model.name, name)
-    return sum(model.stages.seconds.get(stage, 0.0) for stage in needed)
 
 
 def as_json(solution: Solution) -> dict[str, Any]:

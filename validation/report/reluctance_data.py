@@ -207,8 +207,8 @@ def merged(plan: Plan, more: Plan) -> Plan:
     """Two plans as one; a stage that runs in one of them is not skipped."""
     names = {step.stage for step in plan.run}
     run = plan.run + tuple(step for step in more.run if step.stage not in names)
-    names = {step.stage for step in run}
-    return Plan(run, tuple(skip for skip in plan.skipped if skip.stage not in names))
+    models = tuple(dict.fromkeys((*plan.models, *more.models)))
+    return Plan(run, models, plan.keys | more.keys)
 
 
 def needs_map(quantity: str) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ _LONGEST_NAME = 100
 _DEEPEST = 4
 
 
+@cache
 def built_in_texts() -> dict[str, str]:
     """Names of the built-in scenes with their files' texts."""
     folder = resources.files("tactgen.validation.scene") / "scenes"

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import Any
 
-from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.units import Unit
@@ -55,16 +54,10 @@ def _holds(scene: Scene, condition: str) -> bool:
     return (str(found) == value) is not bool(unequal)
 
 
-def _counts(scene: Scene, key: str) -> bool:
-    """Whether a key counts for anyone, by the conditions of it and its group."""
-    conditions = (CONDITIONS.get(key), CONDITIONS.get(key.partition(".")[0]))
-    return not _profile(scene, key) and all(c is None or _holds(scene, c) for c in conditions)
-
-
 def _profile(scene: Scene, key: str) -> str:
     """Key of the profile that gives a dimension of the ceramic instead, if one does."""
     profile = f"{key}_profile"
-    if key not in PROFILED or profile.removeprefix("bimorph.") not in scene.bimorph.profiles:
+    if profile.removeprefix("bimorph.") not in scene.bimorph.profiles:
         return ""
     # the tab below the ceramic has its width and shim
     of_tab = key != "bimorph.piezo_thickness" and scene.bimorph.tab_length > 0.0
@@ -74,10 +67,19 @@ def _profile(scene: Scene, key: str) -> str:
 def _own_keys(scene: Scene, entries: Iterable[str]) -> dict[str, None]:
     """Keys that entries name and whose conditions hold, in order."""
     found: dict[str, None] = {}
+    holds: dict[str, bool] = {"": True}
     for entry in entries:
-        path, _, condition = entry.partition(" if ")
-        if not condition or _holds(scene, condition):
-            found |= dict.fromkeys(key for key in _leaves(path) if _counts(scene, key))
+        path, _, own = entry.partition(" if ")
+        for key in _leaves(path):
+            conditions = own, CONDITIONS.get(key, ""), CONDITIONS.get(key.partition(".")[0], "")
+            for condition in conditions:
+                if condition not in holds:
+                    holds[condition] = _holds(scene, condition)
+                if not holds[condition]:
+                    break
+            else:
+                if key not in PROFILED or not _profile(scene, key):
+                    found[key] = None
     return found
 
 
@@ -161,14 +163,33 @@ def scene_warnings(
     report : bool
         Whether all is shown that the models know, not the scene's quantities only.
     """
+    wanted = keys_read(scene, _entries(scene.models, scene.quantities))
     found = []
     for key, origin in origins.items():
+        if key in wanted or key in _ASKED:
+            continue
         # a file may describe both actuators, whichever is asked about today
         asked = origin in (ON_COMMAND_LINE, "")
         because = _idle(scene, key, report=report, asked=asked)
         if because:
             found.append(f"{key} = {_text(scene, key)} has no effect {because}")
-    return (*found, *_weightless(scene.load), *_signs(scene))
+    load = scene.load
+    if load.kind == "mass" and load.mass == 0.0:
+        found.append('load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass')
+    if load.kind == "spring_damper" and load.stiffness == load.damping == 0.0:
+        both = "load.stiffness = 0 N/m and load.damping = 0 N*s/m"
+        found.append(f'load.kind = "spring_damper" with {both} is a free tip; set one of them')
+    # a size that was taken for a value
+    if scene.piezo.d31 > 0.0:
+        found.append(
+            f"piezo.d31 = {_text(scene, 'piezo.d31')} is positive, and that of poled ceramics is "
+            "negative; if a data sheet prints its size, write it with a minus"
+        )
+    for name, part in (("shim", scene.shim), ("rod", scene.rod), ("glue", scene.glue)):
+        if part.poisson_ratio < 0.0:
+            key = f"{name}.poisson_ratio"
+            found.append(f"{key} = {_text(scene, key)} is negative, as hardly any material's is")
+    return tuple(found)
 
 
 def idle(scene: Scene, key: str) -> str:
@@ -181,7 +202,7 @@ def _idle(scene: Scene, key: str, *, report: bool, asked: bool) -> str:
     wanted = _sensible(scene, key) if report else scene.quantities
     if key in _ASKED or key in keys_read(scene, _entries(scene.models, wanted)):
         return ""
-    profile = _profile(scene, key)
+    profile = key in PROFILED and _profile(scene, key)
     if profile:
         return f"with {profile}, which gives it along the ceramic; leave one of the two out"
     sensible = _sensible(scene, key)
@@ -268,31 +289,6 @@ def _by_other_models(scene: Scene, key: str, quantities: tuple[str, ...]) -> str
         return f"{use}use it with --set models={model}"
     side = "lateral" if actuator == "bimorph" else "normal"
     return f"{use}ask for one of the {side} actuator, such as --set models={model}, to use it"
-
-
-def _weightless(load: p.Load) -> list[str]:
-    if load.kind == "mass" and load.mass == 0.0:
-        return ['load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass']
-    if load.kind == "spring_damper" and load.stiffness == load.damping == 0.0:
-        both = "load.stiffness = 0 N/m and load.damping = 0 N*s/m"
-        return [f'load.kind = "spring_damper" with {both} is a free tip; set one of them']
-    return []
-
-
-def _signs(scene: Scene) -> list[str]:
-    """Signs of a size that was taken for a value."""
-    found = []
-    if scene.piezo.d31 > 0.0:
-        found.append(
-            f"piezo.d31 = {_text(scene, 'piezo.d31')} is positive, and that of poled ceramics is "
-            "negative; if a data sheet prints its size, write it with a minus"
-        )
-    found += (
-        f"{key} = {_text(scene, key)} is negative, as hardly any material's is"
-        for key in ("shim.poisson_ratio", "rod.poisson_ratio", "glue.poisson_ratio")
-        if value_of(scene, key) < 0.0
-    )
-    return found
 
 
 def _text(scene: Scene, key: str) -> str:

@@ -100,8 +100,7 @@ class Scene(p.Device):
         default=4, description="how many natural modes"
     )
     frequency: tuple[float, ...] = Field(
-        default="10 Hz:1000 Hz:100:log",
-        validate_default=True,
+        default=parse_frequencies("10 Hz:1000 Hz:100:log"),
         description="list of frequencies, or START:STOP:N[:log]",
     )
     models: tuple[str, ...] = Field(
@@ -308,7 +307,8 @@ def check_together(scene: Scene, changed: Container[str] = ("piezo",)) -> None:
     check_actuator(device)
     if scene.load.kind == "table":
         load_table(scene.load)
-    threshold_of(scene.threshold)
+    if scene.threshold.kind == "table":
+        threshold_of(scene.threshold)
 
 
 def _point_from_scene(values: dict[str, Any], name: str) -> None:
@@ -332,7 +332,8 @@ def _able_models(scene: Scene) -> tuple[str, ...]:
     return tuple(name for name in scene.models if name not in unable)
 
 
-def scene_keys() -> list[str]:
+@lru_cache
+def scene_keys() -> tuple[str, ...]:
     """Every key that a scene may set."""
     keys = []
     for name, info in Scene.model_fields.items():
@@ -341,9 +342,10 @@ def scene_keys() -> list[str]:
             keys += [f"{name}.{inner}" for inner in group.model_fields]
         else:
             keys.append(name)
-    return keys
+    return tuple(keys)
 
 
+@lru_cache
 def _groups() -> set[str]:
     return {key.split(".", 1)[0] for key in scene_keys() if "." in key}
 

@@ -13,7 +13,7 @@ from tactgen.validation.command_line.streams import say
 if TYPE_CHECKING:
     from tactgen.geometry.units import Unit
     from tactgen.validation.scene.scene import Scene
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -162,9 +162,7 @@ def values_of(
     return values
 
 
-def under_contract(
-    scene: Scene, origins: Mapping[str, str], announce: Callable[[str], None]
-) -> tuple[Scene, Choice | None]:
+def under_contract(scene: Scene, origins: Mapping[str, str]) -> tuple[Scene, Choice | None]:
     """Scene with the models that the accuracy asks for, and why.
 
     Unchanged, and None, where models are named or no accuracy is.
@@ -173,7 +171,9 @@ def under_contract(
     """
     if "accuracy" not in origins or "models" in origins:
         return scene, None
+    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.comparison import choose
 
-    choice = choose(scene, scene.quantities, announce)
+    with announcer() as announce:
+        choice = choose(scene, scene.quantities, announce)
     return scene.model_copy(update={"models": choice.models}), choice

@@ -46,13 +46,11 @@ def run(options: argparse.Namespace) -> int:
         return _of_study(options)
     _refuse_unused(options)
     from tactgen.validation.command_line.commands.common import under_contract
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.solve import make_plan, plan_json, stage_prospects
     from tactgen.validation.scene.scene import load_scene
 
     scene, origins = load_scene(options.scene, [*options.overrides, *asked_overrides(options)])
-    with announcer() as announce:
-        scene, choice = under_contract(scene, origins, announce)
+    scene, choice = under_contract(scene, origins)
     plan = make_plan(scene, scene.models, scene.quantities)
     prospects = stage_prospects(plan)
     if options.json:

@@ -45,11 +45,10 @@ def run(options: argparse.Namespace) -> int:
 
     scene, origins = load_scene(options.scene, [*options.overrides, *asked_overrides(options)])
     warn(scene_warnings(scene, origins))
-    with announcer() as announce:
-        scene, choice = under_contract(scene, origins, announce)
-    plan, _ = check_request(scene, scene.models, scene.quantities)
-    with announcer([step.stage for step in plan.run]) as announce:
-        solution = solve(scene, announce=announce)
+    scene, choice = under_contract(scene, origins)
+    checked = check_request(scene, scene.models, scene.quantities)
+    with announcer(list(checked[0].keys)) as announce:
+        solution = solve(scene, announce=announce, checked=checked)
     for sentence in choice.sentences if choice is not None else ():
         say(sentence)
     warn(solution.warnings)
