@@ -58,7 +58,7 @@ def make_plain(leave_unlaid):
     def make(patch):
         from tactgen.validation.report import report_data as study
         from tactgen.validation.show import export as files  # slow to import, as the next
-        from tactgen.validation.show import figures as pictures
+        from tactgen.validation.show import pictures
 
         leave_unlaid(patch)
         patch.setattr(files, "scene_solids", lambda _: {})
@@ -170,7 +170,7 @@ def made_up_stress(monkeypatch):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Write a report's figures blank, for tests of its words: drawing takes most of its time."""
-    from tactgen.validation.show import figures as pictures
+    from tactgen.validation.show import pictures
 
     blank_figures(monkeypatch)
     monkeypatch.setattr(pictures, "solids_picture", lambda _: b"")

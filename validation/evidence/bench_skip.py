@@ -35,7 +35,7 @@ from tactgen.validation.engine.solve import as_json, solve
 scene, _ = load_scene(asked["scene"], asked["overrides"])
 if asked["picture"]:
     from tactgen.validation.show.export import scene_solids
-    from tactgen.validation.show.figures import solids_picture
+    from tactgen.validation.show.pictures import solids_picture
     size = len(solids_picture(scene_solids(scene)))
     found, keys, computed = [size], {}, []
 else:

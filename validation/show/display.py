@@ -7,20 +7,12 @@ import html
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
-from tactgen.validation.show.figures import Assembled, off_screen
-from tactgen.validation.show.page import Still, asset, document, inline
-from tactgen.validation.show.stills import typeface
-
-if TYPE_CHECKING:
-    from PIL.Image import Image
-from pathlib import Path
-from typing import TYPE_CHECKING
-
 from tactgen.geometry.device.layout import MM
 from tactgen.geometry.display.layout import as_built, display_parts, unit_names
 from tactgen.geometry.files import write_text, written_whole
@@ -32,21 +24,19 @@ from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.display.field import display_ports
 from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.show.figures import assembly_picture
-from tactgen.validation.show.stills import check_ffmpeg, save_film
+from tactgen.validation.show.page import Still, asset, document, inline
+from tactgen.validation.show.pictures import (
+    INK,
+    Part,
+    Stage,
+    assembly_picture,
+    check_ffmpeg,
+    fonts,
+    save_film,
+)
 
-
-@dataclass(frozen=True)
-class DrawnPart:
-    """One distinct part as triangles."""
-
-    name: str  #: The region's
-    colour: tuple[float, float, float]  #: (float, float, float) Red, green, blue; 0 to 1
-    #: (n, 3) In its own frame (mm)
-    points: Floats
-    triangles: Ints
-    places: Floats  #: (k, 3) Where its frame stands (mm), one for each copy
-    moves: bool  #: Whether it swings with its unit's tip
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 
 @dataclass(frozen=True)
@@ -64,7 +54,7 @@ class Swing:
     pitch: float  #: mm
 
 
-def display_page(scene: str, parts: Sequence[DrawnPart], swing: Swing, still: Still) -> str:
+def display_page(scene: str, parts: Sequence[Part], swing: Swing, still: Still) -> str:
     """Page: HTML that holds all it needs."""
     text = json.dumps(_payload(parts, swing), separators=(",", ":")).replace("</", "<\\/")
     name, last = html.escape(scene), len(swing.frequencies) - 1
@@ -93,14 +83,14 @@ def display_page(scene: str, parts: Sequence[DrawnPart], swing: Swing, still: St
     return document(f"{scene}: the display", head, body)
 
 
-def _across(parts: Sequence[DrawnPart]) -> tuple[float, float]:
+def _across(parts: Sequence[Part]) -> tuple[float, float]:
     """Least and the largest x of all parts (mm), with a margin."""
     low = min(float(p.points[:, 0].min() + p.places[:, 0].min()) for p in parts)
     high = max(float(p.points[:, 0].max() + p.places[:, 0].max()) for p in parts)
     return low - 1.0, high + 1.0
 
 
-def _payload(parts: Sequence[DrawnPart], swing: Swing) -> dict[str, object]:
+def _payload(parts: Sequence[Part], swing: Swing) -> dict[str, object]:
     corners = np.array(
         [
             [pick(part.points, axis=0) + pick(part.places, axis=0) for part in parts]
@@ -147,14 +137,6 @@ _ROOM = 0.62
 _REACH = 0.3
 
 
-class Swinging(Assembled, Protocol):
-    """A part that may swing with its unit's tip."""
-
-    @property
-    def moves(self) -> bool:
-        """Whether it does."""
-
-
 def enlargement(tips: Complex, pitch: float) -> float:
     """By how much tips' motions (units,) in m are drawn enlarged at a pitch (mm)."""
     largest = 1e3 * float(np.abs(tips).max(initial=0.0))
@@ -162,7 +144,7 @@ def enlargement(tips: Complex, pitch: float) -> float:
 
 
 def assembly_frames(
-    parts: Sequence[Swinging],
+    parts: Sequence[Part],
     tips: Complex,
     ceramic: tuple[float, float],
     enlarge: float,
@@ -170,77 +152,48 @@ def assembly_frames(
     phases: Sequence[float],
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[Image]:
-    """Image for each phase (rad).
+    """Image for each phase (rad), with words in it.
 
     Parameters
     ----------
-    parts : sequence of Swinging
-        Lengths in mm.  Places of what moves are in the order of the tips.
+    parts : sequence of Part
+        Places of what moves are in the order of the tips.
     tips : (units,) complex array
         Lateral motion, along x (m, peak).
     ceramic : (float, float)
         Height of its lower edge in a unit's frame, and its length (mm); between base and tip
         a bimorph is drawn as a parabola.
-    enlarge : float
-        By how much motion is drawn enlarged.
-    words : str
-        Written into the pictures.
     """
-    from PIL import Image, ImageDraw, ImageFont
+    from PIL import ImageDraw
 
-    pv = off_screen()
-    plotter = pv.Plotter(off_screen=True, window_size=_SIZE, lighting="three lights")
-    plotter.set_background("white")
-    plotter.enable_anti_aliasing("ssaa")
-    moving = [_placed(pv, plotter, part, ceramic) for part in parts]
-    plotter.camera_position = [_VIEW, (0.0, 0.0, 0.0), (0, 0, 1)]
-    plotter.camera.parallel_projection = True
-    plotter.reset_camera()
-    swinging = [rest.reshape(-1, 3) for _, rest, shares in moving if shares is not None]
-    _look_at(plotter, np.concatenate(swinging))
-    font = ImageFont.truetype(typeface(), 15)
-    images = []
-    for number, phase in enumerate(phases, start=1):
-        announce(f"picture {number} of {len(phases)}")
-        swing = 1e3 * enlarge * np.real(tips * np.exp(1j * phase))
-        for surface, rest, shares in moving:
-            if shares is not None:
-                points = rest.copy()
-                points[..., 0] += swing[:, None] * shares
-                surface.points = points.reshape(-1, 3)
-        plotter.render()
-        image = Image.fromarray(plotter.screenshot(return_img=True))
-        ImageDraw.Draw(image).text((14, 12), words, fill=(29, 39, 51), font=font)
-        images.append(image)
-    plotter.close()
-    return images
-
-
-def _look_at(plotter: Any, points: Floats) -> None:
-    """Fill the picture with the moving parts (mm)."""
-    camera = plotter.camera
-    shift = 0.5 * (points.min(axis=0) + points.max(axis=0)) - np.array(camera.focal_point)
-    for name in ("focal_point", "position"):
-        setattr(camera, name, tuple(np.array(getattr(camera, name)) + shift))
+    stage = Stage(*_SIZE)
+    moving = []
+    for part in parts:
+        surface, rest = stage.copies(part)
+        stage.plotter.add_mesh(surface, color=part.colour, smooth_shading=False)
+        if part.moves:
+            height = np.clip((part.points[:, 2] - ceramic[0]) / ceramic[1], 0.0, 1.0)
+            moving.append((surface, rest, height**2))
+    stage.look_from(_VIEW)
+    # what moves fills the picture; what stands round it may be cut off
+    points = np.concatenate([rest.reshape(-1, 3) for _, rest, _ in moving])
+    camera = stage.plotter.camera
+    stage.shift(0.5 * (points.min(axis=0) + points.max(axis=0)) - np.array(camera.focal_point))
     camera.parallel_scale = _ROOM * float(np.linalg.norm(np.ptp(points, axis=0)))
-    plotter.renderer.ResetCameraClippingRange()
+    stage.plotter.renderer.ResetCameraClippingRange()
+    (font,) = fonts(15)
 
+    def at(phase: float) -> Image:
+        swing = MM * enlarge * np.real(tips * np.exp(1j * phase))
+        for surface, rest, shares in moving:
+            drawn = rest.copy()
+            drawn[..., 0] += swing[:, None] * shares
+            surface.points = drawn.reshape(-1, 3)
+        image = stage.image()
+        ImageDraw.Draw(image).text((14, 12), words, fill=INK, font=font)
+        return image
 
-def _placed(
-    pv: Any, plotter: Any, part: Swinging, ceramic: tuple[float, float]
-) -> tuple[Any, Floats, Floats | None]:
-    """Add a part to a picture; return its surface, points (copies, n, 3), shares of the tip's."""
-    count, copies = len(part.points), len(part.places)
-    points = np.asarray(part.places[:, None, :] + part.points[None], dtype=float)
-    numbers = (part.triangles[None] + count * np.arange(copies)[:, None, None]).reshape(-1, 3)
-    faces = np.column_stack([np.full(len(numbers), 3), numbers])
-    surface = pv.PolyData(points.reshape(-1, 3), faces.ravel())
-    plotter.add_mesh(surface, color=part.colour, smooth_shading=False)
-    if not part.moves:
-        return surface, points, None
-    base, reach = ceramic
-    height = np.clip((part.points[:, 2] - base) / reach, 0.0, 1.0)
-    return surface, points, height[None] ** 2
+    return stage.images(phases, at, announce)
 
 
 #: Pictures of a film's one period, milliseconds that each is shown, and periods in an .mp4.
@@ -288,9 +241,7 @@ def view_display(
     return list(files.values())
 
 
-def _film(
-    scene: Scene, parts: tuple[DrawnPart, ...], announce: Callable[[str], None]
-) -> list[Image]:
+def _film(scene: Scene, parts: tuple[Part, ...], announce: Callable[[str], None]) -> list[Image]:
     """One period of a wave that runs along x, each column a quarter period after the last.
 
     Drawn once, whatever films it is saved as.
@@ -329,7 +280,7 @@ def travelling_wave(scene: Scene) -> tuple[float, Complex]:
     return float(scene.frequency[at]), np.asarray(motions[at])
 
 
-def drawn_parts(scene: Scene) -> tuple[DrawnPart, ...]:
+def drawn_parts(scene: Scene) -> tuple[Part, ...]:
     """Every distinct part of the display as triangles, with its places."""
     from tactgen.geometry.cad.display import DISPLAY_COLOURS, display_solids
 
@@ -338,7 +289,7 @@ def drawn_parts(scene: Scene) -> tuple[DrawnPart, ...]:
     for placed in display_parts(scene.device, scene.display):
         vertices, triangles = solids[placed.name].tessellate(*_DEFLECTION)
         found.append(
-            DrawnPart(
+            Part(
                 placed.name,
                 DISPLAY_COLOURS[placed.name],
                 np.array([vertex.toTuple() for vertex in vertices]),

@@ -16,6 +16,7 @@ from tactgen.geometry.files import NotWritten, writable_folder, write_text, writ
 from tactgen.geometry.meshing.mesh import Mesh, surface_of
 from tactgen.geometry.meshing.mesh_files import write_mesh
 from tactgen.validation.show.field import FIELDS, Array, FieldResult, State, at_phase
+from tactgen.validation.show.pictures import as_grid
 
 #: Steps of one period in a .pvd.
 STEPS = 24
@@ -23,8 +24,6 @@ STEPS = 24
 _COMPRESSION = 4
 #: Where VTK's xx, yy, zz, xy, yz, xz are in Voigt's order.
 _VTK_ORDER = [0, 1, 2, 5, 3, 4]
-#: Number of VTK's cell of each kind.
-_VTK_CELL = {"tetra": 10, "tetra10": 24, "hexahedron": 12}
 
 
 def write_fields(path: Path, result: FieldResult, name: str | None = None) -> None:
@@ -59,17 +58,6 @@ def write_fields(path: Path, result: FieldResult, name: str | None = None) -> No
         if not _write_hdf(grid, temporary):
             remedy = "make room there, choose a folder on a local disk, or write .vtu"
             raise NotWritten(path, "VTK's HDF5 writer failed", remedy)
-
-
-def as_grid(mesh: Mesh) -> Any:
-    """Mesh as PyVista's grid in m, with the cell array ``region``."""
-    import pyvista as pv
-
-    count, corners = mesh.cells.shape
-    cells = np.column_stack([np.full(count, corners), mesh.cells])
-    grid = pv.UnstructuredGrid(cells.ravel(), np.full(count, _VTK_CELL[mesh.kind]), mesh.points)
-    grid.cell_data["region"] = mesh.region_of_cell
-    return grid
 
 
 def field_name(state: str, field: str, part: str = "") -> str:

@@ -1,49 +1,48 @@
-"""The page of a run: the body at true times, a time slider, the curves beneath, in one file."""
+"""A run in time: its page with a slider and curves, films, a still, time steps for ParaView.
+
+Lift and lateral motion differ by an order of magnitude, so each is drawn with a factor of its own,
+which the picture says.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import html
+import json
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.device.layout import MM
 from tactgen.geometry.meshing.mesh import surface_of
-from tactgen.validation.show.field import COLOURS
-from tactgen.validation.show.figures import off_screen
+from tactgen.validation.models.generator.transient import Simulation, phases
+from tactgen.validation.show.field import COLOURS, Array
+from tactgen.validation.show.field_files import write_steps
+from tactgen.validation.show.gather import body_of
 from tactgen.validation.show.moving import MovingBody
-from tactgen.validation.show.stills import surface_part, typeface
+from tactgen.validation.show.page import asset, document
+from tactgen.validation.show.pictures import DIM, INK, Stage, as_png, fonts, save_film
+from tactgen.validation.show.viewer import Block
 
 if TYPE_CHECKING:
     from PIL.Image import Image
-import html
-import io
-import json
-from collections.abc import Iterator
-from pathlib import Path
-
-from tactgen.geometry.arrays import Ints
-from tactgen.validation.models.generator.transient import Simulation, phases
-from tactgen.validation.show.field import Array
-from tactgen.validation.show.field_files import write_steps
-from tactgen.validation.show.gather import body_of
-from tactgen.validation.show.page import asset, document
-from tactgen.validation.show.stills import save_film
-from tactgen.validation.show.viewer import Block
 
 #: Width and height of the body's picture and the width of the curves beside it (pixels).
 _BODY, _HEIGHT, _CURVES = 400, 640, 400
 #: Part of the body's height that the largest lateral motion and the largest lift are drawn as.
 _FAR, _LIFTED = 0.12, 0.06
 _EYE, _UP = np.array([0.45, -1.0, 0.3]), (0.0, 0.0, 1.0)
-_INK, _DIM, _LINE = (29, 39, 51), (91, 103, 118), (0, 114, 178)
-_MM = 1e3
+_LINE = (0, 114, 178)
 #: What a phase's name says of the contact.
 CONTACTS = {
     "pressed": "on its upper stop", "held": "on its lower stop",
     "rising": "between the stops, rising", "falling": "between the stops, falling",
 }  # fmt: skip
+#: Pictures of a film, and milliseconds that each is shown; time steps in a file.
+_FRAMES, _SHOWN, _STEPS = 150, 60, 150
 
 
 @dataclass(frozen=True)
@@ -58,182 +57,23 @@ class Instant:
     phase: str
 
 
-def run_frames(
-    body: MovingBody, instants: Sequence[Instant], announce: Callable[[str], None] = lambda _: None
-) -> list[Image]:
-    """Picture for each instant, all to one scale.
-
-    Raises InputError if the system has no OpenGL library.
-    """
-    stage = _Stage(body, instants)
-    made = []
-    for number, instant in enumerate(instants, start=1):
-        announce(f"picture {number} of {len(instants)}")
-        made.append(_picture(stage, instants, instant))
-    stage.close()
-    return made
-
-
-def run_still(body: MovingBody, instants: Sequence[Instant]) -> Image:
-    """One picture of a run on which the tip is farthest out.
-
-    Raises InputError if the system has no OpenGL library.
-    """
-    stage = _Stage(body, instants)
-    image = _picture(stage, instants, max(instants, key=lambda instant: abs(instant.tip)))
-    stage.close()
-    return image
-
-
-def _picture(stage: _Stage, instants: Sequence[Instant], now: Instant) -> Image:
-    from PIL import Image as Images
-
-    image = Images.new("RGB", (_BODY + _CURVES, _HEIGHT), "white")
-    image.paste(Images.fromarray(stage.shot(now)), (0, 0))
-    _words(image, stage, instants, now)
-    return image
-
-
-class _Stage:
-    """The off-screen scene; only points change from picture to picture."""
-
-    def __init__(self, body: MovingBody, instants: Sequence[Instant]) -> None:
-        pv = off_screen()
-        self._body, points = body, body.mesh.points
-        height = float(np.ptp(points[:, 2]))
-        moved = [body.displacement(i.position) for i in instants]
-        lifts = max(abs(i.lift) for i in instants)
-        sideways = max(float(np.abs(m[:, 0]).max()) for m in moved)
-        self.lateral, self.axial = enlargements(height, sideways, lifts)
-        surface = surface_of(body.mesh)
-        self._plotter = pv.Plotter(
-            off_screen=True, window_size=(_BODY, _HEIGHT), lighting="three lights"
-        )
-        self._plotter.set_background("white")
-        self._plotter.enable_anti_aliasing("ssaa")
-        self._parts: list[Any] = []
-        for number, region in enumerate(body.mesh.regions):
-            chosen = surface.triangles[surface.region_of_triangle == number]
-            part = surface_part(pv, points * _MM, chosen)
-            self._plotter.add_mesh(part, color=COLOURS.get(region, "silver"))
-            self._parts.append(part)
-        self._look(points * _MM)
-
-    def _look(self, points: Floats) -> None:
-        camera, low, high = self._plotter.camera, points.min(axis=0), points.max(axis=0)
-        middle, tall = 0.5 * (low + high), float(np.ptp(points[:, 2]))
-        away = _EYE / np.linalg.norm(_EYE)
-        camera.focal_point = tuple(middle)
-        camera.position = tuple(middle + 4.0 * tall * away)
-        camera.up = _UP
-        camera.parallel_projection = True
-        camera.parallel_scale = 0.5 * tall * (1.15 + 2.0 * _LIFTED)
-        self._plotter.renderer.ResetCameraClippingRange()
-
-    def shot(self, instant: Instant) -> Any:
-        """Picture (height, width, 3) at an instant."""
-        moved = self._body.displacement(instant.position)
-        # the turning of sections goes with the lateral motion, so that they stay square to it
-        turned = moved[:, 2] - instant.lift
-        up = self.axial * instant.lift + self.lateral * turned
-        drawn = np.stack([self.lateral * moved[:, 0], 0.0 * up, up], axis=1)
-        for part in self._parts:
-            part.points = (self._body.mesh.points + drawn) * _MM
-        self._plotter.render()
-        return self._plotter.screenshot(return_img=True)
-
-    def close(self) -> None:
-        """Let go of the off-screen window."""
-        self._plotter.close()
-
-
-def enlargements(height: float, sideways: float, lift: float) -> tuple[float, float]:
-    """By how much lateral motion and lift are enlarged in a picture of a body.
-
-    Parameters
-    ----------
-    height : float
-        Of the body (m).
-    sideways, lift : float
-        The largest of a run (m).
-    """
-    return _round(_FAR * height / max(sideways, 1e-9)), _round(_LIFTED * height / max(lift, 1e-9))
-
-
-def _round(factor: float) -> float:
-    """Factor rounded down to one digit that is easily read: 1, 2 or 5."""
-    power = 10.0 ** np.floor(np.log10(factor))
-    return float(max(n * power for n in (1.0, 2.0, 5.0) if n * power <= factor))
-
-
-def _words(image: Image, stage: _Stage, instants: Sequence[Instant], now: Instant) -> None:
-    """Write the view, and draw the curves with a mark at the instant."""
-    from PIL import ImageDraw, ImageFont
-
-    draw = ImageDraw.Draw(image)
-    font, small = (ImageFont.truetype(typeface(), size) for size in (18, 14))
-    left, right = _BODY + 20, _BODY + _CURVES - 20
-    draw.text((left, 20), f"{1e3 * now.time:.2f} ms", fill=_INK, font=font)
-    draw.text((left, 46), f"rod {CONTACTS[now.phase]}", fill=_INK, font=font)
-    factors = f"lateral × {stage.lateral:,.0f}, lift × {stage.axial:,.0f}"
-    draw.text((left, 74), factors, fill=_DIM, font=small)
-    curves = (
-        ("rod, µm", [1e6 * i.lift for i in instants], 1e6 * now.lift),
-        ("tip, lateral, µm", [1e6 * i.tip for i in instants], 1e6 * now.tip),
-        ("coil current, mA", [1e3 * i.current for i in instants], 1e3 * now.current),
-    )
-    tall, until = 165, instants[-1].time or 1.0
-    for number, (title, values, value) in enumerate(curves):
-        top = 110 + number * tall
-        draw.text((left, top), f"{title}: {value:.3g}", fill=_INK, font=small)
-        low, high = min(values), max(values)
-        span = (high - low) or 1.0
-        above, below = top + 24, top + tall - 24
-
-        def at(time: float, v: float, above: int = above, below: int = below,
-               low: float = low, span: float = span) -> tuple[float, float]:  # fmt: skip
-            return left + (right - left) * time / until, below - (below - above) * (v - low) / span
-
-        draw.line((left, below + 4, right, below + 4), fill=_DIM)
-        draw.line(
-            [at(i.time, v) for i, v in zip(instants, values, strict=True)], fill=_LINE, width=2
-        )
-        x, y = at(now.time, value)
-        draw.line((x, above, x, below), fill=_DIM)
-        draw.ellipse((x - 4, y - 4, x + 4, y + 4), fill=_INK)
-        draw.text((left, below + 6), f"{low:.3g} to {high:.3g}", fill=_DIM, font=small)
-
-
-#: Pictures of a film, and milliseconds that each is shown; time steps in a file.
-_FRAMES, _SHOWN, _STEPS = 150, 60, 150
-
-
 def write_run_film(
     path: Path, found: Simulation, announce: Callable[[str], None] = lambda _: None
 ) -> None:
-    """Write a run as a film, by its suffix a .gif or .mp4, whole or not at all.
-
-    Raises InputError if it cannot be made or written.
-    """
-    images = run_frames(body_of(found), list(_instants(found, _FRAMES)), announce)
-    save_film(path, images, _SHOWN)
+    """Write a run as a film, by its suffix a .gif or .mp4, whole or not at all."""
+    stage = _RunStage(found)
+    save_film(path, stage.images(stage.instants, stage.picture_of, announce), _SHOWN)
 
 
 def still_of_run(found: Simulation) -> bytes:
-    """Run as one picture (PNG), with its curves.
-
-    Raises InputError if it cannot be made.
-    """
-    buffer = io.BytesIO()
-    run_still(body_of(found), list(_instants(found, _FRAMES))).save(buffer, "PNG", optimize=True)
-    return buffer.getvalue()
+    """Picture (PNG) at the instant at which the tip is farthest out, with the curves."""
+    stage = _RunStage(found)
+    farthest = max(stage.instants, key=lambda instant: abs(instant.tip))
+    return as_png(stage.images([farthest], stage.picture_of, lambda _: None)[0])
 
 
 def write_run_steps(path: Path, found: Simulation) -> None:
-    """Write a run as a .pvd of time steps (s) with displacements.
-
-    Raises InputError if it cannot be written.
-    """
+    """Write a run as a .pvd of time steps (s) with displacements."""
     body = body_of(found)
 
     def at(instant: Instant) -> tuple[float, dict[str, Array]]:
@@ -257,6 +97,100 @@ def _instants(found: Simulation, count: int) -> Iterator[Instant]:
             current=float(np.interp(time, run.time, run.current)),
             phase=phase,
         )
+
+
+class _RunStage(Stage):
+    """The scene of a run; only points change from picture to picture."""
+
+    def __init__(self, found: Simulation) -> None:
+        super().__init__(_BODY, _HEIGHT)
+        self._body: MovingBody = body_of(found)
+        self.instants = list(_instants(found, _FRAMES))
+        mesh = self._body.mesh
+        low, high = mesh.points.min(axis=0) * MM, mesh.points.max(axis=0) * MM
+        moved = [self._body.displacement(i.position)[:, 0] for i in self.instants]
+        self.lateral, self.axial = enlargements(
+            float(np.ptp(mesh.points[:, 2])),
+            max(float(np.abs(along).max()) for along in moved),
+            max(abs(i.lift) for i in self.instants),
+        )
+        surface = surface_of(mesh)
+        self._parts: list[Any] = []
+        for number, region in enumerate(mesh.regions):
+            chosen = surface.triangles[surface.region_of_triangle == number]
+            part = self.surface(mesh.points * MM, chosen)
+            self.plotter.add_mesh(part, color=COLOURS.get(region, "silver"))
+            self._parts.append(part)
+        tall = float(high[2] - low[2])
+        self.look_at(
+            0.5 * (low + high), 4.0 * tall * _EYE / np.linalg.norm(_EYE), _UP,
+            0.5 * tall * (1.15 + 2.0 * _LIFTED),
+        )  # fmt: skip
+
+    def picture_of(self, now: Instant) -> Image:
+        """The body at an instant, and the curves with a mark on them."""
+        from PIL import Image as Images
+
+        moved = self._body.displacement(now.position)
+        # the turning of sections goes with the lateral motion, so that they stay square to it
+        up = self.axial * now.lift + self.lateral * (moved[:, 2] - now.lift)
+        drawn = np.stack([self.lateral * moved[:, 0], 0.0 * up, up], axis=1)
+        for part in self._parts:
+            part.points = (self._body.mesh.points + drawn) * MM
+        image = Images.new("RGB", (_BODY + _CURVES, _HEIGHT), "white")
+        image.paste(self.image(), (0, 0))
+        _words(image, self, now)
+        return image
+
+
+def enlargements(height: float, sideways: float, lift: float) -> tuple[float, float]:
+    """Factors of lateral motion and lift in a picture, from their largest and the height (m)."""
+    return _round(_FAR * height / max(sideways, 1e-9)), _round(_LIFTED * height / max(lift, 1e-9))
+
+
+def _round(factor: float) -> float:
+    """Factor rounded down to one digit that is easily read: 1, 2 or 5."""
+    power = 10.0 ** np.floor(np.log10(factor))
+    return float(max(n * power for n in (1.0, 2.0, 5.0) if n * power <= factor))
+
+
+def _words(image: Image, stage: _RunStage, now: Instant) -> None:
+    """Write the view, and draw the curves with a mark at the instant."""
+    from PIL import ImageDraw
+
+    draw = ImageDraw.Draw(image)
+    instants: Sequence[Instant] = stage.instants
+    font, small = fonts(18, 14)
+    left, right = _BODY + 20, _BODY + _CURVES - 20
+    draw.text((left, 20), f"{1e3 * now.time:.2f} ms", fill=INK, font=font)
+    draw.text((left, 46), f"rod {CONTACTS[now.phase]}", fill=INK, font=font)
+    factors = f"lateral × {stage.lateral:,.0f}, lift × {stage.axial:,.0f}"
+    draw.text((left, 74), factors, fill=DIM, font=small)
+    curves = (
+        ("rod, µm", [1e6 * i.lift for i in instants], 1e6 * now.lift),
+        ("tip, lateral, µm", [1e6 * i.tip for i in instants], 1e6 * now.tip),
+        ("coil current, mA", [1e3 * i.current for i in instants], 1e3 * now.current),
+    )
+    tall, until = 165, instants[-1].time or 1.0
+    for number, (title, values, value) in enumerate(curves):
+        top = 110 + number * tall
+        draw.text((left, top), f"{title}: {value:.3g}", fill=INK, font=small)
+        low, high = min(values), max(values)
+        span = (high - low) or 1.0
+        above, below = top + 24, top + tall - 24
+
+        def at(time: float, v: float, above: int = above, below: int = below,
+               low: float = low, span: float = span) -> tuple[float, float]:  # fmt: skip
+            return left + (right - left) * time / until, below - (below - above) * (v - low) / span
+
+        draw.line((left, below + 4, right, below + 4), fill=DIM)
+        draw.line(
+            [at(i.time, v) for i, v in zip(instants, values, strict=True)], fill=_LINE, width=2
+        )
+        x, y = at(now.time, value)
+        draw.line((x, above, x, below), fill=DIM)
+        draw.ellipse((x - 4, y - 4, x + 4, y + 4), fill=INK)
+        draw.text((left, below + 6), f"{low:.3g} to {high:.3g}", fill=DIM, font=small)
 
 
 #: Instants of a page at most, evenly spaced; between them the page takes straight lines.

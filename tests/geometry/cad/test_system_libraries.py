@@ -10,7 +10,7 @@ from tactgen.geometry.cad.display import display_assembly, display_solids
 from tactgen.geometry.cad.solids import build_solids
 from tactgen.geometry.device.parameters import Device, Display
 from tactgen.geometry.errors import InputError
-from tactgen.validation.show.figures import off_screen
+from tactgen.validation.show.pictures import off_screen
 
 
 @pytest.mark.parametrize(

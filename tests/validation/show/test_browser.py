@@ -1,9 +1,10 @@
-"""A browser that prints pages: stand-ins of a few lines for Chromium, which do as they are told."""
+"""A browser that prints pages, and the pages of anchors in its PDF."""
 
 import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.show import browser
+from tactgen.validation.show.browser import anchor_pages
 
 
 @pytest.fixture
@@ -17,24 +18,6 @@ def told_to(tmp_path):
         return str(path)
 
     return make
-
-
-def test_a_page_is_opened_with_a_profile_of_its_own(told_to):
-    """Flags, options, the address last; what is written comes back as text, also if it fails."""
-    done = browser.run_browser(
-        told_to('printf "%s\\n" "$@"', "echo µ >&2", "exit 3"), "page", "--a", "--b"
-    )
-    *flags, profile, one, two, address = done.stdout.splitlines()
-    assert tuple(flags) == browser.FLAGS
-    assert profile.startswith("--user-data-dir=/")
-    assert (one, two, address) == ("--a", "--b", "page")
-    assert (done.stderr, done.returncode) == ("µ\n", 3)
-
-
-def test_a_browser_that_hangs_is_said(told_to, monkeypatch):
-    monkeypatch.setattr(browser, "_LONGEST", 0.05)
-    with pytest.raises(InputError, match=r"chromium did not finish page in 0\.05 s; try again"):
-        browser.run_browser(told_to("exec sleep 9"), "page")
 
 
 TARGET = 'for a; do case "$a" in --print-to-pdf=*) file="${a#--print-to-pdf=}";; esac; done'
@@ -64,7 +47,35 @@ def test_a_page_is_printed_or_that_is_said(lines, held, told_to, tmp_path):
     assert {"--virtual-time-budget=15000", "--no-pdf-header-footer"} < set(said)
 
 
-def test_the_first_browser_that_is_there_is_taken(monkeypatch):
-    there = {"google-chrome": "/g", "chrome": "/c"}
-    monkeypatch.setattr(browser.shutil, "which", there.get)
-    assert browser.find_browser() == browser.need_browser("--pdf") == "/g"
+#: Objects by number: pages 5, 15, 25 below nested nodes, and an anchor on what is no page.
+OBJECTS = {
+    1: "<</Creator (Chromium)>>",
+    15: "<</Type /Page /Parent 4 0 R>>",
+    25: "<</Type /Page\n/Parent 3 0 R>>",
+    5: "<</Type /Page /Parent 4 0 R>>",
+    4: "<</Type /Pages /Kids [5 0 R\n15 0 R] /Count 2>>",
+    14: "<</Type /Pages /Kids [25 0 R] /Count 1>>",
+    3: "<</Type /Pages /Kids [4 0 R 25 0 R] /Count 3>>",
+    12: "<</what [25 0 R /XYZ 0 700 0]>>",
+    2: "<</what [5 0 R /XYZ 0 700 0]\n/response [15 0 R /XYZ 0 1 0]\n/plan [25 0 R /XYZ 0 0 0]\n"
+    "/lost [9 0 R /XYZ 0 0 0]\n/odd [5 0 R /Fit]>>",
+    7: "<</Type /Catalog\n/Pages 3 0 R\n/Dests 2 0 R>>",
+}
+
+
+def pdf(objects):
+    body = "".join(f"{number} 0 obj\n{text}\nendobj\n" for number, text in objects.items())
+    return f"%PDF-1.4\n{body}trailer\n".encode()
+
+
+def test_each_anchor_has_its_page():
+    """In the order of the tree, whatever their numbers; 2 is not 12, nor 5 the end of 15."""
+    assert anchor_pages(pdf(OBJECTS)) == {"what": 1, "response": 2, "plan": 3}
+
+
+def test_of_another_pdf_nothing_is_told():
+    """Without pages, without anchors, without a catalogue, with references to nothing."""
+    for catalogue in ("/Pages 3 0 R", "/Dests 2 0 R", "/Pages 8 0 R\n/Dests 8 0 R"):
+        changed = {**OBJECTS, 7: f"<</Type /Catalog\n{catalogue}>>"}
+        assert anchor_pages(pdf(changed)) == {}
+    assert anchor_pages(b"%PDF-1.4 of another program") == {}

@@ -1,12 +1,14 @@
-"""The display's page in a browser: parts hide, are cut, turn and swing; it asks for nothing."""
+"""The display's page in a browser, and the wave of its film."""
 
 import base64
 
 import numpy as np
 import pytest
 
-from tactgen.validation.show.display import DrawnPart, Swing, display_page
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show.display import Swing, display_page, enlargement, travelling_wave
 from tactgen.validation.show.page import Still
+from tactgen.validation.show.pictures import Part
 
 PIXEL = base64.b64decode(
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg=="
@@ -24,8 +26,8 @@ PLACES = np.array([[0.0, 0.0, 0.0], [2.4, 0.0, 0.0]])
 @pytest.fixture(scope="module")
 def page():
     """Two posts that swing above one board; at 200 Hz the second goes a quarter period behind."""
-    post = DrawnPart("shim", (0.9, 0.6, 0.1), CUBE * [0.3, 1.0, 10.0], FACES, PLACES, moves=True)
-    board = DrawnPart(
+    post = Part("shim", (0.9, 0.6, 0.1), CUBE * [0.3, 1.0, 10.0], FACES, PLACES, moves=True)
+    board = Part(
         "upper_board", (0.1, 0.4, 0.2), CUBE * [6.0, 4.0, 1.0] - [1.5, 1.5, 1.0], FACES,
         np.zeros((1, 3)), moves=False,
     )  # fmt: skip
@@ -86,3 +88,29 @@ def test_without_webgl_the_still_is_shown(page, driven):
         "--disable-gpu",
     )  # fmt: skip
     assert found == {"shown": ["two posts on a board"], "panel": 0}
+
+
+SMALL = ["display.rows=1", "display.columns=2", "frequency=10,430", "models=tmm"]
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene("display", SMALL)[0]
+
+
+def test_each_column_follows_the_one_before(scene):
+    """By a quarter period, but for what passes between them; at the livelier frequency."""
+    frequency, tips = travelling_wave(scene)
+    assert frequency in scene.frequency
+    behind = np.degrees(np.angle(tips[1] / tips[0]))
+    assert behind == pytest.approx(-90.0, abs=35.0)
+    assert 1e-6 < np.abs(tips).max() < 1e-3
+
+
+def test_motions_are_enlarged_to_a_share_of_the_pitch():
+    """Whatever their size; none where nothing moves."""
+    for tips, pitch in ((np.array([1e-6, -3e-6j]), 2.4), (np.array([5e-3]), 10.0)):
+        drawn = 1e3 * np.abs(tips).max() * enlargement(tips, pitch)
+        assert 0.1 * pitch < drawn < 0.5 * pitch  # seen, and clear of the neighbour
+        assert drawn == pytest.approx(pitch * enlargement(np.array([1e-3]), 1.0))
+    assert enlargement(np.zeros(2), 2.4) == 0.0

@@ -1,16 +1,17 @@
-"""Field files: read back by PyVista and meshio, and a glTF that says what moves."""
+"""Files of fields and of the reduced solid."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import pyvista as pv
 
+from tactgen.fem.piezo import reduction_files as kept_reductions
 from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.export import export
+from tactgen.validation.show.export import export, write_port_files
 from tactgen.validation.show.field_files import STEPS, moving_state, write_fields
 from tactgen.validation.show.gather import Request, gather
 
@@ -27,21 +28,6 @@ def result(scene, tmp_path_factory, few_bricks):
         patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("few")))
         patch.setattr(solid, "LEVELS", few_bricks)
         return gather(scene, ["solid"], Request((300.0,), "edges"))[0]
-
-
-def test_a_file_that_hdf_cannot_write_is_said(result, tmp_path, monkeypatch):
-    from vtkmodules import vtkIOHDF
-
-    failing = SimpleNamespace(
-        SetInputData=str, SetFileName=str, SetCompressionLevel=str, Write=lambda: 0
-    )
-    monkeypatch.setattr(vtkIOHDF, "vtkHDFWriter", lambda: failing)
-    with pytest.raises(
-        InputError,
-        match=r"f\.vtkhdf cannot be written .VTK's HDF5 writer failed.; .* or write \.vtu",
-    ):
-        write_fields(tmp_path / "f.vtkhdf", result)
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_period_is_a_series_of_steps(result, tmp_path):
@@ -76,3 +62,16 @@ def test_what_moves_is_the_first_driven_state_else_the_first(result):
     assert moving_state(result).kind == "harmonic"
     modes = tuple(state for state in result.states if state.kind == "mode")
     assert moving_state(replace(result, states=modes)) is modes[0]
+
+
+@pytest.mark.usefixtures("own_store", "coarse_bricks")
+def test_nothing_is_reduced_anew(monkeypatch, tmp_path):
+    """One accuracy and one band give one reduction; the file is of the scene's finer mesh."""
+    scene, _ = load_scene("prototype", ["models=solid", "mesh.level=2", "frequency=10,300"])
+    solve(scene, ("solid",), ("tip_displacement",))
+    monkeypatch.setattr(kept_reductions, "reduce_to_ports", None)
+    files = {kind: tmp_path / f"{kind}.npz" for kind in ("ports", "state_space")}
+    write_port_files(scene, files)
+    for file in files.values():
+        with np.load(file) as held:
+            assert all(np.all(np.isfinite(held[n])) for n in held if held[n].dtype.kind in "fc")

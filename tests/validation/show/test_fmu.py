@@ -167,14 +167,6 @@ def test_fmpy_finds_no_fault_and_runs_it(machine, tmp_path):
         assert found[name][-1] == pytest.approx(slave.get(name), rel=1e-9), name
 
 
-def test_a_failing_compiler_leaves_nothing(machine, tmp_path, monkeypatch):
-    monkeypatch.setattr(shutil, "which", lambda name: "/bin/false")
-    path = tmp_path / "generator.fmu"
-    with pytest.raises(InputError, match="C compiler"):
-        write_fmu(path, machine, "paper")
-    assert not list(tmp_path.iterdir())
-
-
 def test_the_command_writes_it(capsys, tmp_path):
     path = tmp_path / "generator.fmu"
     assert main(["export", "paper", "--set", "load.kind=none", "--fmu", str(path)]) == 0

@@ -102,17 +102,6 @@ def test_weights_reproduce_polynomials():
     assert lagrange_weights(nodes, 2.0) == pytest.approx([0.0, 1.0, 0.0, 0.0])
 
 
-def test_each_length_is_announced():
-    scene, _ = load_scene("j1", ["models=tmm", "modes=1"])
-    said = []
-    found = length_range(scene, "tmm", ENDS, said.append, known=2)
-    solved = found.solved.size + 1
-    assert said == [
-        "frequencies of tmm at 2 lengths",
-        *(f"shapes of tmm: length {n} of {solved}" for n in range(1, solved + 1)),
-    ]
-
-
 def test_a_shape_is_turned_like_the_first_whatever_its_size():
     """Shapes are micrometres."""
     first = np.array([[1e-6, 0.0, 0.0], [2e-6, 0.0, -1e-6]])

@@ -1,15 +1,26 @@
-"""Stills and films: deterministic, with bar and scale, and what cannot be drawn is said."""
+"""Stills and films; pictures against coarse grids of those that were looked at.
+
+After an intended change look at the pictures and write the grids anew: TACTGEN_WRITE_GRIDS=1.
+"""
 
 import io
+import json
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.show import stills as films
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
+from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show import pictures, stills
+from tactgen.validation.show.display import drawn_parts
+from tactgen.validation.show.export import normal_actuator_solids, scene_solids
 from tactgen.validation.show.field import SHADES, drawn_size
-from tactgen.validation.show.stills import Picture, check_film, save_film, still, write_film
+from tactgen.validation.show.pictures import assembly_picture, mesh_picture, solids_picture
+from tactgen.validation.show.stills import Picture, check_film, still, write_film
 
 SMALL = {"width": 300, "height": 200}
 STRESS = next(shade for shade in SHADES if shade.key == "stress_zz")
@@ -33,54 +44,23 @@ def test_a_still_is_the_same_twice_and_moves_with_the_phase(seen):
 
 
 def test_a_film_is_one_period(seen, tmp_path, monkeypatch):
-    """Pictures at even phases from 0, shown without end; what of it goes to ffmpeg."""
-    shown, own = [], films.frames
-    monkeypatch.setattr(films, "frames", lambda *given: shown.append(given) or own(*given))
-    monkeypatch.setattr(films, "_FRAMES", 4)
-    path, said = tmp_path / "mode.gif", []
-    write_film(path, seen[1], seen[1].states[0], Picture(**SMALL), said.append)
-    assert shown[0][3] == pytest.approx([0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi])
-    assert said == [f"picture {k} of 4" for k in (1, 2, 3, 4)]
+    """Its pictures are shown without end, and differ."""
+    monkeypatch.setattr(stills, "_FRAMES", 4)
+    path = tmp_path / "mode.gif"
+    write_film(path, seen[1], seen[1].states[0], Picture(**SMALL, shade=SHADES[1]))
     with Image.open(path) as film:
         assert film.n_frames == 4
         assert (film.info["loop"], film.info["duration"]) == (0, 80)
-    with pytest.raises(InputError, match='"static" does not move'):
-        write_film(path, seen[1], seen[1].state("static"), Picture(**SMALL))
-
-
-def test_what_ffmpeg_is_given(tmp_path, monkeypatch):
-    """All pictures as often as they are repeated, size and rate; its last word where it fails."""
-    folder = tmp_path / "bin"
-    folder.mkdir()
-    program = folder / "ffmpeg"
-
-    def does(*lines):
-        program.write_text("\n".join(["#!/bin/sh", *lines, ""]), encoding="utf-8")
-        program.chmod(0o755)
-
-    monkeypatch.setenv("PATH", f"{folder}:/usr/bin:/bin")
-    path, images = tmp_path / "a.mp4", [Image.new("RGB", (4, 2), (k, 0, 0)) for k in range(2)]
-    does('for last; do :; done; cat > "$last"', f'printf "%s\\n" "$@" > "{tmp_path}/given"')
-    save_film(path, images, 40, 3)
-    assert path.read_bytes() == b"".join(image.tobytes() for image in images) * 3
-    given = (tmp_path / "given").read_text(encoding="utf-8").splitlines()
-    assert " ".join(given[:-1]) == (
-        "-loglevel error -y -f rawvideo -pix_fmt rgb24 -s 4x2 -r 25 -i - -pix_fmt yuv420p "
-        "-movflags +faststart -fflags +bitexact"
-    )
-    path.unlink()
-    for words, told in (("some\\nlast word", "last word"), ("", "no reason")):
-        does("cat > /dev/null", f'printf "{words}" >&2', "exit 1")
-        with pytest.raises(InputError, match=rf"a\.mp4 was not made: ffmpeg says: {told}; write"):
-            save_film(path, images, 40)
-    assert not path.exists()
+        first = np.asarray(film.convert("RGB"))
+        film.seek(2)
+        assert not np.array_equal(first, np.asarray(film.convert("RGB")))
 
 
 def test_films_that_cannot_be_made_are_refused(seen, tmp_path, monkeypatch):
     result = seen[1]
     with pytest.raises(InputError, match='state "static" does not move'):
         check_film(tmp_path / "a.gif", result.state("static"))
-    monkeypatch.setattr(films.shutil, "which", lambda _: None)
+    monkeypatch.setattr(pictures.shutil, "which", lambda _: None)
     with pytest.raises(InputError, match=r"--mp4 .* needs the program ffmpeg"):
         check_film(tmp_path / "a.mp4", result.states[0])
 
@@ -93,3 +73,85 @@ def test_a_twist_is_drawn_small():
     aside[:, 0] = corners[:, 2]
     assert drawn_size(corners, turned) == pytest.approx(0.5 * np.hypot(0.1, 0.1))
     assert drawn_size(corners, aside) == pytest.approx(0.12)
+
+
+GRIDS = Path(__file__).with_name("pictures.json")
+COLUMNS, ROWS = 18, 24
+#: Mean and largest difference of cells (of 255): a shifted edge changes a cell by some units, a
+#: part that is not there by the contrast of its colour.
+USUAL, LARGEST = 3.0, 40.0
+
+
+def grid(png):
+    """Return the picture's colours averaged over cells, (ROWS, COLUMNS, 3)."""
+    from PIL import Image
+
+    with Image.open(io.BytesIO(png)) as image:
+        small = image.convert("RGB").resize((COLUMNS, ROWS), Image.Resampling.BOX)
+    return np.asarray(small, dtype=float)
+
+
+def apart(one, other):
+    """Return mean and largest difference of two grids."""
+    difference = np.abs(one - other)
+    return float(difference.mean()), float(difference.max())
+
+
+def alike(one, other):
+    mean, largest = apart(one, other)
+    return mean <= USUAL and largest <= LARGEST
+
+
+@pytest.fixture(scope="module")
+def taken(seen):
+    """Return the pictures by name."""
+    solid = seen[0]
+    scene, _ = load_scene("bimorph_on_rod")
+    display, _ = load_scene("display", ["display.rows=2", "display.columns=2"])
+    first, second = (solid.state(f"mode {n}, short circuit") for n in (1, 2))
+    plain = Picture(340, 600, shade=SHADES[0])
+    return {
+        "mode 1": still(solid, first, plain),
+        "mode 1, half a period later": still(solid, first, plain, np.pi),
+        "mode 2": still(solid, second, plain),
+        "mode 1 by u_x": still(solid, first, Picture(340, 600, shade=SHADES[1])),
+        "mesh": mesh_picture(solid.mesh),
+        "held end": mesh_picture(solid.mesh, close_up=True),
+        "generator": solids_picture(scene_solids(scene)),
+        "normal actuator": solids_picture(normal_actuator_solids(scene.device)),
+        "display": assembly_picture(drawn_parts(display)),
+    }
+
+
+def test_the_held_end_is_drawn_to_scale_by_its_regions():
+    """From the front right: as wide as both sides seen aslant; a fifth of the length fills it."""
+    from PIL import Image
+
+    x, y, z = np.linspace(0.0, 0.5e-3, 3), np.array([0.0, 1e-3]), np.linspace(0.0, 10e-3, 5)
+    region = np.broadcast_to([[[0]], [[1]]], (2, 1, 4))
+    mesh = box_tetrahedra(x, y, z, region, ("shim", "piezo_top"))
+    with Image.open(io.BytesIO(mesh_picture(mesh, close_up=True))) as image:
+        shown = np.asarray(image.convert("RGB"), dtype=float)
+    width = (2.2 * 0.5 + 3.0 * 1.0) / np.hypot(3.0, 2.2)
+    assert shown.shape[1] - 2 * 12 == pytest.approx(width * 840 / 2.2, abs=4.0)
+    grey = np.ptp(shown, axis=2) < 20.0
+    dark = grey & (shown.max(axis=2) < 100.0)
+    assert 0.02 < dark.mean() < 0.4  # the shim, on the left
+    assert np.flatnonzero(dark.any(axis=0)).mean() < 0.5 * shown.shape[1]
+    assert 0.3 < (~grey).mean() < 0.95
+    assert 700 < shown.shape[0] < 840  # the lower edge is in the picture, the upper one is not
+
+
+@pytest.mark.heavy
+def test_pictures_are_those_that_were_looked_at(taken):
+    """All of them; and each is told apart from every other one."""
+    grids = {name: grid(png) for name, png in taken.items()}
+    if os.environ.get("TACTGEN_WRITE_GRIDS"):
+        rows = {name: g.round().astype(int).reshape(ROWS, -1).tolist() for name, g in grids.items()}
+        GRIDS.write_text(json.dumps(rows, separators=(",", ":")) + "\n", encoding="utf-8")
+    known = json.loads(GRIDS.read_text(encoding="utf-8"))
+    assert known.keys() == grids.keys()
+    for name, found in grids.items():
+        for other, rows in known.items():
+            close = alike(found, np.array(rows, dtype=float).reshape(found.shape))
+            assert close == (name == other), (name, other)

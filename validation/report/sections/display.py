@@ -58,7 +58,7 @@ class Row:
 def display_section(study: Study) -> Context:
     """Parts, clearances, leads, crosstalk and scatter of the units."""
     from tactgen.validation.show.display import drawn_parts
-    from tactgen.validation.show.figures import assembly_picture
+    from tactgen.validation.show.pictures import assembly_picture
 
     device, display = study.scene.device, study.scene.display
     study.announce("picture of the display")

@@ -36,7 +36,7 @@ def bimorph(study: Study) -> list[dict[str, str]]:
         return []
     from tactgen.validation.models.bimorph.solid import cells_of
     from tactgen.validation.show.export import scene_solids
-    from tactgen.validation.show.figures import mesh_picture, solids_picture
+    from tactgen.validation.show.pictures import mesh_picture, solids_picture
 
     study.announce("picture of the geometry")
     solids = solids_picture(scene_solids(study.scene))
@@ -74,7 +74,7 @@ def tetrahedra(solution: Solution) -> dict[str, Any]:
 def _normal(study: Study) -> dict[str, str]:
     """Picture of rod, coil and sleeve."""
     from tactgen.validation.show.export import normal_actuator_solids
-    from tactgen.validation.show.figures import solids_picture
+    from tactgen.validation.show.pictures import solids_picture
 
     study.announce("picture of the normal actuator")
     solids = solids_picture(normal_actuator_solids(study.scene.device))
@@ -84,7 +84,7 @@ def _normal(study: Study) -> dict[str, str]:
 
 def _close_up(mesh: Mesh) -> str:
     """Picture of a mesh at its held end."""
-    from tactgen.validation.show.figures import mesh_picture
+    from tactgen.validation.show.pictures import mesh_picture
 
     return inline(mesh_picture(mesh, close_up=True))
 

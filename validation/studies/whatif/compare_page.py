@@ -150,7 +150,7 @@ def _devices(
 
     They have one scale: what is longer looks longer.
     """
-    from tactgen.validation.show.figures import solids_pictures
+    from tactgen.validation.show.pictures import solids_pictures
 
     shapes = ("bimorph.", "rod.", "coil.", "sleeve.", "support.kind", "gap", "glue.")
     if not any(i.key.startswith(shapes) for i in inputs):

@@ -11,7 +11,7 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import COLUMNS
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show import figures as pictures
+from tactgen.validation.show import pictures
 from tactgen.validation.studies.whatif import compare as sides
 from tactgen.validation.studies.whatif import compare_page as page
 from tactgen.validation.studies.whatif.compare import (

@@ -191,7 +191,7 @@ def _check_files(options: argparse.Namespace) -> None:
             suffix = {"out": ".nc", "plot": ".svg", "fields": ".pvd"}.get(option, f".{option}")
             check_place(f"--{option}", Path(path), (suffix,))
     if options.mp4:
-        from tactgen.validation.show.stills import check_ffmpeg
+        from tactgen.validation.show.pictures import check_ffmpeg
 
         check_ffmpeg(Path(options.mp4))
 
