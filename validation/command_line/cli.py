@@ -37,13 +37,13 @@ _LEAST = 500_000_000
 
 #: Where the commands are declared.
 _HOME = "tactgen.validation.command_line.commands"
-#: The commands in the order of the help, by the folders that declare them.
+#: The commands in the order of the help, by the folder or the module that declares them.
 _COMMANDS = {
     "report": "", "solve": "", "view": "", "whatif": "studies", "compare": "studies",
     "design": "studies", "sensitivity": "studies", "identify": "studies", "backbone": "studies",
     "positions": "studies", "simulate": "studies", "plan": "", "bill": "", "export": "",
     "verify": "evidence", "coverage": "evidence", "stress": "evidence", "bench": "evidence",
-    "scenes": "", "cache": "", "init": "", "completion": "",
+    **dict.fromkeys(("scenes", "cache", "init", "completion"), "without_solving"),
 }  # fmt: skip
 
 #: Arguments whose emptiness their readers speak of.
@@ -219,8 +219,12 @@ def _parser(only: str | None = None) -> argparse.ArgumentParser:
     parser.set_defaults(run=lambda _: _help(parser))
     added = parser.add_subparsers(title="commands", metavar="COMMAND")
     for name in _COMMANDS if only is None else (only,):
-        path = ".".join(part for part in (_HOME, _COMMANDS[name], name) if part)
-        importlib.import_module(path).add(added)
+        home = _COMMANDS[name]
+        if home == "without_solving":
+            getattr(importlib.import_module(f"{_HOME}.{home}"), f"add_{name}")(added)
+        else:
+            path = ".".join(part for part in (_HOME, home, name) if part)
+            importlib.import_module(path).add(added)
     return parser
 
 

@@ -20,6 +20,8 @@ from tactgen.validation.scene.scene import Scene
 
 #: Largest displacement (share of the length) that linear theory of bending is about.
 _SMALL_DEFLECTION = 0.1
+#: How the tip's displacement at the drive voltage is read.
+_DEFLECTIONS = (Readout("w_tip", "motion"), Readout("w_tip", "motion", static=True))
 
 
 def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
@@ -41,15 +43,9 @@ def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...
 
 
 def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
-    """Warning about a displacement beyond linear theory."""
-    largest = max(
-        (
-            float(np.nanmax(np.abs(q.value)))
-            for q in found
-            if _is_deflection(QUANTITIES[q.name].read)
-        ),
-        default=0.0,
-    )
+    """Warning if a displacement is beyond linear theory."""
+    tips = [q for q in found if QUANTITIES[q.name].read in _DEFLECTIONS]
+    largest = max((float(np.nanmax(np.abs(q.value))) for q in tips), default=0.0)
     share = largest / scene.bimorph.length
     if not share > _SMALL_DEFLECTION:
         return ()
@@ -58,14 +54,6 @@ def deflection_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, .
         "models are linear, so this says no more than that there is a resonance or too much voltage"
     )
     return (sentence,)
-
-
-def _is_deflection(read: object) -> bool:
-    """Whether something is the tip's displacement at the drive voltage."""
-    match read:
-        case Readout(port=port, of="motion", rate=0, unit_voltage=False, level=None):
-            return port == "w_tip"
-    return False
 
 
 def _excess(q: Quantity, accuracy: float) -> str:
@@ -91,26 +79,26 @@ def check_held(scene: Scene, quantities: Sequence[str]) -> None:
     """
     if not scene.ends.rigid_motions:
         return
+    rows = [QUANTITIES[name] for name in quantities]
+    at_rest = [
+        row.name for row in rows if row.held_by_support and (row.static or 0.0 in scene.frequency)
+    ]
+    if not at_rest:
+        return
+    free = f"so {at_rest[0]} has no value at 0 Hz"
+    if scene.support.kind == "contact" and scene.guide.clearance:
+        raise InputError(
+            f"guide.clearance = {1e3 * scene.guide.clearance:g} mm lets a rod that no stop carries "
+            f"move as a rigid body, {free}; set guide.clearance = 0 mm or ask for frequencies "
+            "above 0 Hz"
+        )
     springs = ("rotational_stiffness", "lateral_stiffness")
     loose = next(name for name in springs if getattr(scene.held, name) == 0.0)
     group = "support" if scene.support.kind == "spring" else "guide"
-    at_rest = [
-        name
-        for name in quantities
-        if QUANTITIES[name].held_by_support and (QUANTITIES[name].static or 0.0 in scene.frequency)
-    ]
-    if at_rest and scene.support.kind == "contact" and scene.guide.clearance:
-        raise InputError(
-            f"guide.clearance = {1e3 * scene.guide.clearance:g} mm lets a rod that no stop carries "
-            f"move as a rigid body, so {at_rest[0]} has no value at 0 Hz; set guide.clearance = 0 "
-            "mm or ask for frequencies above 0 Hz"
-        )
-    if at_rest:
-        raise InputError(
-            f"{group}.{loose} = 0 leaves the actuator free to move as a rigid body, so "
-            f"{at_rest[0]} has no value at 0 Hz; give the {group} a stiffness or ask for "
-            "frequencies above 0 Hz"
-        )
+    raise InputError(
+        f"{group}.{loose} = 0 leaves the actuator free to move as a rigid body, {free}; give the "
+        f"{group} a stiffness or ask for frequencies above 0 Hz"
+    )
 
 
 def held_warnings(scene: Scene, models: Sequence[str]) -> tuple[str, ...]:
@@ -231,12 +219,10 @@ _FREQUENCIES = 5000
 
 def field_warnings(scene: Scene, quantities: Sequence[str]) -> tuple[str, ...]:
     """Warning if the drive voltage may depole the ceramic."""
-    if not any(_follows_voltage(name) for name in quantities):
-        return ()
     share = 0.5 if scene.bimorph.wiring == "series" else 1.0
     field = share * abs(scene.drive.voltage) / scene.bimorph.piezo_thickness
     limit = scene.limits.depoling_field
-    if not field > limit:
+    if not field > limit or not any(map(_follows_voltage, quantities)):
         return ()
     sentence = (
         f"drive.voltage = {scene.drive.voltage:g} V is {1e-6 * field:.3g} kV/mm in a layer, half "

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.command_line.commands import cache
+from tactgen.validation.command_line.commands.without_solving import _readable
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def test_info_lists_kinds_with_their_size(filled, capsys):
 )
 def test_sizes_are_in_decimal_units(size, text):
     """As disks are sold: a kilobyte is 1000 bytes."""
-    assert cache._readable(size) == text
+    assert _readable(size) == text
 
 
 def test_clear_empties_it(filled, capsys):

@@ -80,25 +80,6 @@ def test_a_module_is_loaded_to_its_end(monkeypatch):
     assert [signal.getsignal(number) for number in (signal.SIGTERM, ending._LOOK)] == before
 
 
-def test_no_second_look_is_taken_once_all_is_done(monkeypatch):
-    """Work that ends while a module is loaded leaves no timer, which would end the process."""
-
-    def initialised():
-        signal.raise_signal(signal.SIGTERM)
-
-    monkeypatch.setattr(ending, "_LOADERS", {initialised.__code__})
-    monkeypatch.setattr(ending, "_AGAIN", 100.0)
-    before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    try:
-        with ending.unwound_when_told_to_end():
-            initialised()
-            assert signal.getitimer(ending._TIMER)[0] > 0.0
-        assert signal.getitimer(ending._TIMER) == (0.0, 0.0)
-    finally:
-        signal.setitimer(ending._TIMER, 0.0)
-        signal.signal(signal.SIGTERM, before)
-
-
 def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
     """And one without a signal is what it is."""
 
@@ -139,20 +120,6 @@ def test_a_signal_while_an_object_goes_is_the_end_as_well():
         told = end.args
     assert told == (signal.SIGTERM,)
     assert sys.unraisablehook is hook
-
-
-def test_other_errors_while_an_object_goes_are_reported_as_ever(monkeypatch):
-    seen = []
-    monkeypatch.setattr(sys, "unraisablehook", lambda raised: seen.append(raised.exc_type))
-
-    class Going:
-        def __del__(self):
-            raise ValueError("gone")
-
-    with ending.unwound_when_told_to_end():
-        del_me = Going()
-        del del_me
-    assert seen == [ValueError]
 
 
 def test_what_is_ignored_stays_ignored():

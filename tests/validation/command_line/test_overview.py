@@ -7,16 +7,12 @@ import subprocess
 import numpy as np
 import pytest
 
-from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.command_line import overview
-from tactgen.validation.command_line.cli import commands, main
+from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.overview import print_overview
-from tactgen.validation.engine.answers import format_error, format_value
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.files import built_in_scenes
-from tactgen.validation.scene.scene import load_scene, scene_keys
+from tactgen.validation.scene.scene import load_scene
 
 PREFIXES = {"p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3}
 
@@ -52,13 +48,6 @@ def test_the_screen_shows_what_json_holds(capsys, label, name):
     own = QUANTITIES[name].unit
     scale = PREFIXES[(unit or "").removesuffix(own)] if own not in ("", "1") else 1.0
     assert float(number) * scale == pytest.approx(quantity["value"], rel=5e-5)
-
-
-def test_the_largest_of_a_sweep_says_where(capsys):
-    """Of arrays over frequency the largest value, at its frequency."""
-    _, screen, _ = run(capsys, "solve", "--model", "tmm", "--frequency", "100,450,900")
-    (line,) = (line for line in screen.splitlines() if line.startswith("tip velocity"))
-    assert "largest at 450 Hz" in line
 
 
 @pytest.fixture(scope="module")
@@ -152,35 +141,3 @@ def test_a_shell_completes(capsys):
         ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
         done = subprocess.run(["bash", "-c", ask], capture_output=True, text=True, check=True)
         assert set(done.stdout.split()) >= expected, done.stderr
-
-
-def test_completion_knows_every_word(capsys):
-    """Options of each command, scenes where one is taken; models, quantities, keys, commands."""
-    _, script, _ = run(capsys, "completion")
-    words = dict(re.findall(r'^ +(\S+)\) +(?:case|words="([^"]*)")', script, re.MULTILINE))
-    for name, parser in commands().items():
-        options = {option for action in parser._actions for option in action.option_strings}
-        scenes = built_in_scenes() if any(a.dest == "scene" for a in parser._actions) else ()
-        assert set(words[name].split()) == {*options, *scenes}
-    assert words["--model"].split() == [*MODELS, "all"]
-    assert words["--quantity"].split() == [*QUANTITIES, "all"]
-    assert words["--set|--key|--vary"].split() == [f"{key}=" for key in scene_keys()]
-    assert re.search(r'-eq 1 \] && words="(.*)"', script)[1].split() == list(commands())
-
-
-def test_what_has_no_value_is_said_so():
-    """In the overview, in tables, and of its bar."""
-    nothing = Quantity(
-        name="f",
-        model="tmm",
-        value=np.array([np.nan]),
-        unit="Hz",
-        error=np.array([np.nan]),
-        method="",
-        seconds=0.0,
-    )
-    assert overview._cell(nothing, 0) == "no value"
-    assert overview._cell(nothing, 1) == overview._cell(None, 0) == ""
-    assert (format_value(np.nan, "Hz"), format_error(np.nan, np.nan, "Hz")) == ("no value", "-")
-    assert (format_value(2.0, "Hz"), format_error(2.0, 0.5, "Hz")) == ("2 Hz", "25 %")
-    assert format_error(0.0, 0.5, "Hz") == "500 mHz"

@@ -44,24 +44,3 @@ def test_long_work_says_a_line_now_and_then(monkeypatch):
     lines = pipe.getvalue().splitlines()
     assert 4 <= len(lines) <= 8  # about 150 ticks of a second
     assert all(re.fullmatch(r"tactgen: solid.ports \(stage 2 of 2\), .* s", s) for s in lines)
-
-
-def test_a_dumb_terminal_is_told_what_a_log_is(monkeypatch):
-    """One in which no line can be written over is not left without a word."""
-    terminal = Terminal()
-    monkeypatch.setenv("TERM", "dumb")
-    monkeypatch.setattr("sys.stderr", terminal)
-    monkeypatch.setattr(progress, "_LINES", 0.0)
-    with announcer() as announce:
-        announce("solid.mesh")
-    assert re.fullmatch(r"tactgen: solid.mesh, \d+ s\n", terminal.getvalue())
-
-
-def test_what_is_left_is_told_of_equal_steps_only():
-    """Gaps of a map cost the same; stages do not."""
-    times = {"now": 0.0}
-    clock = progress.Clock(["solid.modal"], lambda: times["now"])
-    assert clock.words("map, gap 1 of 9") == "map, gap 1 of 9, 0 s"
-    times["now"] = 60.0
-    assert clock.words("map, gap 3 of 9").endswith(", 60 s, about 3 min 30 s left")
-    assert "left" not in clock.words("solid.modal")

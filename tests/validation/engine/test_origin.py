@@ -45,9 +45,3 @@ def test_the_commit_of_the_sources(repository):
 def test_another_projects_commit_is_not_ours(repository):
     """In an environment inside of somebody's checkout the sources are of no commit."""
     assert origin._commit() == NONE
-
-
-def test_without_git_there_is_no_commit(monkeypatch, tmp_path):
-    """An unpacked archive on a machine that has none."""
-    monkeypatch.setenv("PATH", str(tmp_path))
-    assert origin._commit() == NONE
