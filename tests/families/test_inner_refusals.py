@@ -31,7 +31,7 @@ from tactgen.validation.models import backbone
 from tactgen.validation.models import backbone as deflection
 from tactgen.validation.models import backbone as held_head
 from tactgen.validation.models.display.field import spread
-from tactgen.validation.scene import frequencies
+from tactgen.validation.scene import files as frequencies
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show import browser
 from tactgen.validation.show import stills as films

@@ -39,12 +39,12 @@ from tactgen.validation.scene.files import (
     checked_name,
     choices,
     leaves,
+    parse_frequencies,
     read_scene,
     scene_name,
     sentence,
     split_override,
 )
-from tactgen.validation.scene.frequencies import parse_frequencies
 from tactgen.validation.scene.tolerances import Tolerance, split_tolerances
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from tactgen.geometry.units import VOLTAGE
 from tactgen.validation.command_line.commands.common import low_high, values_of
 from tactgen.validation.command_line.commands.studies import backbone, design, positions, simulate
 from tactgen.validation.command_line.study_options import whole_number
-from tactgen.validation.scene.frequencies import parse_frequencies
+from tactgen.validation.scene.files import parse_frequencies
 from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
 
 #: By name, what reads the option, what it takes and with what result, and what it refuses.

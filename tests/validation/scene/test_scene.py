@@ -9,8 +9,7 @@ import pytest
 from tactgen.geometry.device.steel_law import TEAM20
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
-from tactgen.validation.scene.files import built_in_scenes
-from tactgen.validation.scene.frequencies import parse_frequencies
+from tactgen.validation.scene.files import built_in_scenes, parse_frequencies
 from tactgen.validation.scene.inputs import idle, scene_warnings
 from tactgen.validation.scene.parameter_list import parameter_rows, template
 from tactgen.validation.scene.scene import Scene, load_scene, scene_keys

@@ -12,8 +12,7 @@ from pydantic.fields import FieldInfo
 from tactgen.geometry import units as u
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, WholeNumber
-from tactgen.validation.scene.files import sentence
-from tactgen.validation.scene.frequencies import parse_frequencies
+from tactgen.validation.scene.files import parse_frequencies, sentence
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.tolerances import unit_of
 

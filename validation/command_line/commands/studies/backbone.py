@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _band(text: str) -> tuple[float, float]:
-    from tactgen.validation.scene.frequencies import parse_frequencies
+    from tactgen.validation.scene.files import parse_frequencies
 
     low, high = parse_frequencies(list(low_high(text, "--frequency", "100:1000")))
     if not 0.0 < low < high:

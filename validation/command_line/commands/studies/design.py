@@ -168,7 +168,7 @@ def _length_design(options: argparse.Namespace) -> int:
 
 def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
     from tactgen.validation.catalogue.detection import threshold_of
-    from tactgen.validation.scene.frequencies import parse_frequencies
+    from tactgen.validation.scene.files import parse_frequencies
     from tactgen.validation.studies.design import Aim, AimKind, stated_band
 
     kinds: dict[str, AimKind] = {"shortest": "shortest", "margin": "margin"}
