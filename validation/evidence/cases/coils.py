@@ -73,55 +73,44 @@ def _filaments(winding: Region, points: int) -> tuple[Floats, Floats, Floats]:
     return r.ravel(), z.ravel(), np.outer(w, w).ravel() / 4.0
 
 
+def winding_field(
+    regions: tuple[Region, ...], currents: tuple[float, ...], walls: float, order: int = 4
+) -> MagneticField:
+    """Field of windings in a box of radius `walls` (m)."""
+    space = discretise(graded_grid(regions, walls, refinement=2.0), degree(order))
+    counted(space.size)
+    return solve_field(space, np.array(currents))
+
+
 @cached
 def solved() -> MagneticField:
     """Field of both coils, walls at eighty times their radius."""
-    space = discretise(graded_grid((LOW, HIGH), 4.0, refinement=2.0), degree(4))
-    counted(space.size)
-    return solve_field(space, np.array(CURRENTS))
+    return winding_field((LOW, HIGH), CURRENTS, 4.0)
 
 
 _FIELD = "axisymmetric field, quadrilaterals of order 4 on a graded grid, walls far away"
 
 
-def _solved(
-    windings: tuple[Region, ...], currents: tuple[float, ...], walls: float, order: int = 4
-) -> MagneticField:
-    """Field of windings in a box of radius `walls` (m)."""
-    space = discretise(graded_grid(windings, walls, refinement=2.0), degree(order))
-    counted(space.size)
-    return solve_field(space, np.array(currents))
-
-
 # --- two loops ---------------------------------------------------------------------------------
 
-_WIRE = 1e-3
+#: Loops of 0.20 and 0.25 m at a distance of 0.10 m, of 1 mm wire.
+_LOW, _HIGH = (
+    Region(name, (radius - 0.5e-3, radius + 0.5e-3), (at - 0.5e-3, at + 0.5e-3), turns=1.0,
+           moves=moves)
+    for name, radius, at, moves in (("low", 0.20, -0.05, False), ("high", 0.25, 0.05, True))
+)  # fmt: skip
 
 
 @cached
 def _loops() -> MagneticField:
     """Their field with 1 A each."""
-    return _solved(_loop_windings(), (1.0, 1.0), 20.0)
+    return winding_field((_LOW, _HIGH), (1.0, 1.0), 20.0)
 
 
-def _loop_windings() -> tuple[Region, ...]:
-    """Loops of 0.20 and 0.25 m at a distance of 0.10 m."""
-    half = 0.5 * _WIRE
-    return tuple(
-        Region(name, (radius - half, radius + half), (at - half, at + half), turns=1.0, moves=moves)
-        for name, radius, at, moves in (("low", 0.20, -0.05, False), ("high", 0.25, 0.05, True))
-    )
-
-
-_LOW, _HIGH = _loop_windings()
 _LOOPS = case(
-    "LOOPS",
-    "Two coaxial circular loops",
+    "LOOPS", "Two coaxial circular loops",
     "Loops of 0.20 and 0.25 m radius, 0.10 m apart, 1 A in each, of 1 mm wire.",
-    model=_FIELD,
-    source="Maxwell's elliptic integrals, their mean over the wires' square sections; of thin "
-    "wires F. W. Grover, Inductance Calculations, example 24",
-    rows=[
+    [
         Check("Their mutual inductance is Maxwell's.",
                between_windings(_LOW, _HIGH, mutual_inductance), "H",
                lambda: float(_loops().incremental_inductance[0, 1]), 5e-6,
@@ -131,22 +120,26 @@ _LOOPS = case(
                lambda: virtual_work_force(_loops()), 5e-5,
                "the mesh across a wire of 1/200 of its radius"),
     ],
+    model=_FIELD,
+    source="Maxwell's elliptic integrals, their mean over the wires' square sections; of thin "
+    "wires F. W. Grover, Inductance Calculations, example 24",
 )  # fmt: skip
 
 # --- thin solenoids ----------------------------------------------------------------------------
 
 
-#: Pieces of a sheet along its length.
-_PIECES = 8
-
-
+@cached
 def _nagaoka(ratio: float) -> float:
     """L of a thin solenoid of 2R/l = `ratio` over that of an endless one.
 
-    Extrapolated to no thickness from sheets of 0.2 and 0.1 % of the radius.
+    Extrapolated to no thickness from sheets of 0.2 and 0.1 % of the radius, in eight pieces.
     """
-    thick, thin = (_inductance_factor(ratio, share) for share in (2e-3, 1e-3))
-    return 2.0 * thin - thick
+    length, factors = 2.0 / ratio, []
+    for thickness in (2e-3, 1e-3):
+        sheet = _sheet(1.0, length, thickness, 8)
+        field = winding_field(sheet, (1.0,) * 8, 100.0 * max(1.0, length))
+        factors.append(float(field.flux_linkage.sum()) * length / (MU0 * math.pi))
+    return 2.0 * factors[1] - factors[0]
 
 
 def _sheet(radius: float, length: float, thickness: float, pieces: int) -> tuple[Region, ...]:
@@ -159,23 +152,10 @@ def _sheet(radius: float, length: float, thickness: float, pieces: int) -> tuple
     )
 
 
-@cached
-def _inductance_factor(ratio: float, share: float) -> float:
-    length = 2.0 / ratio
-    sheet = _sheet(1.0, length, share, _PIECES)
-    field = _solved(sheet, (1.0,) * _PIECES, 100.0 * max(1.0, length))
-    return float(field.flux_linkage.sum()) * length / (MU0 * math.pi)
-
-
 _NAGAOKA = case(
-    "NAGAOKA",
-    "Inductance of a thin solenoid",
+    "NAGAOKA", "Inductance of a thin solenoid",
     "L l/(µ0 N² π R²) of a cylindrical current sheet for 2 R/l = 0.2, 0.5, 1, 2 and 5.",
-    model=_FIELD + "; extrapolated from two thin sheets",
-    source="L. Lorenz (1879), H. Nagaoka (1909), by elliptic integrals",
-    tolerance=5e-5,
-    reason="the mesh at the sheet's ends 3e-5; (t/R)² log(R/t) = 7e-6 of its thickness",
-    rows=[
+    [
         Check(f"Nagaoka's factor at 2R/l = {ratio:g}.", value, "1", partial(_nagaoka, ratio),
                heavy=ratio in (0.5, 2.0))
         for ratio, value in (
@@ -183,21 +163,22 @@ _NAGAOKA = case(
             (2.0, 0.525510024), (5.0, 0.319825468),
         )
     ],
+    model=_FIELD + "; extrapolated from two thin sheets",
+    source="L. Lorenz (1879), H. Nagaoka (1909), by elliptic integrals", tolerance=5e-5,
+    reason="the mesh at the sheet's ends 3e-5; (t/R)² log(R/t) = 7e-6 of its thickness",
 )  # fmt: skip
 
 # --- a field on the axis -----------------------------------------------------------------------
-
-_INCH = 25.4e-3
 
 
 @cached
 def _vm168(height: float) -> float:
     """B_z (T) on the axis of VM168's solenoid, at a height (m) above its middle."""
-    pieces = 16
-    sheet = _sheet(0.5 * _INCH, 5.0 * _INCH, 1e-4, pieces)
+    inch, pieces = 25.4e-3, 16
+    sheet = _sheet(0.5 * inch, 5.0 * inch, 1e-4, pieces)
     # an empty ring: a line of the grid where the field is asked for
-    mark = Region("mark", (0.1 * _INCH, 0.2 * _INCH), (height, height + 2e-3))
-    field = _solved((*sheet, mark), (115.5,) * pieces, 5.0)
+    mark = Region("mark", (0.1 * inch, 0.2 * inch), (height, height + 2e-3))
+    field = winding_field((*sheet, mark), (115.5,) * pieces, 5.0)
     d = field.discretisation
     level = int(np.abs(d.grid.z - height).argmin())
     # on the axis B_z = 2 u; of each cell the first unknown is that of its lower inner corner
@@ -206,41 +187,37 @@ def _vm168(height: float) -> float:
 
 
 _VM168 = case(
-    "VM168",
-    "Field on the axis of a solenoid (ANSYS VM168)",
+    "VM168", "Field on the axis of a solenoid (ANSYS VM168)",
     "A thin solenoid, 5 in long, 0.5 in in radius, 115.5 ampere-turns: B_z in the middle and "
     "0.1905 m above.",
+    [
+        Check(f"B_z at a height of {height:g} m is that of the sheet.", value, "T",
+               partial(_vm168, height))
+        for height, value in ((0.0, 1.1206537736e-3), (0.1905, 2.1229234256e-6))
+    ],
     model=_FIELD,
     source="closed form of a current sheet; ANSYS Verification Manual, VM168, prints 1120e-6 and "
     "2.12e-6 T",
     tolerance=1e-4,
     reason="far from the coil the grid is coarse; the sheet is 0.1 mm thick; walls at 5 m",
-    rows=[
-        Check(f"B_z at a height of {height:g} m is that of the sheet.", value, "T",
-               partial(_vm168, height))
-        for height, value in ((0.0, 1.1206537736e-3), (0.1905, 2.1229234256e-6))
-    ],
 )  # fmt: skip
 
 # --- Brooks coil -------------------------------------------------------------------------------
 
-_SIDE, _TURNS, _RESISTANCE = 20e-3, 500.0, 3.534
-
-
-def _coil() -> tuple[Region, ...]:
-    return (Region("coil", (_SIDE, 2.0 * _SIDE), (-0.5 * _SIDE, 0.5 * _SIDE), turns=_TURNS),)
+_SIDE, _TURNS = 20e-3, 500.0
 
 
 @cached
 def _brooks() -> float:
     """Inductance (H) of VM207's coil: square section, inner radius its side."""
-    return float(_solved(_coil(), (1.0,), 4.0, order=3).incremental_inductance[0, 0])
+    coil = Region("coil", (_SIDE, 2.0 * _SIDE), (-0.5 * _SIDE, 0.5 * _SIDE), turns=_TURNS)
+    return float(winding_field((coil,), (1.0,), 4.0, order=3).incremental_inductance[0, 0])
 
 
 @cached
 def _current() -> complex:
     """Current's phasor (A) at 12 V and 60 Hz, by steps in time."""
-    return settled_current(_brooks(), _RESISTANCE, 12.0, 60.0)
+    return settled_current(_brooks(), 3.534, 12.0, 60.0)
 
 
 #: F. W. Grover's constant of the square section (H/m): L = 1.6994e-6 a N², a the mean radius.
@@ -250,13 +227,9 @@ _IN_TIME = (
 )
 
 _BROOKS = case(
-    "VM207",
-    "Brooks coil in a circuit (ANSYS VM206, VM207)",
+    "VM207", "Brooks coil in a circuit (ANSYS VM206, VM207)",
     "500 turns on a square of 20 mm, inner radius 20 mm; 12 V sin ωt of 60 Hz and 3.534 ohm.",
-    model=_FIELD + ", and the machine's circuit in time",
-    source="F. W. Grover, Inductance Calculations, Brooks coil: 1.6994e-6 a N²; ANSYS Verification "
-    "Manual, VM206 and VM207, prints 12.74 mH",
-    rows=[
+    [
         Check("The inductance is Grover's.", _GROVER * 1.5 * _SIDE * _TURNS**2, "H", _brooks,
                5e-5, "half a unit of Grover's fifth digit; the mesh 2e-5"),
         Check("The current's real part at 60 Hz is printed as 1.192 A.", 1.192, "A",
@@ -264,11 +237,14 @@ _BROOKS = case(
         Check("Its imaginary part at 60 Hz is printed as −1.621 A.", -1.621, "A",
                lambda: _current().imag, 4e-4, _IN_TIME),
     ],
+    model=_FIELD + ", and the machine's circuit in time",
+    source="F. W. Grover, Inductance Calculations, Brooks coil: 1.6994e-6 a N²; ANSYS "
+    "Verification Manual, VM206 and VM207, prints 12.74 mH",
 )  # fmt: skip
 
-CASES: tuple[Case, ...] = (
-    _LOOPS, _NAGAOKA, _VM168, _BROOKS,
-)  # fmt: skip
+CASES: tuple[Case, ...] = (_LOOPS, _NAGAOKA, _VM168, _BROOKS)
+
+# --- what cases of the normal actuator, tests and stress runs use ---------------------------------
 
 
 #: Radii of the winding and of the core (m).

@@ -55,36 +55,32 @@ def _cube() -> Floats:
 
 
 _RUS = case(
-    "RUS",
-    "Free elastic cube",
+    "RUS", "Free elastic cube",
     "A free cube of edge a with ν = 0.3: the lowest ω a √(ρ/E), as resonant ultrasound "
     "spectroscopy uses them.  The first two are one pair, the next three one triple.",
-    model=_BRICKS + ", one brick of degree 7",
-    source="W. M. Visscher et al., J. Acoust. Soc. Am. 90 (1991) 2154: Ritz, powers up to 13",
-    tolerance=2e-5,
-    reason="six digits of a Ritz series that is 1e-5 above its limit",
-    rows=[
+    [
         Check(f"Mode {mode} of the free cube is that of the Ritz series.", value, "1",
                nth(_cube, mode - 1))
         for mode, value in ((1, 1.77126), (2, 1.77126), (3, 2.38518), (5, 2.38518), (6, 2.42566))
     ],
+    model=_BRICKS + ", one brick of degree 7",
+    source="W. M. Visscher et al., J. Acoust. Soc. Am. 90 (1991) 2154: Ritz, powers up to 13",
+    tolerance=2e-5, reason="six digits of a Ritz series that is 1e-5 above its limit",
 )  # fmt: skip
 
 _LAME = case(
-    "LAME",
-    "Lamé modes of a free cube",
+    "LAME", "Lamé modes of a free cube",
     "A free cube of edge a with ν = 0.3: three modes in which all sections across an edge move "
     "alike in their own plane, without change of volume; ω a √(ρ/E).",
-    model=_BRICKS + ", one brick of degree 7",
-    source="G. Lamé, Leçons sur la théorie mathématique de l'élasticité (1852): ω a = √2 π c_s of "
-    "shear waves, whatever ν",
-    tolerance=5e-8,
-    reason="half a cosine by a polynomial of degree 7",
-    rows=[
+    [
         Check(f"Mode {mode} of the free cube is Lamé's.", math.pi / math.sqrt(1.3), "1",
                nth(_cube, mode - 1))
         for mode in (9, 10, 11)
     ],
+    model=_BRICKS + ", one brick of degree 7",
+    source="G. Lamé, Leçons sur la théorie mathématique de l'élasticité (1852): ω a = √2 π c_s of "
+    "shear waves, whatever ν",
+    tolerance=5e-8, reason="half a cosine by a polynomial of degree 7",
 )  # fmt: skip
 
 
@@ -106,18 +102,17 @@ def _torsion_constant(ratio: float) -> float:
 
 
 _TORSION = case(
-    "TOR",
-    "Saint-Venant's torsion of rectangles",
+    "TOR", "Saint-Venant's torsion of rectangles",
     "A bar of rectangular section turned by its ends, which may warp: J/(a b³) for a/b = 1, 2, 5.",
-    model=_BRICKS + ", degree 10 across",
-    source="Saint-Venant's series (Timoshenko and Goodier, Theory of Elasticity, art. 109)",
-    tolerance=2e-6,
-    reason="weak singularities in the corners: 1e-7 for the square, 1e-6 where it is long",
-    rows=[
+    [
         Check(f"J/(a b³) of a rectangle {ratio:g} : 1 is that of the series.", value, "1",
                partial(_torsion_constant, ratio))
         for ratio, value in ((1.0, 0.140577015), (2.0, 0.228681677), (5.0, 0.291316754))
     ],
+    model=_BRICKS + ", degree 10 across",
+    source="Saint-Venant's series (Timoshenko and Goodier, Theory of Elasticity, art. 109)",
+    tolerance=2e-6,
+    reason="weak singularities in the corners: 1e-7 for the square, 1e-6 where it is long",
 )  # fmt: skip
 
 
@@ -129,18 +124,16 @@ def _rod() -> Floats:
 
 
 _VM61 = case(
-    "VM61",
-    "Free rod, axial motion (ANSYS VM61)",
+    "VM61", "Free rod, axial motion (ANSYS VM61)",
     "800 in long, E = 30e6 psi, ρ = 0.00073 lb s²/in⁴, free at both ends, motion along it only.",
-    model=_BRICKS + ", two of degree 8 along the rod",
-    source="ANSYS Verification Manual, VM61 prints 126.70 and 253.40 Hz; n/(2 L) √(E/ρ)",
-    tolerance=1e-6,
-    reason="two half waves of a cosine by two polynomials of degree 8",
-    rows=[
+    [
         Check(f"The {words} is that of the closed form.",
                number * math.sqrt(30e6 / 0.00073) / 1600.0, "Hz", nth(_rod, number - 1))
         for number, words in ((1, "second frequency (the first is 0)"), (2, "third"))
     ],
+    model=_BRICKS + ", two of degree 8 along the rod",
+    source="ANSYS Verification Manual, VM61 prints 126.70 and 253.40 Hz; n/(2 L) √(E/ρ)",
+    tolerance=1e-6, reason="two half waves of a cosine by two polynomials of degree 8",
 )  # fmt: skip
 
 
@@ -171,21 +164,18 @@ def _membrane() -> Floats:
 
 
 _FV32 = case(
-    "FV32",
-    "Tapered membrane (NAFEMS FV32)",
-    "10 m long, 5 m high at its root and 1 m at its tip, 0.05 m thick, E = 200 GPa, ν = 0.3, "
-    "8000 kg/m³; its root does not move in its plane, nor its middle plane out of it: plane "
-    "stress.",
-    model="hexahedra of twenty nodes: 16 along it, 16 across, one through half the thickness",
-    source="NAFEMS FV32",
-    tolerance=5e-4,
-    reason="the root's two corners, where the stress has no bound: on two thirds of the size "
-    "the fifth frequency is 4e-4 lower, and the targets are those of a mesh as well",
-    rows=[
+    "FV32", "Tapered membrane (NAFEMS FV32)",
+    "10 m long, 5 m high at its root and 1 m at its tip, 0.05 m thick, E = 200 GPa, ν = 0.3, 8000 "
+    "kg/m³; its root does not move in its plane, nor its middle plane out of it: plane stress.",
+    [
         Check(f"Frequency {at + 1} of the membrane is NAFEMS'.", value, "Hz",
                nth(_membrane, at))
         for at, value in enumerate((44.623, 130.03, 162.70, 246.05, 379.90, 391.44))
     ],
+    model="hexahedra of twenty nodes: 16 along it, 16 across, one through half the thickness",
+    source="NAFEMS FV32", tolerance=5e-4,
+    reason="the root's two corners, where the stress has no bound: on two thirds of the size the "
+    "fifth frequency is 4e-4 lower, and the targets are those of a mesh as well",
 )  # fmt: skip
 
 
@@ -268,65 +258,60 @@ def _thin_peak() -> float:
 
 PLATES: tuple[Case, ...] = (
     case(
-        "P13H",
-        "Thin plate, simply supported (NAFEMS test 13H)",
+        "P13H", "Thin plate, simply supported (NAFEMS test 13H)",
         "10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, hard simple supports.",
+        [
+            Check(f"Frequency {at} is Mindlin's with {m} and {n} half waves.",
+                   _mindlin(m, n), "Hz", nth(_supported, at - 1))
+            for at, m, n in ((1, 1, 1), (2, 1, 2), (4, 2, 2), (5, 1, 3), (7, 2, 3))
+        ],
         model=_BRICKS + ", 2 x 2 of degree 8, one of degree 3 through the thickness",
         source="R. D. Mindlin's plate in closed form, κ = 5/(6 − ν); thin-plate theory, as NAFEMS "
         "R0015 test 13 prints it (2.377 to 15.449 Hz), is 9e-5 to 6e-4 higher",
         tolerance=5e-6,
         reason="half waves by polynomials of degree 8, 2e-7; with this κ Mindlin's plate is the "
         "solid one to 1e-8",
-        rows=[
-            Check(f"Frequency {at} is Mindlin's with {m} and {n} half waves.",
-                   _mindlin(m, n), "Hz", nth(_supported, at - 1))
-            for at, m, n in ((1, 1, 1), (2, 1, 2), (4, 2, 2), (5, 1, 3), (7, 2, 3))
-        ],
     ),
     case(
-        "P13HD",
-        "Thin plate, simply supported, driven in resonance (NAFEMS test 13H)",
+        "P13HD", "Thin plate, simply supported, driven in resonance (NAFEMS test 13H)",
         "The plate of case P13H, 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, 2 % of "
         "critical damping, 100 Pa on one face at 2.377 Hz: amplitude of its middle.",
+        [Check("The middle's amplitude is that of the sum.", _thin_peak(), "m", _peak)],
         model=_BRICKS + ", a quarter, one of degree 6, of degree 2 through the thickness",
         source="sum over the thin plate's modes; NAFEMS R0016, test 13H, prints 45.42 mm",
         tolerance=5e-4,
         reason="shear and rotation lower the frequency by 9e-5, a peak of 4 % width by less; four "
         "printed digits",
-        rows=[Check("The middle's amplitude is that of the sum.", _thin_peak(), "m", _peak)],
     ),
     case(
-        "FV12",
-        "Free thin square plate (NAFEMS FV12)",
+        "FV12", "Free thin square plate (NAFEMS FV12)",
         "A square plate of 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, without supports.",
-        model=_BRICKS + ", 2 x 2 of degree 6, one of degree 2 through the thickness",
-        source="converged thin-plate values, ω a² √(ρh/D) = 13.468, 19.596, 24.270, 34.801, "
-        "61.093, 63.686; the first three are also NAFEMS R0015, FV12",
-        tolerance=1e-3,
-        reason="a plate of h/a = 1/200: shear, rotation and the twist of its free edges take 4e-4 "
-        "to 8e-4",
-        rows=[
+        [
             Check(f"Frequency {at + 7} of the free plate is the thin plate's.",
                    value * _THIN / (2.0 * math.pi), "Hz", nth(free_plate, at))
             for at, value in enumerate(
                 (13.4682, 19.5961, 24.2702, 34.8009, 34.8009, 61.0932, 61.0932, 63.6861)
             )
         ],
+        model=_BRICKS + ", 2 x 2 of degree 6, one of degree 2 through the thickness",
+        source="converged thin-plate values, ω a² √(ρh/D) = 13.468, 19.596, 24.270, 34.801, "
+        "61.093, 63.686; the first three are also NAFEMS R0015, FV12",
+        tolerance=1e-3,
+        reason="a plate of h/a = 1/200: shear, rotation and the twist of its free edges take 4e-4 "
+        "to 8e-4",
     ),
     case(
-        "FV16",
-        "Cantilevered thin square plate (NAFEMS FV16)",
+        "FV16", "Cantilevered thin square plate (NAFEMS FV16)",
         "A square plate of 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, clamped along one "
         "edge: ω a² √(ρh/D).",
-        model=_BRICKS + ", 3 x 3 of degree 6, one of degree 2 through the thickness",
-        source="converged thin-plate values; NAFEMS' printed targets are up to 1 % higher",
-        tolerance=3e-3,
-        reason="a plate of h/a = 1/200, and the clamp's singular corners",
-        rows=[
+        [
             Check(f"Frequency {at + 1} is the converged thin plate's.", value, "1",
                    nth(cantilever_plate, at))
             for at, value in enumerate((3.47101, 8.50629, 21.28409, 27.19874, 30.95460, 54.18437))
         ],
+        model=_BRICKS + ", 3 x 3 of degree 6, one of degree 2 through the thickness",
+        source="converged thin-plate values; NAFEMS' printed targets are up to 1 % higher",
+        tolerance=3e-3, reason="a plate of h/a = 1/200, and the clamp's singular corners",
     ),
 )  # fmt: skip
 

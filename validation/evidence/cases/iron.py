@@ -12,10 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.magnetics.axisymmetric_field import MagneticField, solve_field
+from tactgen.fem.magnetics.axisymmetric_field import MagneticField
 from tactgen.fem.magnetics.axisymmetric_force import virtual_work_force
-from tactgen.fem.magnetics.axisymmetric_space import discretise
-from tactgen.fem.magnetics.problem_3d import MagneticField as SolidField
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, sample
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.operation import Spring
@@ -23,7 +21,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_law import MU0, linear
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
-from tactgen.geometry.reluctance.section_grid import Region, graded_grid
+from tactgen.geometry.reluctance.section_grid import Region
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint, Samples
 from tactgen.tmm.reluctance.switching import Switching, switching
@@ -34,8 +32,9 @@ from tactgen.validation.evidence.cases.coils import (
     between_windings,
     mutual_inductance,
     mutual_inductance_slope,
+    winding_field,
 )
-from tactgen.validation.evidence.mesh_levels import cached, counted, degree, intervals, size
+from tactgen.validation.evidence.mesh_levels import cached, counted, intervals, size
 
 _FIELD = "scalar potential, quadratic tetrahedra"
 _PERMEABILITY = 1000.0
@@ -43,31 +42,10 @@ _PERMEABILITY = 1000.0
 _WALL = 60.0
 
 
-def _uniform(points: Floats) -> Floats:
-    """T0 = 1 A/m along z."""
-    return np.broadcast_to([0.0, 0.0, 1.0], points.shape)
-
-
-def _in_uniform_field(mesh: Mesh, iron: str) -> SolidField:
-    """Field of an eighth of a body in 1 A/m along z."""
-    problem = MagneticSolid(
-        mesh, {iron: linear(_PERMEABILITY)}, _uniform, flux_normal=("z_low", "outer"), copies=8
-    )
-    return _solved(problem)
-
-
-def _solved(problem: MagneticSolid) -> SolidField:
-    """Its field by the scalar potential."""
-    potential = ScalarPotential(sample(problem))
-    counted(potential.size)
-    return potential.solve(1.0)
-
-
-def _mean_in(field: SolidField, region: str) -> float:
-    """Mean of B_z in a region over µ0 H0."""
-    cells = field.solid.problem.mesh.cells_of(region)
-    weights = field.solid.weights[cells]
-    return float(np.sum(weights * field.flux_density[cells][..., 2]) / (MU0 * weights.sum()))
+def _mean_in(mesh: Mesh, region: str, iron: str) -> float:
+    """Mean of B_z in a region of an eighth of a body in 1 A/m along z, over µ0 H0."""
+    solid = ball.in_uniform_field(mesh, iron, linear(_PERMEABILITY))
+    return ball.mean_in(ScalarPotential, solid, region) / MU0
 
 
 # --- hollow ball -------------------------------------------------------------------------------
@@ -89,22 +67,20 @@ def _shell_mesh(n: int) -> Mesh:
 @cached
 def _shielded() -> float:
     """B in the hollow over B far away."""
-    return _mean_in(_in_uniform_field(_shell_mesh(intervals(4)), "iron"), "ball")
+    return _mean_in(_shell_mesh(intervals(4)), "ball", "iron")
 
 
 _SHELL = case(
-    "SHELL",
-    "Hollow ball of iron in a uniform field",
+    "SHELL", "Hollow ball of iron in a uniform field",
     "Radii 1 and 1.1, µr = 1000, in a field that is uniform far away: B in the hollow over B far "
     "away.",
-    model=_FIELD + " on an eighth, curved, to 60 radii",
-    source="J. D. Jackson, Classical Electrodynamics, 3rd ed., eq. 5.121",
-    tolerance=1e-3,
-    reason="the mesh, by its own refinement: 0.06 %, which 2/3 of the size makes a fifth",
-    rows=[
+    [
         Check("The hollow is shielded to 1.78 % of the field.", 0.0178085173, "1",
                _shielded),
     ],
+    model=_FIELD + " on an eighth, curved, to 60 radii",
+    source="J. D. Jackson, Classical Electrodynamics, 3rd ed., eq. 5.121", tolerance=1e-3,
+    reason="the mesh, by its own refinement: 0.06 %, which 2/3 of the size makes a fifth",
 )  # fmt: skip
 
 # --- spheroid ----------------------------------------------------------------------------------
@@ -114,26 +90,25 @@ _SHELL = case(
 def _factor(ratio: float, finest: int) -> float:
     """N from B = µr H0 µ0 / (1 + N (µr − 1)), on so many intervals along an edge."""
     n = intervals(finest)
-    ball = sphere_mesh(n, curved=True, shells=np.geomspace(RADIUS, _WALL, 4 * n + 1))
-    mesh = replace(ball, points=ball.points * [1.0, 1.0, ratio])
-    inside = _mean_in(_in_uniform_field(mesh, "ball"), "ball")
+    round_mesh = sphere_mesh(n, curved=True, shells=np.geomspace(RADIUS, _WALL, 4 * n + 1))
+    mesh = replace(round_mesh, points=round_mesh.points * [1.0, 1.0, ratio])
+    inside = _mean_in(mesh, "ball", "ball")
     return (_PERMEABILITY / inside - 1.0) / (_PERMEABILITY - 1.0)
 
 
 _SPHEROID = case(
-    "SPHEROID",
-    "Spheroid of iron in a uniform field along its axis",
+    "SPHEROID", "Spheroid of iron in a uniform field along its axis",
     "Twice and four times as long as thick, µr = 1000: the demagnetising factor that follows from "
     "B inside.",
-    model=_FIELD + " on an eighth of a stretched ball, curved, to 60 radii",
-    source="J. A. Osborn, Demagnetizing factors of the general ellipsoid, Phys. Rev. 67 (1945)",
-    tolerance=5e-3,
-    reason="the mesh, by its own refinement: 0.2 % at 2 : 1, 0.3 % on the finer one at 4 : 1",
-    rows=[
+    [
         Check(f"The factor is Osborn's at {ratio:g} : 1.", value, "1", partial(_factor, ratio, n),
                heavy=n > 4)
         for ratio, value, n in ((2.0, 0.173564, 4), (4.0, 0.0754072, 6))
     ],
+    model=_FIELD + " on an eighth of a stretched ball, curved, to 60 radii",
+    source="J. A. Osborn, Demagnetizing factors of the general ellipsoid, Phys. Rev. 67 (1945)",
+    tolerance=5e-3,
+    reason="the mesh, by its own refinement: 0.2 % at 2 : 1, 0.3 % on the finer one at 4 : 1",
 )  # fmt: skip
 
 # --- slot --------------------------------------------------------------------------------------
@@ -169,30 +144,29 @@ def _across_the_gap(points: Floats) -> Floats:
 @cached
 def _slot(ratio: float) -> float:
     """Σ from the permeance."""
-    problem = MagneticSolid(
+    potential = ScalarPotential(sample(MagneticSolid(
         _slot_mesh(ratio), {"iron": linear(_STEEL)}, _across_the_gap,
         flux_normal=("z_low", "z_high"),
-    )  # fmt: skip
-    permeance = 2.0 * _solved(problem).coenergy / (MU0 * 0.2)
+    )))  # fmt: skip
+    counted(potential.size)
+    permeance = 2.0 * potential.solve(1.0).coenergy / (MU0 * 0.2)
     return 2.0 * (0.5 * ratio + _WIDE - permeance) / ratio
 
 
 _CARTER = case(
-    "CARTER",
-    "Gap below a slot",
+    "CARTER", "Gap below a slot",
     "Two facing iron faces, in one of them a deep slot 0.5, 1, 2 and 5 times as wide as the gap: "
     "the share of the slot's width by which the gap seems narrower.",
-    model=_FIELD + " on a slice, intervals of 1/1000 of the gap at the slot's edge",
-    source="F. W. Carter (1901), by conformal mapping",
-    tolerance=5e-4,
-    reason="the mesh at the edge, where B has no bound: 0.02 %, ten times that at ten times the "
-    "size",
-    rows=[
+    [
         Check(f"Carter's σ at b/g = {ratio:g}.", value, "1", partial(_slot, ratio))
         for ratio, value in (
             (0.5, 0.0787685949), (1.0, 0.153109638), (2.0, 0.2793644), (5.0, 0.505533176),
         )
     ],
+    model=_FIELD + " on a slice, intervals of 1/1000 of the gap at the slot's edge",
+    source="F. W. Carter (1901), by conformal mapping", tolerance=5e-4,
+    reason="the mesh at the edge, where B has no bound: 0.02 %, ten times that at ten times the "
+    "size",
 )  # fmt: skip
 
 
@@ -216,15 +190,10 @@ def _snap() -> Switching:
 
 IDEAL_GAP: tuple[Case, ...] = (
     case(
-        "SNAP",
-        "Rod that snaps across an ideal gap",
+        "SNAP", "Rod that snaps across an ideal gap",
         "500 turns, a gap of 0.2 mm and 4 mm², iron without resistance, a spring of 100 N/m "
         "without preload: the current at which it snaps, and how far it had moved.",
-        model="a co-energy map of samples of µ0 N² A i²/(2 g), and the model's switching",
-        source="I² = 8 k g³/(27 µ0 N² A) at a third of the gap (the twin of electrostatic pull-in)",
-        tolerance=1e-3,
-        reason="the map's cubics over 48 gaps",
-        rows=[
+        [
             Check("It snaps at 13.734 mA.", 0.0137341938, "A", lambda: _snap().pull_in),
             Check("It had moved by a third of the gap.", _GAP / 3.0, "m",
                    lambda: _GAP - _snap().pull_in_gap, 5e-3,
@@ -232,60 +201,54 @@ IDEAL_GAP: tuple[Case, ...] = (
                    "so the place is known to the root of the current's error at best, √(1e-5) = "
                    "3e-3"),
         ],
+        model="a co-energy map of samples of µ0 N² A i²/(2 g), and the model's switching",
+        source="I² = 8 k g³/(27 µ0 N² A) at a third of the gap (the twin of electrostatic pull-in)",
+        tolerance=1e-3, reason="the map's cubics over 48 gaps",
     ),
 )  # fmt: skip
 
 
-#: Radii of the ring's section (m), its height above the iron, half its own height; permeability.
-_RADII, _ABOVE, _HALF, _PERMEABILITY_IMAGES = (0.19, 0.21), 0.05, 0.01, 1000.0
-#: Radius of the box (m): a hundred of the ring.
-_WALLS = 20.0
-_SHARE = (_PERMEABILITY_IMAGES - 1.0) / (_PERMEABILITY_IMAGES + 1.0)
+#: Height of the ring's middle above the iron (m), the iron's permeability, and its image's share.
+_ABOVE, _MU = 0.05, 1000.0
+_SHARE = (_MU - 1.0) / (_MU + 1.0)
 
 
 def _ring(height: float = _ABOVE) -> Region:
-    return Region("ring", _RADII, (height - _HALF, height + _HALF), turns=1.0, moves=True)
-
-
-def _below(permeability: float, extent: float = _WALLS) -> Region:
-    return Region("iron", (0.0, extent), (-extent, 0.0), linear(permeability))
+    return Region("ring", (0.19, 0.21), (height - 0.01, height + 0.01), turns=1.0, moves=True)
 
 
 @cached
-def _solved_images(permeability: float) -> MagneticField:
-    """Field of 1 A above a body of this permeability, 1 for none."""
-    regions = (_ring(), _below(permeability))
-    space = discretise(graded_grid(regions, _WALLS, refinement=2.0), degree(4))
-    counted(space.size)
-    return solve_field(space, np.array([1.0]))
+def _above(permeability: float) -> MagneticField:
+    """Field of 1 A above a body of this permeability, 1 for none, walls at a hundred radii."""
+    walls = 20.0
+    below = Region("iron", (0.0, walls), (-walls, 0.0), linear(permeability))
+    return winding_field((_ring(), below), (1.0,), walls)
 
 
 def _gained() -> float:
     """By how much the iron raises the ring's inductance (H), on one grid."""
-    above, alone = (float(_solved_images(mu).flux_linkage[0]) for mu in (_PERMEABILITY_IMAGES, 1.0))
+    above, alone = (float(_above(mu).flux_linkage[0]) for mu in (_MU, 1.0))
     return above - alone
 
 
 IMAGES: tuple[Case, ...] = (
     case(
-        "IMAGE",
-        "Ring winding above a half-space of iron",
+        "IMAGE", "Ring winding above a half-space of iron",
         "One turn of 1 A on a section of 20 x 20 mm, mean radius 0.2 m, its middle 50 mm above "
         "iron of µr = 1000.",
-        model="axisymmetric field, quadrilaterals of order 4 on a graded grid, walls at a hundred "
-        "radii",
-        source="image current (µr − 1)/(µr + 1) (J. D. Jackson, Classical Electrodynamics, 3rd "
-        "ed., ch. 5), by Maxwell's elliptic integrals over both sections",
-        tolerance=1e-5,
-        reason="the mesh and walls at a hundred radii, 2e-6 each",
-        rows=[
+        [
             Check("The iron adds the image's mutual inductance.",
                    _SHARE * between_windings(_ring(-_ABOVE), _ring(), mutual_inductance), "H",
                    _gained),
             Check("The iron pulls as the image does.",
                    _SHARE * between_windings(_ring(-_ABOVE), _ring(), mutual_inductance_slope),
-                   "N", lambda: virtual_work_force(_solved_images(_PERMEABILITY_IMAGES))),
+                   "N", lambda: virtual_work_force(_above(_MU))),
         ],
+        model="axisymmetric field, quadrilaterals of order 4 on a graded grid, walls at a hundred "
+        "radii",
+        source="image current (µr − 1)/(µr + 1) (J. D. Jackson, Classical Electrodynamics, 3rd "
+        "ed., ch. 5), by Maxwell's elliptic integrals over both sections",
+        tolerance=1e-5, reason="the mesh and walls at a hundred radii, 2e-6 each",
     ),
 )  # fmt: skip
 

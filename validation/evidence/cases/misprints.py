@@ -46,16 +46,10 @@ _DEVIATIONS = {
 }  # fmt: skip
 
 _APPENDIX = case(
-    "EQ",
-    "The paper's Appendix A as printed",
+    "EQ", "The paper's Appendix A as printed",
     "Each printed formula of the transfer matrix against the beam's differential equations in "
     "80-digit arithmetic, on the paper's 20 mm bimorph at 10 Hz.",
-    model="the audit of the printed formulas, of which the scene report shows what each does",
-    source="the paper's Appendix A, equations 13 to 55",
-    tolerance=1e-9,
-    reason="what is right as printed agrees to 1e-11",
-    tier="validation",
-    rows=[
+    [
         Check(
             f"Equation {equation} as printed is that of the beam's differential equations.",
             1.0, "1", partial(_as_printed, equation),
@@ -65,6 +59,9 @@ _APPENDIX = case(
         )
         for equation, deviation in _DEVIATIONS.items()
     ],
+    model="the audit of the printed formulas, of which the scene report shows what each does",
+    source="the paper's Appendix A, equations 13 to 55", tolerance=1e-9,
+    reason="what is right as printed agrees to 1e-11", tier="validation",
 )  # fmt: skip
 
 # --- benchmarks --------------------------------------------------------------------------------
@@ -73,18 +70,11 @@ _EXCHANGED = (
     "two digits exchanged: the closed form that gives all other entries of the table has 0.1242"
 )
 _HWANG = case(
-    "HP",
-    "PVDF bimorph (Tzou 1989, Hwang and Park 1993)",
+    "HP", "PVDF bimorph (Tzou 1989, Hwang and Park 1993)",
     "100 x 5 x 1 mm, two layers of PVDF poled oppositely, E = 2 GPa, ν = 0, e31 = 0.046 C/m², 1 V "
     "across both, one end clamped: deflection along it, as most papers on piezoelectric elements "
     "tabulate it.",
-    model="bricks of the model solid, potential linear through the thickness",
-    source="W.-S. Hwang, H. C. Park, AIAA J. 31 (1993) 930, table; 1.5 e31 V/E (z/h)² in closed "
-    "form",
-    tolerance=4e-3,
-    reason="three printed digits in the first number",
-    tier="validation",
-    rows=[
+    [
         Check(f"At {z} mm the table has {value} um.", value * 1e-6, "m",
                partial(pvdf_deflection, z * 1e-3, True), explained=explained, known=known)
         for z, value, explained, known in (
@@ -97,6 +87,10 @@ _HWANG = case(
         Check("At 200 V the tip is printed to move by 69.00 um.", 69.00e-6, "m",
                lambda: 200.0 * pvdf_deflection(0.1, True)),
     ],
+    model="bricks of the model solid, potential linear through the thickness",
+    source="W.-S. Hwang, H. C. Park, AIAA J. 31 (1993) 930, table; 1.5 e31 V/E (z/h)² in closed "
+    "form",
+    tolerance=4e-3, reason="three printed digits in the first number", tier="validation",
 )  # fmt: skip
 
 _RIGIDITY = 200e9 * 0.05**3 / (12.0 * (1.0 - 0.3**2))
@@ -117,16 +111,10 @@ def _in_hertz(number: int) -> float:
 
 
 _FV16 = case(
-    "FV16M",
-    "Cantilevered thin square plate: NAFEMS' targets",
-    "The plate of case FV16, 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, clamped along one "
-    "edge: frequencies in hertz.",
-    model="bricks of the model solid, graded towards the clamp",
-    source="NAFEMS R0015, test FV16",
-    tolerance=2e-3,
-    reason="four printed digits; a plate of h/a = 1/200",
-    tier="validation",
-    rows=[
+    "FV16M", "Cantilevered thin square plate: NAFEMS' targets",
+    "The plate of case FV16, 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, clamped along "
+    "one edge: frequencies in hertz.",
+    [
         Check(f"Target {at + 1} is {value} Hz.", value, "Hz", partial(_in_hertz, at),
                explained=_RITZ, known=known)
         for at, (value, known) in enumerate((
@@ -134,19 +122,15 @@ _FV16 = case(
             (3.306, -0.0102), (3.753, -0.0076), (6.555, -0.0060),
         ))
     ],
+    model="bricks of the model solid, graded towards the clamp", source="NAFEMS R0015, test FV16",
+    tolerance=2e-3, reason="four printed digits; a plate of h/a = 1/200", tier="validation",
 )  # fmt: skip
 
 _FV12 = case(
-    "FV12M",
-    "Free thin square plate: NAFEMS' closed-form targets",
-    "The plate of case FV12, 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, without supports: "
-    "modes 7, 8 and 9.",
-    model="bricks of the model solid",
-    source="NAFEMS R0015, test FV12, column f*",
-    tolerance=2e-3,
-    reason="four printed digits; a plate of h/a = 1/200",
-    tier="validation",
-    rows=[
+    "FV12M", "Free thin square plate: NAFEMS' closed-form targets",
+    "The plate of case FV12, 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, without "
+    "supports: modes 7, 8 and 9.",
+    [
         Check(f"The target of {mode} is {value} Hz.", value, "Hz",
                nth(free_plate, index), known=known,
                explained="the target is as that of a short series: " + _FEW_TERMS)
@@ -154,22 +138,20 @@ _FV12 = case(
             ("modes 7 and 8", 3, 4.233, -0.0104), ("mode 9", 5, 7.416, -0.0083),
         )
     ],
+    model="bricks of the model solid", source="NAFEMS R0015, test FV12, column f*", tolerance=2e-3,
+    reason="four printed digits; a plate of h/a = 1/200", tier="validation",
 )  # fmt: skip
 
 _VM156 = case(
-    "VM156M",
-    "Period on a hardening spring: ANSYS VM156's target",
+    "VM156M", "Period on a hardening spring: ANSYS VM156's target",
     "2588e-6 on a spring of 2 x + 4 x³, let go at 1.",
-    model="harmonic balance",
-    source="ANSYS Verification Manual, VM156",
-    tolerance=5e-4,
-    reason="four printed digits",
-    tier="validation",
-    rows=[
+    [
         Check("The period is 0.1447 s.", 0.1447, "s", period_of_vm156,
                explained="the elliptic integral of rows MOT-1 and HB-2 gives 0.14404 s: the "
                "target is 0.46 % too long", known=-4.53e-3),
     ],
+    model="harmonic balance", source="ANSYS Verification Manual, VM156", tolerance=5e-4,
+    reason="four printed digits", tier="validation",
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = (_APPENDIX, _HWANG, CUBE, _FV16, _FV12, _VM156)
