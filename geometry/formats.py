@@ -41,7 +41,7 @@ def prefixed(largest: float, unit: str) -> tuple[float, str]:
     return 10.0**-exponent, f"{_PREFIX[exponent]}{unit}"
 
 
-def with_bar(value: float, bar: float, unit: str) -> str:
+def with_error(value: float, bar: float, unit: str) -> str:
     """Value ± bar in one unit, with two digits of the bar.
 
     Bars below 1e-7 of the value are shown as a power of ten, since the digits before them say
@@ -96,7 +96,7 @@ def filters() -> dict[str, Callable[..., Any]]:
     """Template filters."""
     return {
         "eng": engineering,
-        "bar": with_bar,
+        "bar": with_error,
         "percent": percent,
         "share": share,
         "signed": signed,

@@ -13,7 +13,7 @@ import tactgen
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import closed_loop_work
 from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.tmm.reluctance.network import network_bridge, network_samples, thermal_statement
+from tactgen.tmm.reluctance.network import network_refinements, network_samples, thermal_statement
 from tactgen.tmm.reluctance.switching import finger_force, switching
 
 scene, _ = tactgen.load_scene("reluctance")
@@ -39,7 +39,7 @@ _ = axis.legend(fontsize=8)
 # What each refinement of the textbook formula is worth at the upper stop:
 
 # %%
-bridge = network_bridge(device, device.coil.current, device.gap)
+bridge = network_refinements(device, device.coil.current, device.gap)
 for row in bridge:
     print(f"{row.step:35} {row.force * 1e3:6.1f} mN  {row.force_change:+.1%}")
 

@@ -16,7 +16,7 @@ from scipy import signal
 import tactgen
 from tactgen.tmm.generator.equilibrium import axial_forces, position_loop
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square
-from tactgen.tmm.reluctance.map_range import network_pull
+from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.models.backbone import backbone, held_head
 from tactgen.validation.models.generator.transient import phases, run_scene
 from tactgen.validation.show.export import export
@@ -32,7 +32,7 @@ device = scene.device
 
 # %%
 currents = np.linspace(0.0, 0.14, 71)
-loop = position_loop(axial_forces(device, network_pull(device)), currents)
+loop = position_loop(axial_forces(device, network_map(device)), currents)
 rising, falling = (np.array([p.lift for p in way]) for way in (loop.rising, loop.falling))
 figure, axis = plt.subplots(figsize=(7.0, 3.2))
 axis.plot(1e3 * currents, 1e6 * rising, label="current rising")

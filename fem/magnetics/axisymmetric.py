@@ -379,7 +379,7 @@ def _weights(places: Floats, place: Floats) -> Floats:
 _MOST = 3
 
 
-class FieldWalk:
+class FieldContinuation:
     """Points of devices, currents and gaps that differ little from one to the next.
 
     Parameters

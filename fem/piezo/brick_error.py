@@ -24,7 +24,7 @@ from tactgen.geometry.device.parameters import Device
 
 
 @dataclass(frozen=True)
-class MotionSurplus:
+class MotionEstimator:
     """The functions that one class of motion lacks, w of them, against the (4 n) it has."""
 
     unknowns: Unknowns  #: What the bricks' own unknowns y (m + 3) are among the values on them
@@ -71,7 +71,7 @@ class MotionSurplus:
         return first, second
 
 
-class BrickSurplus:
+class BrickEstimator:
     """All products that bricks of one degree more have besides; hierarchic, with plain sections."""
 
     def __init__(self, device: Device, bricks: Bricks, *, lossy: bool = False) -> None:
@@ -88,7 +88,7 @@ class BrickSurplus:
             self._richer, known, self._unit, tested.reshape(self._richer.shape)
         )
 
-    def of(self, motion: Motion) -> MotionSurplus:
+    def of(self, motion: Motion) -> MotionEstimator:
         """Hierarchical error of one class of motion."""
         unknowns, more = (
             quarter_unknowns(bricks, motion, self._unit) for bricks in (self._bricks, self._richer)
@@ -96,7 +96,7 @@ class BrickSurplus:
         lacks = more.free.ravel().copy()
         lacks[self._place[unknowns.index]] = False
         lacking = np.flatnonzero(lacks)
-        return MotionSurplus(
+        return MotionEstimator(
             unknowns=unknowns,
             place=self._place,
             stiffness=self._stiffness[lacking],

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from tactgen.fem.piezo.port_model import PortModel, extremes, motions, standard_ends, undamped_modes
 from tactgen.fem.piezo.symmetry import PORTS
-from tactgen.fem.piezo.system import SolidSystem, Surplus
+from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
 from tactgen.fem.solvers.linear_solver import Factor, factorise, wide_product
 from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Numbers, Sparse
 from tactgen.geometry.store.values import storable
@@ -185,7 +185,7 @@ _TIP = slice(2, 4)
 _SIGNS = np.array([1.0, 1.0, 1.0, 1.0, -1.0])
 
 
-def missing_products(states: Numbers, surplus: Surplus) -> Numbers:
+def missing_products(states: Numbers, surplus: EstimatorSpace) -> Numbers:
     """Products r_iᵀ K_w⁻¹ r_j (2, 2 k + 8, 2 k + 8) of displacements, of potentials.
 
     Of K x and of M x of every unknown of a reduced solid, then of the tip's two functionals.
@@ -194,7 +194,7 @@ def missing_products(states: Numbers, surplus: Surplus) -> Numbers:
     ----------
     states : (n, k + 3) array, complex if the solid has losses
         What the solid's unknowns are per unknown of the reduced one.
-    surplus : Surplus
+    surplus : EstimatorSpace
         The functions that the solid lacks, with the losses that it has.
     """
     return np.stack(surplus.products(np.hstack([*surplus.residuals(states), surplus.tip])))
@@ -297,7 +297,7 @@ def reduce_to_ports(
     frequencies: Floats,
     *,
     tolerance: float = 1e-6,
-    surplus: Surplus | None = None,
+    surplus: EstimatorSpace | None = None,
 ) -> ReducedSolid:
     """Project a solid on a rational Krylov basis that serves a range of frequencies.
 
@@ -312,7 +312,7 @@ def reduce_to_ports(
         frequencies and, with losses, at every peak and dip between the lowest and highest.
         Shifts are added at the worst frequency until it holds or six are used; what was
         reached stays available as the estimate.
-    surplus : Surplus, optional
+    surplus : EstimatorSpace, optional
         Functions that the solid lacks, to judge it by.
 
     Notes

@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 
 from tactgen.fem.piezo.modal_model import ModalModel, section_motions
-from tactgen.fem.piezo.system import SolidSystem, Surplus
+from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Numbers, Sparse
 
@@ -37,7 +37,9 @@ _LOST = 0.1
 _MOST_BLOCKS = 100
 
 
-def modal_model(system: SolidSystem, count: int, surplus: Surplus | None = None) -> ModalModel:
+def modal_model(
+    system: SolidSystem, count: int, surplus: EstimatorSpace | None = None
+) -> ModalModel:
     """Reduce a lossless solid to its lowest `count` modes on any support.
 
     Costs one search for modes with the factor of the statics; and what functions that the solid
@@ -95,7 +97,7 @@ def _alone(system: SolidSystem, charge: Numbers) -> tuple[Floats, Floats]:
     return field, forces
 
 
-def _lacking(surplus: Surplus, shapes: Floats, field: Floats) -> Floats:
+def _lacking(surplus: EstimatorSpace, shapes: Floats, field: Floats) -> Floats:
     """Estimator-space part of :class:`ModalModel`."""
     size = shapes.shape[1]
     states = np.zeros((shapes.shape[0] + 1, size + 1))

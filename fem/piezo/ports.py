@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tactgen.fem.piezo.system import SolidSystem, Surplus
+from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
 from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport
@@ -35,7 +35,7 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
 
 
 def static_multiports(
-    system: SolidSystem, surplus: Surplus
+    system: SolidSystem, surplus: EstimatorSpace
 ) -> tuple[Multiport, Multiport, Multiport]:
     """D(0) of a lossless system, with its hierarchical error.
 
@@ -56,7 +56,7 @@ def static_multiports(
     return fine, better[0], better[1]
 
 
-def _judged(system: SolidSystem, surplus: Surplus) -> tuple[Blocks, Numbers, Numbers]:
+def _judged(system: SolidSystem, surplus: EstimatorSpace) -> tuple[Blocks, Numbers, Numbers]:
     """Mixed form at rest, with its hierarchical error (5, 5)."""
     x = _states(system, 0.0)
     residuals = -surplus.residuals(x.astype(float))[0]

@@ -12,14 +12,14 @@ import numpy as np
 from tactgen.fem.piezo.krylov import ReducedSolid, reduce_to_ports
 from tactgen.fem.piezo.port_model import PortModel
 from tactgen.fem.piezo.solid import assemble
-from tactgen.fem.piezo.system import Surplus, materials
+from tactgen.fem.piezo.system import EstimatorSpace, materials
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import fingerprint
 
 #: What the entry `title` says; files that say otherwise are refused.
@@ -116,7 +116,7 @@ def reduced_solid(
     frequencies: Floats,
     *,
     tolerance: float,
-    lacking: Callable[[], Surplus] | None = None,
+    lacking: Callable[[], EstimatorSpace] | None = None,
 ) -> ReducedSolid:
     """Lossy solid reduced to its ports, from the store if it was reduced before.
 
@@ -139,7 +139,7 @@ def reduced_solid(
         return reduce_to_ports(system, frequencies, tolerance=tolerance, surplus=surplus)
 
     inputs = (made_from(device, mesh), bounds, tolerance)
-    return kept("reduction", inputs, _MADE_OF, work, serves=serves)
+    return cached_result("reduction", inputs, _MADE_OF, work, serves=serves)
 
 
 def made_from(device: Device, mesh: Mesh | Bricks) -> str:

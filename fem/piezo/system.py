@@ -40,7 +40,7 @@ class Expanding(Protocol):
         ...
 
 
-class Surplus(Protocol):
+class EstimatorSpace(Protocol):
     """Estimator space of w functions for the hierarchical error of a system."""
 
     @property

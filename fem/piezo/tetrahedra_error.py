@@ -31,7 +31,7 @@ _SLOPES = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 
 
 
 @dataclass(frozen=True)
-class CubicSurplus:
+class CubicEstimator:
     """Residuals against the missing cubics, and the parts of the solutions found from them."""
 
     #: (n_functions, 4, n_fields) r(v) and e, the potential in the system's own unit.  e holds zero
@@ -49,7 +49,7 @@ class CubicSurplus:
 
 def cubic_surplus(
     device: Device, mesh: Mesh, system: SolidSystem, fields: Floats, inertia: Floats, force: Floats
-) -> CubicSurplus:
+) -> CubicEstimator:
     """Hierarchical error estimate with cubic functions.
 
     Parameters
@@ -100,7 +100,7 @@ def cubic_surplus(
             odd = np.array(SIGNS[system.motion][axis]) < 0
             for p in np.flatnonzero(odd):
                 _prescribe(residual, diagonal, slice(p, p + 1), _on_faces(domain, [name]))
-    return CubicSurplus(residual, np.linalg.solve(diagonal, residual), functions)
+    return CubicEstimator(residual, np.linalg.solve(diagonal, residual), functions)
 
 
 def _on_cells(

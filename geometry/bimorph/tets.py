@@ -38,7 +38,7 @@ from tactgen.geometry.meshing.tetwild.mesher import (
     sizing_along_z,
     sizing_at_points,
 )
-from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.store import cached_result
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -183,7 +183,7 @@ def tetrahedralise(
             stretching = _stretching(device, standing)
             return _first_good_mesh(solids, named, root, options, sizing, stretching, process)
 
-    return kept("mesh", (parts, named, shape, options.quarter, root), _MADE_OF, made)
+    return cached_result("mesh", (parts, named, shape, options.quarter, root), _MADE_OF, made)
 
 
 def _named_faces(

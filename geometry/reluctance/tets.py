@@ -23,7 +23,7 @@ from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild.conform import conform
 from tactgen.geometry.meshing.tetwild.mesher import SizingField, run_ftetwild
-from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.store import cached_result
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -82,7 +82,7 @@ def actuator_tets(device: Device, gap: float, meshing: ActuatorMeshing) -> Mesh:
     """
     at_gap = with_fitting_tab(device, gap)
     parts = layout(at_gap, "rod", PARTS)
-    return kept(
+    return cached_result(
         "mesh",
         (parts, replace(meshing, time_limit=0.0)),
         _MADE_OF,

@@ -49,7 +49,7 @@ class Damaged(Exception):
 # ---- values by what they are computed from ----
 
 
-def kept(
+def cached_result(
     kind: str,
     inputs: tuple[object, ...],
     made_of: tuple[str, ...],
@@ -88,7 +88,7 @@ def kept(
     return found[0]
 
 
-def recalled(
+def stored_result(
     kind: str,
     inputs: tuple[object, ...],
     made_of: tuple[str, ...],
@@ -99,7 +99,7 @@ def recalled(
     return found[0] if found is not None else None
 
 
-def is_kept(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> bool:
+def is_cached(kind: str, inputs: tuple[object, ...], made_of: tuple[str, ...]) -> bool:
     """Whether the store has a file for a value, whole or not."""
     return _place(kind, inputs, made_of).is_file()
 

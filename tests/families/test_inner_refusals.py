@@ -33,8 +33,7 @@ from tactgen.validation.models import backbone as held_head
 from tactgen.validation.models.display.field import spread
 from tactgen.validation.scene import files as frequencies
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show import browser
-from tactgen.validation.show import stills as films
+from tactgen.validation.show import browser, pictures
 from tactgen.validation.studies.whatif import executor
 from tactgen.validation.studies.whatif.pictures import study_picture
 
@@ -160,11 +159,11 @@ def test_a_cluster_without_workers_is_left_after_a_while(monkeypatch):
 def test_a_film_that_is_not_made(monkeypatch, tmp_path):
     """What ffmpeg says last is quoted, and nothing is left."""
     failed = Stub(returncode=1, stderr=b"first\nUnknown encoder\n")
-    monkeypatch.setattr(films, "check_ffmpeg", lambda _: None)
+    monkeypatch.setattr(pictures, "check_ffmpeg", lambda _: None)
     monkeypatch.setattr(subprocess, "run", lambda *_, **__: failed)
     picture = Stub(tobytes=lambda: b"", size=(2, 2))
     with pytest.raises(InputError, match="ffmpeg says: Unknown encoder; write --gif"):
-        films.save_film(tmp_path / "a.mp4", [picture], 40)
+        pictures.save_film(tmp_path / "a.mp4", [picture], 40)
     assert not list(tmp_path.iterdir())
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.validation.evidence import stress_driven as at_random
-from tactgen.validation.evidence.stress import Asked, Family, Point, run_parts
+from tactgen.validation.evidence.stress import Family, PartRequest, Point, run_parts
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -20,7 +20,7 @@ def judge(pair, overrides):
 
 def test_a_second_model_bears_out_any_answer():
     """Bimorphs and machines; `tactgen stress --only random` draws two thousand, anew each time."""
-    rows = at_random.random_rows(Asked(quick=True, seed=2026), 8)
+    rows = at_random.random_rows(PartRequest(quick=True, seed=2026), 8)
     assert [row.worst for row in rows if row.verdict == "fails"] == []
     assert min(row.points for row in rows) > 10
 
@@ -28,7 +28,7 @@ def test_a_second_model_bears_out_any_answer():
 @pytest.mark.heavy
 def test_a_second_model_bears_out_two_thousand_answers():
     """The same of many more."""
-    rows = at_random.run_random(Asked(quick=False, seed=secrets.randbelow(10**9))).rows
+    rows = at_random.run_random(PartRequest(quick=False, seed=secrets.randbelow(10**9))).rows
     assert [(row.what, row.worst) for row in rows if row.verdict == "fails"] == []
 
 

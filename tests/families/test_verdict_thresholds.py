@@ -79,9 +79,7 @@ def test_two_studies_differ_where_the_bars_do_not_reach(first, bar, other, aside
 
 
 def row(reference, tolerance, **more):
-    return Check(
-        "T-1", "code verification", "It is so.", reference, "m", "", tolerance, "", float, **more
-    )
+    return Check("It is so.", reference, "m", float, tolerance, **more)
 
 
 @given(reference=VALUES, tolerance=st.floats(1e-9, 0.5), aside=ASIDE, up=st.booleans())

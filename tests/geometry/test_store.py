@@ -126,11 +126,11 @@ def test_a_value_is_computed_once(folder):
     """Other inputs or other code are another value."""
     calls = []
     for _ in range(2):
-        assert same(store.kept("sample", (1,), CODE, counted(calls)), VALUE)
+        assert same(store.cached_result("sample", (1,), CODE, counted(calls)), VALUE)
     assert len(calls) == 1
-    store.kept("sample", (2,), CODE, counted(calls))
-    store.kept("sample", (1,), ("tactgen.geometry.units",), counted(calls))
-    store.kept("sample", (1,), CODE, counted(calls), serves=lambda _: False)
+    store.cached_result("sample", (2,), CODE, counted(calls))
+    store.cached_result("sample", (1,), ("tactgen.geometry.units",), counted(calls))
+    store.cached_result("sample", (1,), CODE, counted(calls), serves=lambda _: False)
     assert len(calls) == 4
     assert store.holdings()["sample"].entries == 3
     assert {path.suffix for path in folder.iterdir()} == {".kept"}  # no claim, no draft
@@ -211,11 +211,11 @@ DAMAGES = {
 def test_damaged_file_is_never_trusted(folder, damage, capsys):
     """It is computed again, said once, and repaired where a file can take the name."""
     calls = []
-    store.kept("sample", (1,), CODE, counted(calls))
+    store.cached_result("sample", (1,), CODE, counted(calls))
     (path,) = folder.glob("sample-*")
     damage(path)
     for _ in range(2):
-        assert same(store.kept("sample", (1,), CODE, counted(calls)), VALUE)
+        assert same(store.cached_result("sample", (1,), CODE, counted(calls)), VALUE)
     said = capsys.readouterr().err
     assert said.count("is not used (") == 1
     assert len(calls) == (2 if path.is_file() else 3)
@@ -237,9 +237,9 @@ def test_every_single_bit_counts(folder):
 def test_unreadable_file_is_computed_again(folder):
     """Another user's file."""
     calls = []
-    store.kept("sample", (1,), CODE, counted(calls))
+    store.cached_result("sample", (1,), CODE, counted(calls))
     next(folder.glob("sample-*")).chmod(0)
-    assert same(store.kept("sample", (1,), CODE, counted(calls)), VALUE)
+    assert same(store.cached_result("sample", (1,), CODE, counted(calls)), VALUE)
     assert len(calls) == 2
 
 
@@ -270,7 +270,7 @@ def test_what_cannot_be_kept_is_said_once(folder, obstacle, reason, monkeypatch,
         folder.write_text("")
     calls = []
     for inputs in ((1,), (2,), (1,)):
-        assert same(store.kept("sample", inputs, CODE, counted(calls)), VALUE)
+        assert same(store.cached_result("sample", inputs, CODE, counted(calls)), VALUE)
     assert len(calls) == 3
     said = capsys.readouterr().err
     assert said.count("\n") == 1
@@ -292,7 +292,7 @@ def test_without_a_home_nothing_is_kept(home, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     calls = []
     for _ in range(2):
-        assert same(store.kept("sample", (1,), CODE, counted(calls)), VALUE)
+        assert same(store.cached_result("sample", (1,), CODE, counted(calls)), VALUE)
     assert len(calls) == 2
     assert capsys.readouterr().err.count("not kept for the next run") == 1
     assert not list(tmp_path.iterdir())
@@ -303,17 +303,17 @@ def test_least_recently_used_goes_first(folder, monkeypatch):
     """Over the limit, what was not read for longest is removed."""
     value = np.zeros(1000)
     monkeypatch.setenv("TACTGEN_CACHE_LIMIT", "110 kB")  # thirteen of 8 kB
-    store.kept("sample", (-1,), CODE, lambda: value)
+    store.cached_result("sample", (-1,), CODE, lambda: value)
     fits = 110_000 // next(folder.glob("sample-*")).stat().st_size
     for number in range(fits - 1):
-        store.kept("sample", (number,), CODE, lambda: value)
+        store.cached_result("sample", (number,), CODE, lambda: value)
         time.sleep(0.002)
     calls = []
-    store.kept("sample", (-1,), CODE, counted(calls))  # read again: now the youngest
-    store.kept("sample", ("one more",), CODE, lambda: value)
-    store.kept("sample", (-1,), CODE, counted(calls))
+    store.cached_result("sample", (-1,), CODE, counted(calls))  # read again: now the youngest
+    store.cached_result("sample", ("one more",), CODE, lambda: value)
+    store.cached_result("sample", (-1,), CODE, counted(calls))
     assert calls == []
-    store.kept("sample", (0,), CODE, counted(calls))
+    store.cached_result("sample", (0,), CODE, counted(calls))
     assert calls == [1]
     assert sum(held.size for held in store.holdings().values()) <= 110_000
 
@@ -321,7 +321,7 @@ def test_least_recently_used_goes_first(folder, monkeypatch):
 def test_what_is_larger_than_the_store_is_not_kept(folder, monkeypatch, capsys):
     """And said."""
     monkeypatch.setenv("TACTGEN_CACHE_LIMIT", "1 kB")
-    assert store.kept("sample", (1,), CODE, lambda: np.zeros(1000)).size == 1000
+    assert store.cached_result("sample", (1,), CODE, lambda: np.zeros(1000)).size == 1000
     assert "sample" not in store.holdings()
     assert "TACTGEN_CACHE_LIMIT" in capsys.readouterr().err
 
@@ -345,7 +345,7 @@ def test_limit_has_a_unit(text, size, monkeypatch):
 
 def test_clear_leaves_nothing_of_ours(folder):
     """Entries, drafts and claims go; files of others stay."""
-    store.kept("sample", (1,), CODE, lambda: VALUE)
+    store.cached_result("sample", (1,), CODE, lambda: VALUE)
     for name in (".draft.kept", "sample-1.claim", "notes.txt"):
         (folder / name).write_text("")
     assert store.clear().entries == 1
@@ -369,7 +369,7 @@ def test_threads_compute_once(folder):
             all_wait.set()
 
     def ask():
-        found.append(store.kept("sample", (1,), CODE, work, announce=announce))
+        found.append(store.cached_result("sample", (1,), CODE, work, announce=announce))
 
     # where one keeps what the next waits for, none of them may keep the tests
     threads = [threading.Thread(target=ask, daemon=True) for _ in range(8)]
@@ -392,15 +392,15 @@ def test_failed_work_leaves_no_claim(folder):
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        store.kept("sample", (1,), CODE, failing)
-    assert same(store.kept("sample", (1,), CODE, lambda: VALUE), VALUE)
+        store.cached_result("sample", (1,), CODE, failing)
+    assert same(store.cached_result("sample", (1,), CODE, lambda: VALUE), VALUE)
 
 
 #: Computes values that need one another, slowly, and notes each computation.
 WORKER = """
 import sys, time
 import numpy as np
-from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.store import cached_result
 log, rounds, pause = open(sys.argv[1], "a"), int(sys.argv[2]), float(sys.argv[3])
 
 def value(number):
@@ -409,7 +409,7 @@ def value(number):
         time.sleep(pause)
         print(number, file=log, flush=True)
         return below + number
-    return kept("chain", (number,), ("tactgen.geometry.arrays",), work)
+    return cached_result("chain", (number,), ("tactgen.geometry.arrays",), work)
 
 print("ready", flush=True)
 for number in range(rounds):

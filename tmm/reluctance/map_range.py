@@ -135,7 +135,7 @@ def _switching_range(device: Device) -> float:
     return _BEYOND_BALANCE * float(np.max(tried[best] * gaps / within))
 
 
-def network_pull(device: Device) -> CoenergyMap:
+def network_map(device: Device) -> CoenergyMap:
     """Network's co-energy map of a device, made once for one magnetic circuit.
 
     Raises InputError if the parts cannot form the circuit.

@@ -91,7 +91,7 @@ def iron_beyond_table(device: Device, current: float, gap: float) -> float:
 
 
 @dataclass(frozen=True)
-class BridgeRow:
+class RefinementRow:
     """One step from the one-gap formula to the full network."""
 
     step: str  #: What this row adds
@@ -103,16 +103,16 @@ class BridgeRow:
     flux_linkage_change: float
 
 
-def network_bridge(device: Device, current: float, gap: float) -> tuple[BridgeRow, ...]:
+def network_refinements(device: Device, current: float, gap: float) -> tuple[RefinementRow, ...]:
     """Contribution of each network refinement to force and flux linkage."""
     at = np.array([current]), np.array([gap])
-    rows: list[BridgeRow] = []
+    rows: list[RefinementRow] = []
     for step, stage in _stages():
         found = network_samples(device, *at, stage)
         force, linkage = float(found.force[0, 0]), float(found.flux_linkage[0, 0])
-        before = rows[-1] if rows else BridgeRow("", force, linkage, 0.0, 0.0)
+        before = rows[-1] if rows else RefinementRow("", force, linkage, 0.0, 0.0)
         changes = force / before.force - 1.0, linkage / before.flux_linkage - 1.0
-        rows.append(BridgeRow(step, force, linkage, *changes))
+        rows.append(RefinementRow(step, force, linkage, *changes))
     return tuple(rows)
 
 
@@ -138,7 +138,7 @@ _PLACES = np.array([-2.0, -1.0, 1.0, 2.0])
 
 
 @dataclass(frozen=True)
-class DirectPull:
+class DirectForce:
     """Co-energy solved directly at each point; currents (A) above 0, gaps in m."""
 
     device: Device

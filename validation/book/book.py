@@ -17,7 +17,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.files import write_text
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.evidence.case import Case
-from tactgen.validation.evidence.faults import kept_rows
+from tactgen.validation.evidence.faults import cached_rows
 from tactgen.validation.evidence.verification import (
     VERDICTS,
     Division,
@@ -144,7 +144,7 @@ def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], No
     common: dict[str, Any] = {
         "pages": pages, "subjects": SUBJECTS, "scatters": scatters,
         "scatter_plot": scattered(scatters) if scatters else "",
-        "provenance": _provenance(), "faults": kept_rows(), "unanswered": UNANSWERED,
+        "provenance": _provenance(), "faults": cached_rows(), "unanswered": UNANSWERED,
         "kinds": KINDS, "divisions": DIVISIONS,
         "page_of": {row.check.id: page for page in pages for row in page.rows},
         "counts": {v: sum(r.verdict == v for r in rows) for v in VERDICTS},

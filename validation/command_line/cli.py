@@ -16,11 +16,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.exit import (
-    explained,
-    said_of_the_end,
-    unwound_when_told_to_end,
-)
+from tactgen.validation.command_line.exit import end_message, explained, unwind_on_signal
 from tactgen.validation.command_line.streams import drop_output, say, usable_streams
 
 if TYPE_CHECKING:
@@ -164,7 +160,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     scene, code = "", 0
     try:
         usable_streams()
-        with unwound_when_told_to_end(), contextlib.suppress(SystemExit):  # --help
+        with unwind_on_signal(), contextlib.suppress(SystemExit):  # --help
             options = _parser(_command(arguments)).parse_args(arguments)
             scene = getattr(options, "scene", "")
             scene = "paper" if scene is None else scene
@@ -173,7 +169,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             code = options.run(options)
         sys.stdout.flush()
     except KeyboardInterrupt as interrupt:
-        code, text = said_of_the_end(interrupt)
+        code, text = end_message(interrupt)
         say(text)
     except BrokenPipeError:
         drop_output()

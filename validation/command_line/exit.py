@@ -28,7 +28,7 @@ _AGAIN = 0.01
 _LOADERS = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__}
 
 
-class ToldToEnd(KeyboardInterrupt):
+class TerminationRequest(KeyboardInterrupt):
     """A signal's number.
 
     KeyboardInterrupt itself, passing code made of text, as dataclasses are, leaves a mark by which
@@ -37,8 +37,8 @@ class ToldToEnd(KeyboardInterrupt):
 
 
 @contextlib.contextmanager
-def unwound_when_told_to_end() -> Iterator[None]:
-    """Raise :class:`ToldToEnd` where the work is when a signal arrives.
+def unwind_on_signal() -> Iterator[None]:
+    """Raise :class:`TerminationRequest` where the work is when a signal arrives.
 
     What is ignored already stays so.  After the signal any error counts as the end: libraries
     that call back make errors of their own of it.
@@ -54,10 +54,10 @@ def unwound_when_told_to_end() -> Iterator[None]:
         if _loading(frame):
             signal.setitimer(_TIMER, _AGAIN)
         else:
-            raise ToldToEnd(told)
+            raise TerminationRequest(told)
 
     def passed_over(raised: sys.UnraisableHookArgs) -> None:
-        if isinstance(raised.exc_value, ToldToEnd):
+        if isinstance(raised.exc_value, TerminationRequest):
             signal.setitimer(_TIMER, _AGAIN)
         else:
             hook(raised)
@@ -69,7 +69,7 @@ def unwound_when_told_to_end() -> Iterator[None]:
         yield
     except Exception as error:
         if told:
-            raise ToldToEnd(told) from error
+            raise TerminationRequest(told) from error
         raise
     finally:
         signal.setitimer(_TIMER, 0.0)
@@ -87,7 +87,7 @@ def _loading(frame: FrameType | None) -> bool:
     return False
 
 
-def said_of_the_end(interrupt: KeyboardInterrupt) -> tuple[int, str]:
+def end_message(interrupt: KeyboardInterrupt) -> tuple[int, str]:
     """Exit code, 128 and the signal's number as shells have it, and words."""
     number = interrupt.args[0] if interrupt.args else signal.SIGINT
     how = "interrupted" if number == signal.SIGINT else "told to end"

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.files import write_text, written_whole
-from tactgen.geometry.formats import engineering, share, with_bar
+from tactgen.geometry.formats import engineering, share, with_error
 from tactgen.geometry.store.values import storable
 from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
@@ -225,7 +225,7 @@ class Representative:
         where = f" at {self.at:g} Hz" if self.at is not None else ""
         if np.isnan(self.error):
             return engineering(self.value, self.unit) + where
-        return with_bar(self.value, self.error, self.unit) + where
+        return with_error(self.value, self.error, self.unit) + where
 
 
 def representative(q: Quantity) -> Representative:

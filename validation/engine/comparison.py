@@ -238,7 +238,7 @@ def share(value: float) -> str:
 
 
 @dataclass(frozen=True)
-class Rung:
+class FidelityLevel:
     """Model with its known error."""
 
     model: str  #: Its name
@@ -270,7 +270,7 @@ class Choice:
     """
 
     models: tuple[str, ...]
-    ladders: tuple[tuple[Rung, ...], ...]
+    ladders: tuple[tuple[FidelityLevel, ...], ...]
     accuracy: float
     scenes: int = 1
 
@@ -326,7 +326,7 @@ def _where(scenes: int) -> str:
     return "" if scenes == 1 else f" (each model at the worst of {scenes} points tried)"
 
 
-def _worst(ladders: Sequence[tuple[Rung, ...]]) -> tuple[Rung, ...]:
+def _worst(ladders: Sequence[tuple[FidelityLevel, ...]]) -> tuple[FidelityLevel, ...]:
     """Rungs of several scenes as one ladder, with the largest errors of each model."""
     found = []
     for rungs in zip(*ladders, strict=True):
@@ -342,7 +342,7 @@ def ladder(
     quantities: tuple[str, ...],
     announce: Callable[[str], None] = lambda _: None,
     judge: str = "",
-) -> tuple[Rung, ...]:
+) -> tuple[FidelityLevel, ...]:
     """Model hierarchy: known errors in these quantities, cheapest first.
 
     The most detailed model, `judge`, is that which can take the scene if none is given.
@@ -363,14 +363,14 @@ def ladder(
         numerical = max((both[1] for both in errors.values()), default=0.0)
         worst = max(form, key=form.__getitem__, default="")
         total = form.get(worst, math.inf) + numerical
-        rungs.append(Rung(
+        rungs.append(FidelityLevel(
             model, form.get(worst, math.inf), numerical,
             sum(found.stages.seconds.values()), total <= scene.accuracy, worst,
         ))  # fmt: skip
     finest = model_class(judge).finest(scene)
     stages = {s for q in quantities for s in MODELS[judge].stages_for(QUANTITIES[q])}
     known = [costs[stage] for stage in stages if stage in costs]
-    rungs.append(Rung(
+    rungs.append(FidelityLevel(
         judge, 0.0, max(finest, scene.accuracy), sum(known) if known else None,
         finest <= scene.accuracy, "",
     ))  # fmt: skip

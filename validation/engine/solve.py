@@ -12,7 +12,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import (
     SUFFIX,
     Damaged,
-    is_kept,
+    is_cached,
     read_entry,
     sealed,
     store_folder,
@@ -223,7 +223,7 @@ def stage_prospects(plan: Plan) -> dict[str, Prospect]:
     costs = recorded()
     return {
         stage: Prospect(
-            bool(code := stage_code(stage)) and is_kept(stage, (key,), code), costs.get(stage)
+            bool(code := stage_code(stage)) and is_cached(stage, (key,), code), costs.get(stage)
         )
         for stage, key in plan.keys.items()
     }  # fmt: skip

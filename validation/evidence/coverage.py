@@ -13,7 +13,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
-from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import storable
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_texts
@@ -159,7 +159,7 @@ class Part:
         return all(row.holds for row in self.rows)
 
 
-def judged_once(kind: str, of: tuple[object, ...], module: str, work: Callable[[], Any]) -> Any:
+def cached_by_code(kind: str, of: tuple[object, ...], module: str, work: Callable[[], Any]) -> Any:
     """Result of `work`, cached under the code that computed it.
 
     A run that was stopped so goes on where it was.
@@ -174,7 +174,7 @@ def judged_once(kind: str, of: tuple[object, ...], module: str, work: Callable[[
     module : str
         What judges.
     """
-    return kept(kind, (*of, built_in_texts()), (module, *_CODE), work)
+    return cached_result(kind, (*of, built_in_texts()), (module, *_CODE), work)
 
 
 def table(parts: Sequence[Part]) -> str:
@@ -287,7 +287,7 @@ def run_parts(
         for number in range(count):
             announce(f"{name}: device {number + 1} of {count}")
             rng = np.random.default_rng([seed, number])
-            answers += judged_once(
+            answers += cached_by_code(
                 "coverage",
                 (name, seed, number),
                 row.module,

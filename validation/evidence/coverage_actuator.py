@@ -20,8 +20,8 @@ from tactgen.tmm.generator.transient.results import output_at
 from tactgen.tmm.generator.transient.time_integration import simulate
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources
 from tactgen.tmm.reluctance.circuit import CELLS
-from tactgen.tmm.reluctance.map_range import map_grid, network_pull
-from tactgen.tmm.reluctance.network import DirectPull, network_samples
+from tactgen.tmm.reluctance.map_range import map_grid, network_map
+from tactgen.tmm.reluctance.network import DirectForce, network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force
 from tactgen.validation.catalogue.quantities import QUANTITIES, AnswerReadout
 from tactgen.validation.engine.solve import make_plan, solve
@@ -29,7 +29,11 @@ from tactgen.validation.evidence import random_devices
 from tactgen.validation.evidence.coverage import Judged, relative
 from tactgen.validation.evidence.random_devices import accepted, between
 from tactgen.validation.models.classes import make_model, map_of
-from tactgen.validation.models.generator.small_signal import JudgedRod, SmallSignal, rod_by_network
+from tactgen.validation.models.generator.small_signal import (
+    RodWithError,
+    SmallSignal,
+    rod_by_network,
+)
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import Scene, load_scene
@@ -104,8 +108,8 @@ def judge_map(rng: np.random.Generator) -> list[Judged]:
 
     Relative to a tenth of the largest at that gap, where less: so the map states them.
     """
-    scene, where = _fitting(rng, lambda scene: network_pull(scene.device))
-    surface = network_pull(scene.device)
+    scene, where = _fitting(rng, lambda scene: network_map(scene.device))
+    surface = network_map(scene.device)
     most = surface.current_limit
     currents = np.append(rng.uniform(0.0, most, _POINTS), most)
     gaps = rng.uniform(*surface.gap_limits, _POINTS)
@@ -138,7 +142,7 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
     model = make_model("tmm", scene, Stages(make_plan(scene, ("tmm",), _MOTIONS).keys))
     found = []
     judged = model.answer("small_signal")
-    exact = JudgedRod(_finer_rod(scene))
+    exact = RodWithError(_finer_rod(scene))
     right: SmallSignal = replace(judged, linear=exact)
     for name in _MOTIONS:
         read = QUANTITIES[name].read
@@ -150,7 +154,7 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
 
 def _finer_rod(scene: Scene) -> Linearised:
     """Rod by a network finer than any that judges it, without a map anywhere."""
-    coarse = DirectPull(scene.device, CELLS, map_of(scene).gap_limits)
+    coarse = DirectForce(scene.device, CELLS, map_of(scene).gap_limits)
     forces = axial_forces(scene.device, coarse, scene.load.normal_force)
     place = resting_place(forces, abs(scene.coil.current), scene.coil.history)
     finest = replace(coarse, cells=_FINEST * CELLS, step=_LONGER * coarse.step)
@@ -174,7 +178,7 @@ def _balances(scene: Scene) -> dict[str, float]:
     from scipy.optimize import minimize_scalar
 
     currents, around = map_grid(scene.device)
-    exact = DirectPull(scene.device, _FINER * CELLS, (around[0], around[-1]))
+    exact = DirectForce(scene.device, _FINER * CELLS, (around[0], around[-1]))
 
     def balance(gap: float) -> float:
         return _balance(exact, currents, gap)
@@ -196,7 +200,7 @@ def _balances(scene: Scene) -> dict[str, float]:
     return found if np.isfinite(needed).all() else dict.fromkeys(found, np.nan)
 
 
-def _balance(exact: DirectPull, currents: np.ndarray, gap: float) -> float:
+def _balance(exact: DirectForce, currents: np.ndarray, gap: float) -> float:
     """Least current (A) whose pull balances the spring at a gap (m); nan for none."""
     from scipy.optimize import brentq
 

@@ -26,8 +26,8 @@ from itertools import product
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from tactgen.geometry.store.store import kept, recalled
-from tactgen.validation.evidence.stress import Asked, Family, Row, Stress, answered
+from tactgen.geometry.store.store import cached_result, stored_result
+from tactgen.validation.evidence.stress import Family, PartRequest, Row, Stress, answered
 
 #: Seconds after which a process is taken for endless.
 ENDLESS = 300.0
@@ -479,16 +479,16 @@ def _spoil(path: Path, other: Path, how: str, chance: random.Random) -> None:
     path.write_bytes(b"" if how == "empty" else bytes(content))
 
 
-def run(asked: Asked) -> Stress:
+def run(asked: PartRequest) -> Stress:
     """Run all families: half a minute if quick, else some twenty."""
     started = time.perf_counter()
     # kept together: how long the undisturbed runs take steers all that follows
     rows = asked.keep((asked.quick,), lambda: _rows(asked))
-    keep_rows(rows, quick=asked.quick)
+    store_rows(rows, quick=asked.quick)
     return Stress("faults", _STATEMENT, rows, (), (), time.perf_counter() - started)
 
 
-def _rows(asked: Asked) -> tuple[Row, ...]:
+def _rows(asked: PartRequest) -> tuple[Row, ...]:
     with tempfile.TemporaryDirectory(prefix="tactgen-faults-") as folder:
         asked.announce("faults: undisturbed runs")
         commands = LIGHT if asked.quick else (*LIGHT, *HEAVY)
@@ -499,15 +499,15 @@ def _rows(asked: Asked) -> tuple[Row, ...]:
         return tuple(rows)
 
 
-def keep_rows(rows: tuple[Row, ...], *, quick: bool) -> None:
+def store_rows(rows: tuple[Row, ...], *, quick: bool) -> None:
     """Store the rows of a run for the verification book."""
-    kept(_KIND, (quick,), _CODE, lambda: rows, serves=lambda _: False)
+    cached_result(_KIND, (quick,), _CODE, lambda: rows, serves=lambda _: False)
 
 
-def kept_rows() -> tuple[Row, ...]:
+def cached_rows() -> tuple[Row, ...]:
     """Cached rows of this very code, of a full run if there was one."""
     for quick in (False, True):
-        rows: tuple[Row, ...] | None = recalled(_KIND, (quick,), _CODE)
+        rows: tuple[Row, ...] | None = stored_result(_KIND, (quick,), _CODE)
         if rows is not None:
             return rows
     return ()

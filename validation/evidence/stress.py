@@ -24,7 +24,7 @@ from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam.span import error_bound
-from tactgen.validation.evidence.coverage import judged_once
+from tactgen.validation.evidence.coverage import cached_by_code
 from tactgen.validation.show.browser import console
 from tactgen.validation.show.figures import ORANGE, new_figure, panels, svg
 
@@ -397,7 +397,7 @@ def table(part: str, families: Mapping[str, tuple[str, Judge]]) -> Families:
 
 
 @dataclass(frozen=True)
-class Asked:
+class PartRequest:
     """Request to a part of the run."""
 
     quick: bool  #: Whether a few points will do
@@ -416,7 +416,7 @@ class Asked:
         return Stress(name, statement, tuple(rows), (), (), time.perf_counter() - started)
 
 
-#: The parts in order: module and function, which takes :class:`Asked` and gives :class:`Stress`.
+#: The parts in order: module and function, from :class:`PartRequest` to :class:`Stress`.
 PARTS = {
     "tmm": "stress_beam.run",
     "lateral": "stress_driven.run_lateral",
@@ -428,10 +428,10 @@ PARTS = {
 }
 
 
-def _run_of(name: str) -> Callable[[Asked], Stress]:
+def _run_of(name: str) -> Callable[[PartRequest], Stress]:
     """Function that runs a part; only its own models are imported."""
     module, _, function = PARTS[name].partition(".")
-    run: Callable[[Asked], Stress] = getattr(
+    run: Callable[[PartRequest], Stress] = getattr(
         importlib.import_module(f"{__package__}.{module}"), function
     )
     return run
@@ -453,15 +453,15 @@ def run_parts(
             of: tuple[object, ...], work: Callable[[], Any],
             name: str = name, module: str = run.__module__,
         ) -> Any:  # fmt: skip
-            return judged_once("stress", (name, *of, seed), module, work)
+            return cached_by_code("stress", (name, *of, seed), module, work)
 
-        found.append(run(Asked(quick, seed, announce, keep)))
+        found.append(run(PartRequest(quick, seed, announce, keep)))
     return found
 
 
 def section(announce: Callable[[str], None]) -> dict[str, Any]:
     """Run the transfer matrix's part on few points, for the report."""
-    part = _run_of("tmm")(Asked(quick=True, announce=announce))
+    part = _run_of("tmm")(PartRequest(quick=True, announce=announce))
     return {
         "stress": [part],
         "stress_maps": [map_plot(table) for table in part.maps],

@@ -43,9 +43,9 @@ from tactgen.validation.evidence.stress import (
     REFUSALS,
     WANTED,
     Approach,
-    Asked,
     ErrorMap,
     Family,
+    PartRequest,
     Point,
     Row,
     Stress,
@@ -114,7 +114,7 @@ _PAPER = ends_of(Support(), Load())
 _CLAMPED_FREE = Ends()
 
 
-def run(asked: Asked) -> Stress:
+def run(asked: PartRequest) -> Stress:
     """Run all families; some 400 points if quick, else some 1300."""
     started = time.perf_counter()
     rows, maps, approaches = asked.keep((asked.quick,), lambda: _found(asked.quick, asked.announce))

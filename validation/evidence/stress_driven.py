@@ -19,9 +19,9 @@ from tactgen.validation.evidence.random_devices import any_scene
 from tactgen.validation.evidence.stress import (
     FAR,
     REFUSALS,
-    Asked,
     Families,
     Family,
+    PartRequest,
     Point,
     Row,
     Stress,
@@ -269,7 +269,7 @@ def families(part: str, pairs: Sequence[tuple[Pair, Sequence[Sweep]]]) -> Famili
     }
 
 
-def run_lateral(asked: Asked) -> Stress:
+def run_lateral(asked: PartRequest) -> Stress:
     """Run the lateral actuator's sweeps: seconds if quick, else some minutes."""
     return asked.part("lateral", _STATEMENT.format(endless=_ENDLESS), families("lateral", LATERAL))
 
@@ -278,7 +278,7 @@ def run_lateral(asked: Asked) -> Stress:
 _SCENES, _QUICK = 2000, 16
 
 
-def run_random(asked: Asked) -> Stress:
+def run_random(asked: PartRequest) -> Stress:
     """Run random scenes: seconds if quick, else half an hour."""
     started = time.perf_counter()
     rows = random_rows(asked, _QUICK if asked.quick else _SCENES)
@@ -286,7 +286,7 @@ def run_random(asked: Asked) -> Stress:
     return Stress("random", statement, rows, (), (), time.perf_counter() - started)
 
 
-def random_rows(asked: Asked, count: int) -> tuple[Row, ...]:
+def random_rows(asked: PartRequest, count: int) -> tuple[Row, ...]:
     """Rows of so many scenes, each with a stream of its own: bimorphs, machines."""
     seed = asked.seed
     families = {"prototype": Family(), "generator": Family()}

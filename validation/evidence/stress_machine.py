@@ -11,14 +11,14 @@ from tactgen.tmm.generator.equilibrium import AxialForces, axial_forces, settled
 from tactgen.tmm.generator.transient.results import output_at
 from tactgen.tmm.generator.transient.time_integration import simulate
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Waveform
-from tactgen.tmm.reluctance.map_range import network_pull
-from tactgen.tmm.reluctance.network import DirectPull, network_samples
+from tactgen.tmm.reluctance.map_range import network_map
+from tactgen.tmm.reluctance.network import DirectForce, network_samples
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.stress import (
     REFUSALS,
-    Asked,
     Families,
     Family,
+    PartRequest,
     Row,
     Stress,
     answered,
@@ -38,7 +38,7 @@ _STATEMENT = (
 )
 
 
-def run(asked: Asked) -> Stress:
+def run(asked: PartRequest) -> Stress:
     """Run all families: seconds if quick, else a minute."""
     sweeps = families("machine", ((MACHINE_PAIR, MACHINE),))
     others: Families = {
@@ -80,7 +80,7 @@ def slow_row(quick: bool) -> Row:
 
 def _network_forces(scene: Scene) -> AxialForces:
     """Axial forces on the rod, the magnetic force by the network."""
-    exact = DirectPull(scene.device, CELLS_AT_REST, map_of(scene).gap_limits)
+    exact = DirectForce(scene.device, CELLS_AT_REST, map_of(scene).gap_limits)
     return axial_forces(scene.device, exact, scene.load.normal_force)
 
 
@@ -98,7 +98,7 @@ def _slope(scene: Scene, forces: AxialForces, step: float) -> float:
 def edge_row(quick: bool) -> Row:
     """Ask the co-energy map in its corners and on its edges, and beyond them."""
     device = Device()
-    surface = network_pull(device)
+    surface = network_map(device)
     (near, far), most = surface.gap_limits, surface.current_limit
     family = Family()
     for current in (1e-9 * most, 0.5 * most, most):

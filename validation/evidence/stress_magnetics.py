@@ -36,7 +36,15 @@ from tactgen.validation.evidence.cases.coils import (
     flux_density_in_core,
     infinite_solenoid,
 )
-from tactgen.validation.evidence.stress import Asked, Families, Family, Row, Stress, spread, table
+from tactgen.validation.evidence.stress import (
+    Families,
+    Family,
+    PartRequest,
+    Row,
+    Stress,
+    spread,
+    table,
+)
 
 _GAPS = (1e-6, 1e-5, 1e-4, 0.4e-3, 1e-3, 5e-3)
 _CURRENTS = np.array([1e-6, 1e-3, 0.13, 10.0, 1e3])
@@ -371,6 +379,6 @@ _STATEMENT = (
 )
 
 
-def run(asked: Asked) -> Stress:
+def run(asked: PartRequest) -> Stress:
     """Run all families; half a minute if quick, else about two."""
     return asked.part("magnetics", _STATEMENT, _FAMILIES)

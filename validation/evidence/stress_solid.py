@@ -24,7 +24,7 @@ from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Bimorph, Device, Glue, Shim
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
-from tactgen.validation.evidence.stress import Asked, Family, Stress, table
+from tactgen.validation.evidence.stress import Family, PartRequest, Stress, table
 from tactgen.validation.models.model import BRICK_FACTOR, least_difference
 
 _TWO_LEVELS = 1.25
@@ -330,6 +330,6 @@ _STATEMENT = (
 )
 
 
-def run(asked: Asked) -> Stress:
+def run(asked: PartRequest) -> Stress:
     """Run all families; half a minute if quick, else some minutes."""
     return asked.part("solid", _STATEMENT, table("solid", _FAMILIES))

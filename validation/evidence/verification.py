@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.store import kept, recalled
+from tactgen.geometry.store.store import cached_result, stored_result
 from tactgen.geometry.store.values import storable
 from tactgen.validation.evidence.case import Case, Check, Outcome, judged, value_of
 from tactgen.validation.evidence.mesh_levels import Kind, on_level
@@ -153,11 +153,11 @@ def verify(
     return rows
 
 
-def recalled_rows(groups: Sequence[str]) -> list[Verified]:
+def stored_rows(groups: Sequence[str]) -> list[Verified]:
     """Groups' checks as far as this very code has run and cached them; others skipped."""
     rows = []
     for group, case, check in _rows(groups):
-        cached: Division | None = recalled(*_entry(group, "row", check.id))
+        cached: Division | None = stored_result(*_entry(group, "row", check.id))
         outcome = None if cached is None else judged(check, cached.value)
         rows.append(Verified(group, case, check, outcome, cached))
     return rows
@@ -205,7 +205,7 @@ def division(group: str, case: Case, check: Check, below: int = 0) -> Division:
         seconds = time.perf_counter() - started
         return Division(below, value_of(measured), bar, kinds, run.new, run.count, seconds)
 
-    return kept(
+    return cached_result(
         *_entry(group, "row", f"{check.id} {below}" if below else check.id), work,
         serves=lambda level: below > 0 or judged(check, level.value).status != "fail",
     )  # fmt: skip
@@ -213,7 +213,7 @@ def division(group: str, case: Case, check: Check, below: int = 0) -> Division:
 
 def remembered(group: str, name: str, error: Callable[[], float]) -> float:
     """Error of a case's own refinement, from the store if the code is the same."""
-    return kept(*_entry(group, "level", name), error)
+    return cached_result(*_entry(group, "level", name), error)
 
 
 def _entry(group: str, kind: str, name: str) -> tuple[str, tuple[str, str], tuple[str, ...]]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.generator.equilibrium import History, axial_forces, resting_place
@@ -396,7 +396,7 @@ def rocking_states(
         def work(made: Scene = made, state: State = state) -> RockingState:
             return _state(made, state, voltages, announce)
 
-        found.append(kept("amplitude", inputs, (__name__,), work, announce=announce))
+        found.append(cached_result("amplitude", inputs, (__name__,), work, announce=announce))
     return tuple(found)
 
 

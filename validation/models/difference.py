@@ -493,7 +493,7 @@ def formula_to_field(
     device: Device, current: float, gap: float, field: Values | None = None
 ) -> list[Step]:
     """Steps from the one-gap formula over the network to the field's values, where given."""
-    from tactgen.tmm.reluctance.network import network_bridge
+    from tactgen.tmm.reluctance.network import network_refinements
 
     rows: list[tuple[str, str, Values]] = [
         (
@@ -501,7 +501,7 @@ def formula_to_field(
             NETWORK_ASSUMPTIONS[row.step],
             {MAGNETIC_FORCE.name: row.force, FLUX_LINKAGE.name: row.flux_linkage},
         )
-        for row in network_bridge(device, current, gap)
+        for row in network_refinements(device, current, gap)
     ]
     if field is not None:
         rows.append(("the field", _TUBES, field))

@@ -16,7 +16,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport, Response, round_off
 from tactgen.validation.catalogue.models import MODELS
@@ -212,7 +212,7 @@ class Stages:
                 return work()
 
             self._results[name] = (
-                kept(name, (self.keys[name],), code, announced, announce=self.announce)
+                cached_result(name, (self.keys[name],), code, announced, announce=self.announce)
                 if code else announced()
             )  # fmt: skip
             spent_inside = sum(self.seconds.values()) - inner

@@ -159,9 +159,9 @@ class Scene(p.Device):
         """
         if MODELS[self.map_model].theory == "field":
             return _FIELD_MAPS[self._circuit]
-        from tactgen.tmm.reluctance.map_range import network_pull
+        from tactgen.tmm.reluctance.map_range import network_map
 
-        return network_pull(self.device)
+        return network_map(self.device)
 
     @property
     def has_map(self) -> bool:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.cad.solids import COLOURS
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.formats import engineering, with_bar
+from tactgen.geometry.formats import engineering, with_error
 from tactgen.geometry.meshing.mesh import Mesh
 
 Array = NDArray[np.number]
@@ -266,11 +266,11 @@ def words_of(result: FieldResult, state: State) -> Words:
     if state.kind == "mode":
         coupling = "" if math.isnan(state.coupling) else f" · k = {state.coupling:.3g}"
         short = state.name.split(",")[0]
-        number = with_bar(state.frequency, state.error, "Hz")
+        number = with_error(state.frequency, state.error, "Hz")
         detail = MOTIONS[state.motion] + coupling
         return Words(short, number, detail, name, "at a largest displacement of 1 µm")
     if "displacement" not in state.fields:
-        pull = "" if state.pull is None else f"pull {with_bar(*state.pull, 'N')}"
+        pull = "" if state.pull is None else f"pull {with_error(*state.pull, 'N')}"
         return Words("field", pull, state.name, name, "")
     tip = f"tip {engineering(abs(state.tip), 'm', 4)}"
     if state.kind == "static":

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.formats import share, with_bar
+from tactgen.geometry.formats import share, with_error
 from tactgen.geometry.meshing.mesh import Mesh, Surface, surface_of
 from tactgen.validation.show.field import (
     COLOURS,
@@ -182,7 +182,7 @@ def _over_length(
         "apart": [block.small((shape - middle)[used], top) for shape in mode.shapes],
         "drawn": (np.array(drawn) / sizes).tolist(),
         "texts": [
-            with_bar(float(f), float(bar), "Hz") if np.isfinite(f) else "not among the lowest"
+            with_error(float(f), float(bar), "Hz") if np.isfinite(f) else "not among the lowest"
             for f, bar in zip(mode.frequency, mode.error, strict=True)
         ],
     }

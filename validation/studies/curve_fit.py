@@ -116,9 +116,9 @@ def _port(scene: Scene, frequencies: Floats) -> Multiport:
 
 
 def _of_machine(scene: Scene, port: Multiport, read: AnswerReadout) -> Complex:
-    from tactgen.validation.models.generator.small_signal import JudgedRod, SmallSignal, rod_of
+    from tactgen.validation.models.generator.small_signal import RodWithError, SmallSignal, rod_of
 
-    rod = JudgedRod(rod_of(scene, map_of(scene)))
+    rod = RodWithError(rod_of(scene, map_of(scene)))
     value: Complex = read.of(SmallSignal(scene, Refined(port, (), ""), rod)).value
     return value
 

@@ -87,7 +87,7 @@ def actuator(radius: float, bore: float, coil_length: float) -> Device:
     )
 
 
-def network_pull(device: Device, currents: Floats) -> Floats:
+def network_map(device: Device, currents: Floats) -> Floats:
     """Magnetic force by the reluctance network."""
     return network_samples(device, currents, np.array([GAP]), cells=_CELLS).force[:, 0]
 
@@ -106,8 +106,8 @@ def ampere_turns_needed(device: Device, pull: Pull) -> float:
     The network looks for them over two decades; another model is solved around its answer.
     """
     tried = _TRIED / device.coil.turns
-    needed = _crossing(tried, network_pull(device, tried))
-    if pull is not network_pull and math.isfinite(needed):
+    needed = _crossing(tried, network_map(device, tried))
+    if pull is not network_map and math.isfinite(needed):
         around = needed * np.array([0.9, 1.1, 1.5])
         needed = _crossing(around, pull(device, around), beyond=True)
     return float(needed * device.coil.turns)
@@ -132,7 +132,7 @@ def weighed(device: Device, pull: Pull) -> Candidate:
     return Candidate(device.model_copy(update={"coil": coil}), needed, winding(coil).power(HELD))
 
 
-def coolest(lengths: Floats, pull: Pull = network_pull, steps: int = 12) -> tuple[Candidate, ...]:
+def coolest(lengths: Floats, pull: Pull = network_map, steps: int = 12) -> tuple[Candidate, ...]:
     """Coolest device with each coil length (m), the valley floor of the search.
 
     `steps` rounds of halving locate shaft and bore radii to 0.1 mm / 2^(steps/3).

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from tactgen.fem.magnetics import axisymmetric as walk
-from tactgen.fem.magnetics.axisymmetric import FieldErrors, FieldPath, FieldWalk, solve_point
+from tactgen.fem.magnetics.axisymmetric import (
+    FieldContinuation,
+    FieldErrors,
+    FieldPath,
+    solve_point,
+)
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 
@@ -27,7 +32,7 @@ def grids(monkeypatch):
 
 def test_a_walk_over_gap_and_current_says_what_points_alone_do(grids):
     """The narrow gap's grid does not reach back: it has cells for itself."""
-    steps = FieldWalk((0.5,), 0.1)
+    steps = FieldContinuation((0.5,), 0.1)
     for n, (current, gap) in enumerate([(0.13, 0.2e-3), (0.1, 0.18e-3), (0.02, 20e-6)]):
         found = steps.at(Device(), current, gap, np.array([float(n)]))
         alone = solve_point(Device(), current, gap, order=3, refinement=0.5)
@@ -44,7 +49,7 @@ def test_the_next_begins_on_the_grid_that_was_fine_enough_nearby(grids):
     )
     relative = [each.errors.force / each.force for each in (coarse, fine)]
     assert relative[1] < relative[0]
-    steps = FieldWalk((0.4, 0.8), 0.5 * sum(relative))
+    steps = FieldContinuation((0.4, 0.8), 0.5 * sum(relative))
     for gap in (0.2e-3, 0.19e-3):
         found = steps.at(Device(), 0.13, gap, np.array([gap / 0.2e-3]))
         assert found.errors.force <= 0.5 * sum(relative) * found.force
@@ -53,4 +58,4 @@ def test_the_next_begins_on_the_grid_that_was_fine_enough_nearby(grids):
 
 def test_what_does_not_fit_is_refused(grids):
     with pytest.raises(InputError, match="gap"):
-        FieldWalk((0.5,), 0.1).at(Device(), 0.13, 5e-3, np.zeros(1))
+        FieldContinuation((0.5,), 0.1).at(Device(), 0.13, 5e-3, np.zeros(1))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactgen.fem.piezo.brick_error import BrickSurplus
+from tactgen.fem.piezo.brick_error import BrickEstimator
 from tactgen.fem.piezo.bricks import assemble_bricks, brick_matrices
 from tactgen.fem.piezo.krylov import reduce_to_ports
 from tactgen.fem.piezo.modal_reduction import modal_model
@@ -32,7 +32,7 @@ ENDS = {
 
 @pytest.fixture(scope="module")
 def surplus():
-    return BrickSurplus(DEVICE, BRICKS)
+    return BrickEstimator(DEVICE, BRICKS)
 
 
 @pytest.fixture(scope="module")
@@ -140,7 +140,7 @@ def test_losses_hardly_change_what_responses_miss(surplus):
     missed = []
     for lossy in (False, True):
         solid = assemble_bricks(DEVICE, BRICKS, lossy=lossy)
-        lacking = BrickSurplus(DEVICE, BRICKS, lossy=lossy).of("bending_x")
+        lacking = BrickEstimator(DEVICE, BRICKS, lossy=lossy).of("bending_x")
         reduced = reduce_to_ports(solid, at, surplus=lacking)
         plain, *judges = (
             respond(attach(port, Ends()), {"voltage": 1.0})

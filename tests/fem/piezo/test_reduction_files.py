@@ -121,7 +121,7 @@ def test_ports_of_the_normal_actuator_are_refused(tmp_path, kind):
 
 def test_who_is_judged_by_what_is_lacking_is_served_by_what_knows_it(mesh, monkeypatch):
     """Reduced without it before, it is reduced anew; also where the estimate is too large."""
-    monkeypatch.setattr(port_cache, "kept", lambda *_, serves: serves)
+    monkeypatch.setattr(port_cache, "cached_result", lambda *_, serves: serves)
     for missing, lacking, served in (
         (None, None, True), (None, lambda: None, False), ("known", lambda: None, True),
     ):  # fmt: skip

@@ -20,7 +20,7 @@ from tactgen.tmm.generator.equilibrium import held_support
 from tactgen.tmm.generator.small_signal import linearised, machine
 from tactgen.tmm.ports.elements import ends_of
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond, terminate
-from tactgen.tmm.reluctance.map_range import network_pull
+from tactgen.tmm.reluctance.map_range import network_map
 
 F = np.array([10.0, 100.0, 430.0, 1000.0])
 DEVICE, DISPLAY = Device(), Display(rows=2, columns=2)
@@ -96,7 +96,7 @@ def test_what_passes_falls_with_the_boards_stiffness(unit, factor):
 def test_alone_on_a_still_board_it_is_the_machine(unit, bimorph, held):
     """The small-signal machine without current, whose lift is apart: 1e-9, two ways of joining."""
     place, _ = held
-    linear = linearised(DEVICE, Beam(), place, 0.0, network_pull(DEVICE))
+    linear = linearised(DEVICE, Beam(), place, 0.0, network_map(DEVICE))
     load = {"w_tip": ends_of(held[1], Load()).tip(F)}
     whole = terminate(machine(bimorph, linear), load)
     expected = respond(whole, {"voltage": 1.0, "current": 0.0}).motion["w_tip"]

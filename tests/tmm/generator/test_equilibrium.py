@@ -128,10 +128,10 @@ def test_support_in_the_limits_of_the_load():
 
 def test_held_down_it_is_stiffer():
     """The pull less the spring presses three times harder at 50 mA than the spring alone."""
-    from tactgen.tmm.reluctance.map_range import network_pull
+    from tactgen.tmm.reluctance.map_range import network_map
 
     device = Device()
-    pull = network_pull(device)
+    pull = network_map(device)
     place, held = held_support(device, pull, 50e-3, "falling")
     assert place.kind == "lower stop"
     assert place.finger_force == pytest.approx(-place.contact_force, rel=1e-6)

@@ -8,7 +8,7 @@ from tactgen.tmm.generator.contact import Play, contact_of, lateral_guide, tilt_
 from tactgen.tmm.generator.equilibrium import axial_forces, held_support, resting_place
 from tactgen.tmm.generator.small_signal import linearised, resting_tilt
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
-from tactgen.tmm.reluctance.map_range import network_pull
+from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.models.backbone import held_head
 from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.scene.scene import load_scene
@@ -45,7 +45,7 @@ def test_an_upright_head_has_only_its_contact_once_there_is_play():
     assert free.rotational_stiffness == float(law.stiffness_under(place.contact_force))
     assert free.lateral_stiffness == float(law.tangential_stiffness(place.contact_force))
     assert held.rotational_stiffness - free.rotational_stiffness == pytest.approx(1e-4, rel=1e-9)
-    pull = network_pull(tight)
+    pull = network_map(tight)
     two = [linearised(d, Beam(), place, 0.0, pull).stiffness for d in (tight, loose)]
     gone = np.diag([tight.guide.lateral_stiffness, tight.guide.rotational_stiffness, 0.0])
     # what is left of the difference of two contacts of 3e5 N/m: rounding
@@ -63,7 +63,7 @@ def test_a_spring_off_the_axis_tilts_the_head_as_far_as_the_bore_lets_it():
         applied = 0.4e-3 * (device.spring.preload - device.spring.stiffness * place.lift)
         borne = contact_of(device, "upper").moment_under(place.contact_force, tilt)
         assert borne + tilt_guide(device).force(tilt) == pytest.approx(applied, rel=1e-9)
-        return tilt, linearised(device, Beam(), place, 0.0, network_pull(device)).stiffness[1, 1]
+        return tilt, linearised(device, Beam(), place, 0.0, network_map(device)).stiffness[1, 1]
 
     free, soft = tilted(1e-3, 10.0)
     edge, stiff = tilted(0.4e-6, 10.0)

@@ -20,7 +20,7 @@ from tactgen.tmm.generator.small_signal import (
 )
 from tactgen.tmm.ports.elements import attach, ends_of, tip_stiffness
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond, terminate
-from tactgen.tmm.reluctance.map_range import network_pull
+from tactgen.tmm.reluctance.map_range import network_map
 
 FREQUENCIES = np.array([0.0, 10.0, 100.0, 446.0, 800.0, 1000.0])
 
@@ -32,7 +32,7 @@ def bimorph(device=None, frequencies=FREQUENCIES):
 def about(current=0.0, history="rising", **groups):
     """Return device, map, place and linearisation at a current."""
     device = Device(**groups)
-    pull = network_pull(device)
+    pull = network_map(device)
     place = resting_place(axial_forces(device, pull), current, history)
     return device, pull, place, linearised(device, Beam(), place, current, pull)
 
@@ -139,7 +139,7 @@ def test_the_unstable_place_has_a_growing_pole():
     from tactgen.tmm.generator.equilibrium import resting_places
 
     device = Device()
-    pull = network_pull(device)
+    pull = network_map(device)
     for place in resting_places(axial_forces(device, pull), 50e-3):
         linear = linearised(device, Beam(), place, 50e-3, pull)
         for voltage in (False, True):

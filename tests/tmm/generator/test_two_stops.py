@@ -6,7 +6,7 @@ import pytest
 from tactgen.geometry.device.parameters import Contact, Device
 from tactgen.tmm.generator.contact import contact_of, stops_of
 from tactgen.tmm.generator.equilibrium import held_support
-from tactgen.tmm.reluctance.map_range import network_pull
+from tactgen.tmm.reluctance.map_range import network_map
 
 OWN = Device(contact=Contact(lower_decay_ratio=0.5, lower_relaxation_ratio=0.25))
 
@@ -46,7 +46,7 @@ def test_slopes_and_losses_are_each_stops_own(end):
 
 def test_only_a_rod_held_down_feels_the_lower_one():
     """Half the decay length is twice the stiffness there, in any direction, and half the loss."""
-    pull = network_pull(OWN)
+    pull = network_map(OWN)
     for device in (Device(), OWN):
         assert stops_of(device).holding(-1e-7) == contact_of(device, "upper")
     assert held_support(OWN, pull, 50e-3, "rising") == held_support(Device(), pull, 50e-3, "rising")

@@ -19,7 +19,7 @@ from tactgen.tmm.reluctance.circuit import (
     with_fringing,
 )
 from tactgen.tmm.reluctance.coenergy_map import closed_loop_work
-from tactgen.tmm.reluctance.network import network_bridge, network_samples, textbook_force
+from tactgen.tmm.reluctance.network import network_refinements, network_samples, textbook_force
 from tactgen.validation.evidence.cases.actuator import COLLARED, collared
 
 DEVICE = COLLARED
@@ -169,7 +169,7 @@ def test_direction_of_the_current_does_not_matter():
 
 def test_bridge_leads_from_the_formula_to_the_network():
     """One row per refinement; their changes multiply to the whole difference."""
-    rows = network_bridge(DEVICE, 0.13, 0.2e-3)
+    rows = network_refinements(DEVICE, 0.13, 0.2e-3)
     full = network_samples(DEVICE, np.array([0.13]), np.array([0.2e-3]))
     assert rows[0].force == pytest.approx(textbook_force(DEVICE, 0.13, 0.2e-3), rel=1e-12)
     assert rows[-1].force == full.force[0, 0]
@@ -183,7 +183,7 @@ def test_bridge_leads_from_the_formula_to_the_network():
 
 def test_bridge_of_a_small_current():
     """In the linear range every share is that of any other current, but the iron's own."""
-    small, large = (network_bridge(DEVICE, i, 0.2e-3) for i in (1e-3, 0.1))
+    small, large = (network_refinements(DEVICE, i, 0.2e-3) for i in (1e-3, 0.1))
     for a, b in zip(small[:5], large[:5], strict=True):
         assert a.force_change == pytest.approx(b.force_change, abs=1e-9)
 

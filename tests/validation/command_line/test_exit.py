@@ -66,7 +66,7 @@ def test_a_module_is_loaded_to_its_end(monkeypatch):
         loaded.append(sum(range(3_000_000)))  # longer than the first look takes to come
 
     def unwound():
-        with ending.unwound_when_told_to_end():
+        with ending.unwind_on_signal():
             initialised()
             while True:
                 pass
@@ -76,7 +76,7 @@ def test_a_module_is_loaded_to_its_end(monkeypatch):
     with pytest.raises(KeyboardInterrupt) as told:
         unwound()
     assert loaded
-    assert ending.said_of_the_end(told.value)[0] == 143
+    assert ending.end_message(told.value)[0] == 143
     assert [signal.getsignal(number) for number in (signal.SIGTERM, ending._LOOK)] == before
 
 
@@ -84,7 +84,7 @@ def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
     """And one without a signal is what it is."""
 
     def unwound(told):
-        with ending.unwound_when_told_to_end():
+        with ending.unwind_on_signal():
             try:
                 if told:
                     signal.raise_signal(signal.SIGTERM)
@@ -93,7 +93,7 @@ def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
 
     before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
     try:
-        with pytest.raises(ending.ToldToEnd):
+        with pytest.raises(ending.TerminationRequest):
             unwound(told=True)
         with pytest.raises(ImportError):
             unwound(told=False)
@@ -111,12 +111,12 @@ def test_a_signal_while_an_object_goes_is_the_end_as_well():
 
     told, hook = [], sys.unraisablehook
     try:
-        with ending.unwound_when_told_to_end():
+        with ending.unwind_on_signal():
             del_me = Going()
             del del_me
             for _ in range(10_000):
                 sum(range(10_000))
-    except ending.ToldToEnd as end:
+    except ending.TerminationRequest as end:
         told = end.args
     assert told == (signal.SIGTERM,)
     assert sys.unraisablehook is hook
@@ -126,7 +126,7 @@ def test_what_is_ignored_stays_ignored():
     """A job in the background of a script does not hear the terminal's Ctrl-C."""
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        with ending.unwound_when_told_to_end():
+        with ending.unwind_on_signal():
             os.kill(os.getpid(), signal.SIGINT)
     finally:
         signal.signal(signal.SIGINT, before)

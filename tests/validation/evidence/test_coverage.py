@@ -13,8 +13,8 @@ from tactgen.geometry.bimorph.bricks import bimorph_bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import CELLS
-from tactgen.tmm.reluctance.map_range import network_pull
-from tactgen.tmm.reluctance.network import DirectPull
+from tactgen.tmm.reluctance.map_range import network_map
+from tactgen.tmm.reluctance.network import DirectForce
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.evidence import coverage as run
 from tactgen.validation.evidence import coverage_actuator as axisymmetric
@@ -83,8 +83,8 @@ def test_calibration_counts_what_lies_within_so_many_bars():
 
 def test_the_networks_own_pull_is_the_maps():
     """Arrays of any shape, slopes with the map's signs, as far as the steel's corners let them."""
-    surface = network_pull(Device())
-    exact = DirectPull(Device(), CELLS, surface.gap_limits)
+    surface = network_map(Device())
+    exact = DirectForce(Device(), CELLS, surface.gap_limits)
     current, gap = np.array([[0.05], [0.12]]), np.array([0.1e-3, 0.2e-3, 0.24e-3])
     for name in ("force", "incremental_inductance", "force_gradient", "motional_coefficient"):
         by_map, found = (getattr(pull, name)(current, gap) for pull in (surface, exact))

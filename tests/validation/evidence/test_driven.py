@@ -11,7 +11,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient import results as record
 from tactgen.validation.evidence import stress_driven as sweep
 from tactgen.validation.evidence import stress_machine as machine
-from tactgen.validation.evidence.stress import Asked
+from tactgen.validation.evidence.stress import PartRequest
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import load_scene
 
@@ -81,7 +81,7 @@ def test_of_a_response_one_value_in_twenty_may_miss(off, judged):
 @pytest.mark.parametrize("quick", [True, False])
 def test_no_family_fails(run, quick):
     """All models and the machine, over their whole ranges."""
-    found = run(Asked(quick))
+    found = run(PartRequest(quick))
     assert [(row.family, row.worst) for row in found.rows if row.verdict == "fails"] == []
 
 

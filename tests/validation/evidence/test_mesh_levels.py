@@ -78,7 +78,7 @@ def test_bars_of_rows(monkeypatch, measure, bar, judged_by, covered_by):
     case = beams.CASES[0]
     row = replace(case.rows[0], reference=1.0, tolerance=0.0104, measure=measure)
     monkeypatch.setattr(beams, "CASES", (replace(case, rows=(row,)),))
-    monkeypatch.setattr(verification, "kept", lambda *key, serves: key[-1]())
+    monkeypatch.setattr(verification, "cached_result", lambda *key, serves: key[-1]())
     (found,) = verify(("beams",), extent="light", announce=lambda _: None)
     assert found.covered_by == covered_by
     assert (found.bar is None) is (bar is None)
@@ -100,7 +100,7 @@ def test_a_level_that_is_refused_as_too_coarse_is_none(monkeypatch):
         return 1.0 + 0.1**found
 
     row = replace(case.rows[0], reference=1.0, measure=measure)
-    monkeypatch.setattr(verification, "kept", lambda *key, serves: key[-1]())
+    monkeypatch.setattr(verification, "cached_result", lambda *key, serves: key[-1]())
     assert next_division("beams", case, row).below == -1
     least[0] = 5
     with pytest.raises(InputError, match="too coarse"):

@@ -151,7 +151,7 @@ def test_switching_currents_are_extremes_of_the_balance(monkeypatch, ends, pull_
         made.append(given[1])
         return Analytic(*given)
 
-    monkeypatch.setattr(machine, "DirectPull", pull)
+    monkeypatch.setattr(machine, "DirectForce", pull)
     monkeypatch.setattr(machine, "spring_force", lambda device, gap: against(gap))
     monkeypatch.setattr(machine, "map_grid", lambda device: (np.linspace(0.0, 5.0, 12), ends))
     monkeypatch.setattr(machine, "between_stops", lambda device, n: np.linspace(*ends, n))

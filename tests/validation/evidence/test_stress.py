@@ -13,7 +13,7 @@ from tactgen.tmm.beam.span import error_bound
 from tactgen.validation.command_line.commands.evidence import stress as command
 from tactgen.validation.evidence import stress_beam as beam
 from tactgen.validation.evidence import stress_magnetics as magnetics
-from tactgen.validation.evidence.stress import WANTED, Asked, Point, Stress, answered, judged
+from tactgen.validation.evidence.stress import WANTED, PartRequest, Point, Stress, answered, judged
 from tactgen.validation.evidence.stress_beam import CONDITION_LIMIT
 
 
@@ -24,7 +24,7 @@ def found():
         patch.setattr(beam, "_QUICK", (7, 2))
         patch.setattr(beam, "_NEAR_CUT_OFF", (0.0, 1e-14))
         patch.setattr(beam, "_QUALITIES", (1.0, 1e9))
-        return beam.run(Asked(quick=True))
+        return beam.run(PartRequest(quick=True))
 
 
 def row(found, family):
@@ -83,7 +83,7 @@ def test_the_naive_formulas_fail(found):
 @pytest.mark.parametrize("quick", [True, False])
 def test_whole_grids(quick):
     """Neither the quick nor the full run finds a family that fails."""
-    assert all(r.verdict != "fails" for r in beam.run(Asked(quick)).rows)
+    assert all(r.verdict != "fails" for r in beam.run(PartRequest(quick)).rows)
 
 
 def synthetic(error, condition=1.0):
@@ -155,7 +155,7 @@ def test_nothing_impossible_is_answered():
 @pytest.mark.parametrize("quick", [True, False])
 def test_whole_magnetic_run(quick):
     """µr 1 to 1e6, gaps 1 µm to 5 mm, 1 µA to 1 kA, coarse to fine: none fails."""
-    found = magnetics.run(Asked(quick))
+    found = magnetics.run(PartRequest(quick))
     assert all(row.verdict != "fails" for row in found.rows)
 
 

@@ -93,7 +93,7 @@ def test_keys_follow_the_load_of_the_contact_and_nothing_else():
 
 def test_without_current_nothing_magnetic_is_touched(monkeypatch):
     """The network is not asked."""
-    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.network_pull", None)
+    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.network_map", None)
     assert np.isfinite(frequency(*UP))
 
 

@@ -59,7 +59,7 @@ def rows(monkeypatch):
     monkeypatch.setattr(display, "array_forces", array_forces)
     for cached in (display._nine, display._all_four):
         cached.cache_clear()
-    yield {check.id: check.measure for check in display.CASES}
+    yield {row.id: row.measure for each in display.CASES for row in each.rows}
     for cached in (display._nine, display._all_four):
         cached.cache_clear()
 

@@ -8,7 +8,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.engine.comparison import Rung, _error, choose, ladder
+from tactgen.validation.engine.comparison import FidelityLevel, _error, choose, ladder
 from tactgen.validation.engine.solve import record, recorded, solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.model import Quantity
@@ -75,7 +75,7 @@ def test_errors_of_lists_and_responses():
 
 
 def test_a_rung_says_what_is_known():
-    said = Rung("tmm", 0.04, 1e-12, None, False, "capacitance_free").sentence
+    said = FidelityLevel("tmm", 0.04, 1e-12, None, False, "capacitance_free").sentence
     assert said == (
         "tmm does not meet it: model form 4 % (capacitance_free), numerical 1e-10 %, cost not "
         "recorded yet"

@@ -8,8 +8,8 @@ import pytest
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.coenergy_fit import fit, thinned
-from tactgen.tmm.reluctance.map_range import map_grid, network_pull
-from tactgen.tmm.reluctance.network import DirectPull, network_samples
+from tactgen.tmm.reluctance.map_range import map_grid, network_map
+from tactgen.tmm.reluctance.network import DirectForce, network_samples
 from tactgen.validation.catalogue.models import map_model
 from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.classes import map_of
@@ -96,7 +96,7 @@ def test_contact_and_machine_take_its_pull(field):
 
 def test_slopes_that_agree_by_chance_count_as_those_around():
     """Where ∂λ/∂i of a map and of half its samples cross, they still count as apart."""
-    whole = network_pull(Device())
+    whole = network_map(Device())
     half, _ = thinned(whole)
     gap, currents = 0.1e-3, np.linspace(0.3, 0.9, 200) * whole.current_limit
     apart = half.incremental_inductance(currents, gap) - whole.incremental_inductance(currents, gap)
@@ -116,7 +116,7 @@ def test_where_the_network_holds_no_rod_near_a_place_it_is_looked_for_anew():
     scene = generator("tmm,network")
     held = scene.rest[0]
     right, found = (
-        rod_by_network(scene, DirectPull(scene.device, CELLS, map_of(scene).gap_limits), near)
+        rod_by_network(scene, DirectForce(scene.device, CELLS, map_of(scene).gap_limits), near)
         for near in (held, replace(held, lift=-0.4 * scene.gap))
     )
     np.testing.assert_allclose(found.stiffness, right.stiffness, rtol=1e-9)

@@ -8,7 +8,7 @@ import pytest
 from tactgen.tmm.generator.equilibrium import axial_forces, resting_place, resting_places
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import MapError
-from tactgen.tmm.reluctance.map_range import map_grid, network_pull
+from tactgen.tmm.reluctance.map_range import map_grid, network_map
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import switching
 from tactgen.validation.engine.solve import solve
@@ -88,7 +88,7 @@ def test_beside_pull_in_and_drop_out_points_decide(wide, narrow, history, around
     would call back a rod that has left, or let one go that is held.
     """
     device = load_scene("reluctance", [])[0].device
-    exact = network_pull(device)
+    exact = network_map(device)
     switches = switching(device, exact)
     at = switches.pull_in if history == "rising" else switches.drop_out
     kinds = set()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device.parameters import Device, Spring
-from tactgen.tmm.reluctance import map_range as network_pull
+from tactgen.tmm.reluctance import map_range as network_map
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.network import network_samples
@@ -128,8 +128,8 @@ def test_a_rod_that_does_not_pull_in_is_said_once(monkeypatch):
     small = np.linspace(0.0, 0.06, 13), np.geomspace(20e-6, 0.25e-3, 12)
     monkeypatch.setattr("tactgen.tmm.reluctance.map_range.map_grid", lambda _: small)
     # the map that this process may have got already, less its memory
-    pull = network_pull._network_pull.__wrapped__
-    monkeypatch.setattr(network_pull, "_network_pull", pull)
+    pull = network_map._network_pull.__wrapped__
+    monkeypatch.setattr(network_map, "_network_pull", pull)
     solution = solved(quantities=("pull_in_current", "holding_current", "magnetic_force"))
     pull_in, holding, force = as_json(solution)["quantities"]
     assert pull_in["value"] is None

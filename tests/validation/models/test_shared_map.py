@@ -35,7 +35,9 @@ def mapped(own_store, monkeypatch):
 
     monkeypatch.setattr(actuator, "solve_map", solve_map)
     monkeypatch.setattr(actuator, "solve_point", lambda _device, i, g, **_: _point(i, g))
-    monkeypatch.setattr(walk.FieldWalk, "at", lambda _self, _device, i, g, _place: _point(i, g))
+    monkeypatch.setattr(
+        walk.FieldContinuation, "at", lambda _self, _device, i, g, _place: _point(i, g)
+    )
     return maps
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from tactgen.geometry.cad import system_libraries
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.formats import engineering, percent, prefixed, share, signed, with_bar
+from tactgen.geometry.formats import engineering, percent, prefixed, share, signed, with_error
 from tactgen.validation import report
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph.solid import cells_of, mesh_pair
@@ -215,8 +215,8 @@ def test_numbers_that_are_none_and_bars_of_nothing():
     assert prefixed(3e-5, "m") == (pytest.approx(1e6), "µm")
     assert prefixed(3e-5, "1") == prefixed(0.0, "1") == (1.0, "1")
     assert prefixed(math.inf, "m") == (1.0, "m")
-    assert with_bar(1.23456789e-3, 0.0, "m") == "1.234568 mm"
-    assert with_bar(1.23456789e-3, math.nan, "m") == "1.2346 mm (no error bar)"
+    assert with_error(1.23456789e-3, 0.0, "m") == "1.234568 mm"
+    assert with_error(1.23456789e-3, math.nan, "m") == "1.2346 mm (no error bar)"
 
 
 def test_numbers_for_people():
@@ -228,15 +228,15 @@ def test_numbers_for_people():
     assert engineering(4.96e-4, "N m", 2) == "500 µN m"  # and not 5e+02 µN m
     assert engineering(5e12, "Pa", 2) == "5e+03 GPa"  # no prefix goes further
     assert engineering(9.9996e-7, "m", 5) == "999.96 nm"
-    assert with_bar(4.7087e-5, 2.6e-8, "m") == "47.087 ± 0.026 µm"
-    assert with_bar(-6.7582e-7, 1e-20, "m").startswith("-675.82 nm (±1e-14")
-    assert with_bar(365.1, 10.2, "Hz") == "365 ± 10 Hz"
-    assert with_bar(5e-9, 8.4134e-5, "N") == "0 ± 84 µN"  # read beside its bar
+    assert with_error(4.7087e-5, 2.6e-8, "m") == "47.087 ± 0.026 µm"
+    assert with_error(-6.7582e-7, 1e-20, "m").startswith("-675.82 nm (±1e-14")
+    assert with_error(365.1, 10.2, "Hz") == "365 ± 10 Hz"
+    assert with_error(5e-9, 8.4134e-5, "N") == "0 ± 84 µN"  # read beside its bar
     assert percent(0.0524) == "+5.240 %"
     assert percent(3e-8) == "+3e-06 %"
     assert percent(3e-14) == "0 %"
     assert share(0.00822) == "0.82 %"
-    assert with_bar(1.0, float("inf"), "m") == "1 m (no error bar)"
+    assert with_error(1.0, float("inf"), "m") == "1 m (no error bar)"
 
 
 @pytest.mark.parametrize(
@@ -248,8 +248,8 @@ def test_zero_has_no_sign(number, text):
     assert signed(number, 3) == text
     assert percent(0.01 * number, 3) == f"{text} %"
     assert engineering(-0.0, "N") == "0 N"
-    assert with_bar(-1e-3, 0.1, "m").startswith("-1 ")
-    assert with_bar(-0.001, 1.2, "1") == "0.0 ± 1.2"
+    assert with_error(-1e-3, 0.1, "m").startswith("-1 ")
+    assert with_error(-0.001, 1.2, "1") == "0.0 ± 1.2"
 
 
 def test_signed_numbers_are_written_in_one_place():

@@ -9,7 +9,7 @@ import zlib
 import numpy as np
 import pytest
 
-from tactgen.geometry.formats import with_bar
+from tactgen.geometry.formats import with_error
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.browser import find_browser, run_browser
@@ -78,7 +78,7 @@ def test_frequencies_shown_are_the_quantities(seen, data):
     for result, shown in zip(seen, data["results"], strict=True):
         for state, packed in zip(result.states, shown["states"], strict=True):
             if state.kind == "mode":
-                assert packed["text"] == with_bar(state.frequency, state.error, "Hz")
+                assert packed["text"] == with_error(state.frequency, state.error, "Hz")
 
 
 def test_a_travelling_part_is_in_the_page(data):
@@ -138,7 +138,8 @@ def test_lengths_of_the_page_are_the_solvers(seen, over_length):
             found = (read(packed["middle"]) + read(packed["apart"][k])).reshape(-1, 3)
             assert np.abs(found - shape).max() < 1e-4 * np.abs(mode.shapes).max()
         assert packed["texts"][:-1] == [
-            with_bar(f, b, "Hz") for f, b in zip(mode.frequency[:-1], mode.error[:-1], strict=True)
+            with_error(f, b, "Hz")
+            for f, b in zip(mode.frequency[:-1], mode.error[:-1], strict=True)
         ]
         assert packed["texts"][-1] == "not among the lowest"
     assert "off by up to 0.1 %" in own["note"]
@@ -228,7 +229,7 @@ def test_the_slider_of_the_length(browser, seen, lengths, tmp_path):
         at = scene.model_copy(update={"bimorph": bimorph})
         first = solve(at, ("solid",), (name,)).get(name, "solid")
         mode = next(m for m in ranges[0].modes if (m.circuit, m.motion) == ("short", "bending_x"))
-        assert found["texts"]["mode 1, short circuit"] == with_bar(
+        assert found["texts"]["mode 1, short circuit"] == with_error(
             mode.frequency[found["k"]], mode.error[found["k"]], "Hz"
         )
         apart = abs(mode.frequency[found["k"]] - first.value[0])

@@ -14,7 +14,7 @@ from tactgen.validation.studies.reconstruction import (
     actuator,
     ampere_turns_needed,
     field_pull,
-    network_pull,
+    network_map,
     weighed,
 )
 
@@ -48,7 +48,7 @@ def test_the_needed_current_of_a_power_law_is_exact():
     assert _crossing(currents[:2], forces[:2], beyond=True) == pytest.approx(2.0, rel=1e-12)
 
 
-@pytest.mark.parametrize("pull", [network_pull, field_pull])
+@pytest.mark.parametrize("pull", [network_map, field_pull])
 def test_needed_ampere_turns_pull_with_the_stated_force(pull):
     """Asked again at what it said, the model pulls with 110 mN: 1 % of interpolation."""
     device = Device()
@@ -61,14 +61,14 @@ def test_heat_does_not_depend_on_the_turns_of_the_start():
     """Ampere-turns and window decide; whole turns round by 1e-3."""
     device = Device()
     other = device.model_copy(update={"coil": Coil(turns=300.0)})
-    one, two = weighed(device, network_pull), weighed(other, network_pull)
+    one, two = weighed(device, network_map), weighed(other, network_map)
     assert one.ampere_turns == pytest.approx(two.ampere_turns, rel=1e-2)  # samples lie elsewhere
     assert one.held_power == pytest.approx(two.held_power, rel=2e-2)
 
 
 def test_a_coil_that_cannot_is_infinitely_hot():
     """A shaft too thin for the flux: no ampere-turns do it, and no heat is named."""
-    found = weighed(actuator(0.3e-3, 0.96e-3, 1.6e-3), network_pull)
+    found = weighed(actuator(0.3e-3, 0.96e-3, 1.6e-3), network_map)
     assert math.isinf(found.ampere_turns)
     assert math.isinf(found.held_power)
 
@@ -76,7 +76,7 @@ def test_a_coil_that_cannot_is_infinitely_hot():
 def test_a_long_coil_and_the_stated_force_exclude_each_other():
     """12 mm of coil on the same radii need many times the ampere-turns, as leakage saturates the
     shaft, and so stay hotter in spite of their larger window."""
-    short, long = (weighed(actuator(*BUILT_IN[:2], l), network_pull) for l in (1.6e-3, 12e-3))
+    short, long = (weighed(actuator(*BUILT_IN[:2], l), network_map) for l in (1.6e-3, 12e-3))
     assert long.ampere_turns > 4.0 * short.ampere_turns
     assert long.held_power > 3.0 * short.held_power
 

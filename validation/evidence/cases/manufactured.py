@@ -15,8 +15,6 @@ from typing import Any, Literal
 import numpy as np
 
 from tactgen.fem.elements.line_basis import gauss_values
-from tactgen.fem.magnetics.axisymmetric_field import solve_field
-from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.fem.piezo.system import Material, volts_per_unit
 from tactgen.fem.piezo.tetrahedra import SkfemBody
 from tactgen.fem.solvers.linear_solver import factorise
@@ -266,6 +264,9 @@ def rings_error(curve: MagnetisationCurve, order: int, divisions: int) -> float:
 
     The source ∫ H(B)·curl v is what a current density curl H does.
     """
+    from tactgen.fem.magnetics.axisymmetric_field import solve_field
+    from tactgen.fem.magnetics.axisymmetric_space import discretise
+
     lines = np.linspace(0.0, 1.0, divisions + 1), np.linspace(-1.0, 1.0, 2 * divisions + 1)
     d = discretise(Grid(*lines, (Region("all", (0.0, 1.0), (-1.0, 1.0), curve),)), order)
     r, z = d.radii, d.elevations

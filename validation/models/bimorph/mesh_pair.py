@@ -37,7 +37,7 @@ from tactgen.validation.models.model import SAFETY, Modes, Refined, least_differ
 if TYPE_CHECKING:
     from tactgen.fem.piezo.krylov import ReducedSolid
     from tactgen.fem.piezo.modal_model import BareMode, ModalModel
-    from tactgen.fem.piezo.system import SolidSystem, Surplus
+    from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
 
 
 class MeshPair(ABC):
@@ -54,12 +54,12 @@ class MeshPair(ABC):
         """The lossless systems on them."""
 
     @property
-    def lacking(self) -> Callable[[Motion], Surplus] | None:
+    def lacking(self) -> Callable[[Motion], EstimatorSpace] | None:
         """Estimator space of the finer mesh by class of motion, where it is known."""
         return None
 
     @property
-    def lacking_lossy(self) -> Callable[[], Surplus] | None:
+    def hierarchical_error_lossy(self) -> Callable[[], EstimatorSpace] | None:
         """The same with losses, of bending in x."""
         return None
 
@@ -187,7 +187,7 @@ class TwoMeshModel(BimorphModel):
             self.meshes()[which],
             self.frequencies,
             tolerance=1e-3 * self.scene.accuracy,
-            lacking=None if which else self.mesh_pair.lacking_lossy,
+            lacking=None if which else self.mesh_pair.hierarchical_error_lossy,
         )
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:

@@ -22,7 +22,7 @@ from tactgen.geometry.store.values import storable
 from tactgen.validation.models.model import Modes, cancelling, least_difference
 
 if TYPE_CHECKING:
-    from tactgen.fem.piezo.system import SolidSystem, Surplus
+    from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
 
 #: Classes of motion in which the ports take no part: the same on any support and circuit.
 _OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
@@ -78,7 +78,7 @@ def fine_modes(
     fine: SolidSystem,
     coarse: MeshModes,
     count: int,
-    lacking: Callable[[Motion], Surplus] | None = None,
+    lacking: Callable[[Motion], EstimatorSpace] | None = None,
 ) -> MeshModes:
     """Modes on the finer mesh, of the classes that are low on the coarser one.
 
@@ -95,7 +95,7 @@ def mesh_modes(
     system: SolidSystem,
     others: dict[Motion, int],
     count: int,
-    lacking: Callable[[Motion], Surplus] | None = None,
+    lacking: Callable[[Motion], EstimatorSpace] | None = None,
 ) -> MeshModes:
     """Modal data of `count` bending modes in x and other classes."""
     from tactgen.fem.piezo.modal_reduction import modal_model
@@ -137,7 +137,10 @@ def _of(system: SolidSystem) -> tuple[Motion, ...]:
 
 
 def _other(
-    system: SolidSystem, motion: Motion, count: int, lacking: Callable[[Motion], Surplus] | None
+    system: SolidSystem,
+    motion: Motion,
+    count: int,
+    lacking: Callable[[Motion], EstimatorSpace] | None,
 ) -> list[tuple[BareMode, ...]]:
     """Modes of a class of motion, with hierarchical errors of displacement and potential."""
     from tactgen.fem.piezo.modes import eigenpairs, solid_mode

@@ -17,7 +17,7 @@ from tactgen.validation.models.model import SURPLUS_FACTOR, SURPLUS_FACTOR_AT_ED
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.piezo.system import SolidSystem, Surplus
+    from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
 from tactgen.geometry.device.checks import check_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import whole_mesh
@@ -89,18 +89,18 @@ class BrickPair(MeshPair):
         return fine, coarse
 
     @cached_property
-    def lacking(self) -> Callable[[Motion], Surplus]:
+    def lacking(self) -> Callable[[Motion], EstimatorSpace]:
         """Estimator space of each class of motion."""
-        from tactgen.fem.piezo.brick_error import BrickSurplus
+        from tactgen.fem.piezo.brick_error import BrickEstimator
 
-        return cache(BrickSurplus(self.device, self.bricks[0]).of)
+        return cache(BrickEstimator(self.device, self.bricks[0]).of)
 
     @property
-    def lacking_lossy(self) -> Callable[[], Surplus]:
+    def hierarchical_error_lossy(self) -> Callable[[], EstimatorSpace]:
         """The same with losses, of bending in x: for the response."""
-        from tactgen.fem.piezo.brick_error import BrickSurplus
+        from tactgen.fem.piezo.brick_error import BrickEstimator
 
-        return lambda: BrickSurplus(self.device, self.bricks[0], lossy=True).of("bending_x")
+        return lambda: BrickEstimator(self.device, self.bricks[0], lossy=True).of("bending_x")
 
     @property
     def static_factor(self) -> float:

@@ -37,7 +37,7 @@ from tactgen.tmm.ports.multiport import Multiport, in_series, respond, terminate
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.coenergy_fit import thinned
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
-from tactgen.tmm.reluctance.network import DirectPull
+from tactgen.tmm.reluctance.network import DirectForce
 from tactgen.validation.models.model import Estimate, Refined, rounding_of_ports
 from tactgen.validation.scene.scene import Scene
 
@@ -52,7 +52,7 @@ _SAFETY = 2.5
 _PLACES = 5
 
 
-class MachinePull(Pull, Map, Protocol):
+class MachineForce(Pull, Map, Protocol):
     """Magnetic force and its slopes at a current (A) and gap (m)."""
 
 
@@ -82,7 +82,7 @@ class _Scaled:
 
 
 @dataclass(frozen=True)
-class JudgedRod:
+class RodWithError:
     """Rod in small motions, with the basis of its error."""
 
     fine: Linearised  #: The result
@@ -154,32 +154,32 @@ def _around(points: Floats, at: Floats | float) -> Floats:
     return np.asarray(np.clip(near, points[0], points[-1]))
 
 
-def machine_of(scene: Scene, pull: CoenergyMap) -> JudgedRod:
+def machine_of(scene: Scene, pull: CoenergyMap) -> RodWithError:
     """Rod about its equilibrium in a scene, with the basis of its error.
 
     The network is solved there; of another model of the pull there is the map.
 
     Raises InputError if it rests nowhere, or the spring tips its head.
     """
-    judged = judged_by_network if scene.map_model == _NETWORK else judged_by_map
+    judged = rod_with_network_error if scene.map_model == _NETWORK else rod_with_map_error
     return judged(scene, pull)
 
 
-def judged_by_network(scene: Scene, pull: CoenergyMap) -> JudgedRod:
+def rod_with_network_error(scene: Scene, pull: CoenergyMap) -> RodWithError:
     """Rod by the network itself, judged by ladders of half and a quarter of the cells.
 
     The map only says near which place the rod rests; refusals as :func:`machine_of`.
     """
     place = _rest(scene, pull)
     fine, half, quarter = (
-        rod_by_network(scene, DirectPull(scene.device, CELLS_AT_REST // n, pull.gap_limits), place)
+        rod_by_network(scene, DirectForce(scene.device, CELLS_AT_REST // n, pull.gap_limits), place)
         for n in (1, 2, 4)
     )
     method = f"observed order of the network solved there in {CELLS_AT_REST} cells, half, a quarter"
-    return JudgedRod(fine, method, ladders=(half, quarter))
+    return RodWithError(fine, method, ladders=(half, quarter))
 
 
-def judged_by_map(scene: Scene, pull: CoenergyMap) -> JudgedRod:
+def rod_with_map_error(scene: Scene, pull: CoenergyMap) -> RodWithError:
     """Rod by a map, judged by that of half the samples and by one that is larger.
 
     Larger by its stated errors: of the samples and of the fit; refusals as :func:`machine_of`.
@@ -189,7 +189,7 @@ def judged_by_map(scene: Scene, pull: CoenergyMap) -> JudgedRod:
     own = _sample_error(pull, abs(scene.coil.current), _rest(scene, pull).lift + scene.gap)
     between = pull.interpolation_error
     larger = _Scaled(pull, 1.0 + own + between.force, 1.0 + own + between.flux_linkage)
-    return JudgedRod(
+    return RodWithError(
         fine,
         f"half the change with half the samples of the map by the model {pull.samples.model}, of "
         "slopes no less than around, and the map's stated errors",
@@ -200,12 +200,12 @@ def judged_by_map(scene: Scene, pull: CoenergyMap) -> JudgedRod:
 def rod_of(scene: Scene, pull: CoenergyMap) -> Linearised:
     """Rod of :func:`machine_of` alone, which costs a third; refusals as there."""
     if scene.map_model == _NETWORK:
-        exact = DirectPull(scene.device, CELLS_AT_REST, pull.gap_limits)
+        exact = DirectForce(scene.device, CELLS_AT_REST, pull.gap_limits)
         return rod_by_network(scene, exact, _rest(scene, pull))
     return rod_about(scene, pull)
 
 
-def rod_by_network(scene: Scene, exact: DirectPull, near: RestingPlace) -> Linearised:
+def rod_by_network(scene: Scene, exact: DirectForce, near: RestingPlace) -> Linearised:
     """Rod by the network itself, solved where it rests close to a place.
 
     If the network holds the rod nowhere close, as it may just before it pulls in, the place is
@@ -219,12 +219,12 @@ def rod_by_network(scene: Scene, exact: DirectPull, near: RestingPlace) -> Linea
     return linearised(scene.device, scene.beam, place, current, exact)
 
 
-def of_rod(rod: JudgedRod, of: Callable[[Linearised], float]) -> Estimate:
+def of_rod(rod: RodWithError, of: Callable[[Linearised], float]) -> Estimate:
     """Number of the rod in small motions, with its bar."""
     return Estimate(of(rod.fine), float(rod.bar(of)))
 
 
-def rod_about(scene: Scene, pull: MachinePull) -> Linearised:
+def rod_about(scene: Scene, pull: MachineForce) -> Linearised:
     """Rod about the place where it rests, by a map and with nothing to judge it by.
 
     Raises InputError as :func:`machine_of`.
@@ -233,7 +233,7 @@ def rod_about(scene: Scene, pull: MachinePull) -> Linearised:
     return linearised(scene.device, scene.beam, _rest(scene, pull), current, pull)
 
 
-def _rest(scene: Scene, pull: MachinePull) -> RestingPlace:
+def _rest(scene: Scene, pull: MachineForce) -> RestingPlace:
     forces = axial_forces(scene.device, pull, scene.load.normal_force)
     return resting_place(forces, abs(scene.coil.current), scene.coil.history)
 
@@ -260,7 +260,7 @@ class SmallSignal:
 
     scene: Scene  #: Wiring, tip load and the coil's supply are read
     ports: Refined[Multiport]  #: The bimorph by its model, parallel wiring
-    linear: JudgedRod  #: The rod, and by what it is judged
+    linear: RodWithError  #: The rod, and by what it is judged
 
     @property
     def method(self) -> str:
@@ -347,7 +347,7 @@ class MeasuredPoles:
     method: str
 
 
-def measured_poles(scene: Scene, linear: JudgedRod) -> MeasuredPoles:
+def measured_poles(scene: Scene, linear: RodWithError) -> MeasuredPoles:
     """Poles with the scene's supply, each said to decay or to grow."""
 
     def of(rod: Linearised) -> Complex:

@@ -137,9 +137,9 @@ def scene_machine(
     """Generator of a scene driven by `volts`."""
     load = chain_of(scene.ends.tip)
     if pull is None:
-        from tactgen.tmm.reluctance.map_range import network_pull
+        from tactgen.tmm.reluctance.map_range import network_map
 
-        pull = network_pull(scene.device)
+        pull = network_map(scene.device)
     modes = scene_modes(scene)
     return machine(scene.device, modes, pull, load=load, source=coil, drive_scale=volts or 1.0)
 

@@ -13,7 +13,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.store import kept
+from tactgen.geometry.store.store import cached_result
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
 from tactgen.validation.catalogue.models import MODELS, STROKE
@@ -101,10 +101,10 @@ class AxisymmetricModel(_FieldModel):
         return axisymmetric_point(self._solved(current, gap))
 
     def _solver(self) -> Solver:
-        from tactgen.fem.magnetics.axisymmetric import FieldWalk
+        from tactgen.fem.magnetics.axisymmetric import FieldContinuation
 
         device = self.scene.device
-        walk = FieldWalk(finenesses(REFINEMENTS, self.scene.accuracy), self.scene.accuracy)
+        walk = FieldContinuation(finenesses(REFINEMENTS, self.scene.accuracy), self.scene.accuracy)
 
         def at(current: float, gap: float) -> MagneticPoint:
             place = nearness(device, current, gap)
@@ -140,7 +140,9 @@ class AxisymmetricModel(_FieldModel):
             return self._samples(currents, gaps, rows)
 
         code, announce = self.code(), self.stages.announce
-        return self._fitted(kept(SAMPLES, self.samples_inputs(), code, work, announce=announce))
+        return self._fitted(
+            cached_result(SAMPLES, self.samples_inputs(), code, work, announce=announce)
+        )
 
     def samples_inputs(self) -> tuple[object, ...]:
         """Inputs of the map's samples, for the store."""
@@ -207,7 +209,7 @@ class Magnetic3dModel(_FieldModel):
         for number, gap in enumerate(gaps.tolist(), start=1):
             announce(f"magnetic3d.map, gap {number} of {gaps.size}")
             rows.append(
-                kept(
+                cached_result(
                     "magnetic3d.row",
                     (geometry, currents.tolist(), gap),
                     self.code(),

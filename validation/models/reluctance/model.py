@@ -210,10 +210,10 @@ class NetworkModel(MagneticModel):
         return by_network(self.scene)
 
     def _map(self) -> CoenergyMap:
-        from tactgen.tmm.reluctance.map_range import network_pull
+        from tactgen.tmm.reluctance.map_range import network_map
 
         # the one that where the rod rests is found by, with its device for the reader
-        found = network_pull(self.scene.device)
+        found = network_map(self.scene.device)
         return replace(found, samples=replace(found.samples, device=self._described()))
 
 

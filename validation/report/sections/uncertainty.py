@@ -11,7 +11,7 @@ import numpy as np
 from tactgen.validation.catalogue.models import MODELS, gives, ranked
 from tactgen.validation.engine.comparison import Cell, compare
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.evidence.verification import recalled_rows
+from tactgen.validation.evidence.verification import stored_rows
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context
 from tactgen.validation.scene.scene import Scene
@@ -156,7 +156,7 @@ def _code(study: Study) -> Count:
         if any(MODELS[name].actuator == actuator for name in study.scene.models)
         for group in own
     ]
-    verdicts = [row.verdict for row in recalled_rows(groups)]
+    verdicts = [row.verdict for row in stored_rows(groups)]
     held, failed = verdicts.count("pass"), verdicts.count("fail")
     explained = verdicts.count("explained")
     missing = len(verdicts) - held - failed - explained

@@ -9,7 +9,7 @@ from typing import Any
 
 from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.formats import with_bar
+from tactgen.geometry.formats import with_error
 from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
@@ -197,9 +197,9 @@ def shown(aim: Aim, margin: float, bar: float) -> str:
     value = aim.sign * margin if aim.kind == "goal" else margin
     unit = aim.unit
     if unit in {row.unit for row in QUANTITIES.values()}:
-        text = with_bar(value, bar, unit)
+        text = with_error(value, bar, unit)
     else:  # base units take no prefix
-        text = f"{with_bar(value, bar, '1')} {unit}"
+        text = f"{with_error(value, bar, '1')} {unit}"
     return text if aim.kind == "goal" else f"margin {text}"
 
 

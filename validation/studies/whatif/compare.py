@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.formats import percent, with_bar
+from tactgen.geometry.formats import percent, with_error
 from tactgen.validation.engine.answers import COLUMNS, quantity_rows
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene, checked_scene, load_scene, scene_values
@@ -287,7 +287,8 @@ def lines(
     found += ["", "answers, where they differ most:"]
     rows = [("quantity", "model", "at", "A", "B", "change", "")]
     rows += [
-        (d.quantity, d.model, place(d.key), shown(d.first), shown(d.second), percent(d.relative),
+        (d.quantity, d.model, place(d.key), format_number(d.first), format_number(d.second),
+            percent(d.relative),
          d.verdict + _only(d))
         for d in answers
     ]  # fmt: skip
@@ -302,10 +303,10 @@ def place(key: Key) -> str:
     return ", ".join(parts)
 
 
-def shown(number: Number) -> str:
+def format_number(number: Number) -> str:
     """Number with its bar; of complex ones the magnitude."""
     value = number.value.real if number.value.imag == 0.0 else abs(number.value)
-    return with_bar(value, number.error, number.unit)
+    return with_error(value, number.error, number.unit)
 
 
 def as_values(

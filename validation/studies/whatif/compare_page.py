@@ -21,8 +21,8 @@ from tactgen.validation.studies.whatif.compare import (
     InputDifference,
     Key,
     Side,
+    format_number,
     place,
-    shown,
 )
 
 #: File of the page.
@@ -51,7 +51,7 @@ def write_page(
     parts.append("<h2>Answers, where they differ most</h2>")
     parts.append(table(
         ("quantity", "model", "at", "A", "B", "change", "bars"),
-        [(d.quantity, d.model, place(d.key), shown(d.first), shown(d.second),
+        [(d.quantity, d.model, place(d.key), format_number(d.first), format_number(d.second),
           percent(d.relative), d.verdict) for d in answers],
     ) if answers else f"<p>{NOTHING_SHARED}.</p>")  # fmt: skip
     parts.append(

@@ -110,7 +110,7 @@ class Tried:
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """Result of a search."""
 
     statement: Statement  #: What was asked, scene and models among it
@@ -130,7 +130,7 @@ class Found:
         return tuple(key for key, share in shares.items() if min(share, 1.0 - share) < _END)
 
 
-def as_values(found: Found) -> dict[str, Any]:
+def as_values(found: SearchResult) -> dict[str, Any]:
     """Result as plain JSON values, SI units."""
 
     def point(one: Tried) -> dict[str, Any]:
@@ -150,7 +150,7 @@ def as_values(found: Found) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def sentences(found: Found) -> list[str]:
+def sentences(found: SearchResult) -> list[str]:
     """Result in sentences."""
     models = ", ".join(found.statement.models)
     if not found.met:
@@ -286,7 +286,7 @@ def search(
     aims: tuple[Aim, ...],
     present: dict[str, float],
     announce: Callable[[str], None] = lambda _: None,
-) -> Found:
+) -> SearchResult:
     """Values that meet the aims best.
 
     Without a goal those are wanted that differ least, in shares of the ranges, from the
@@ -325,7 +325,7 @@ def search(
     found = points.tried[best]
     assert found.judged is not None
     met = points.shortfall(found.judged, scales) == 0.0
-    return Found(statement, ranges, aims, found, met, spread[0], len(points.tried),
+    return SearchResult(statement, ranges, aims, found, met, spread[0], len(points.tried),
                  points.solver.interpolated)  # fmt: skip
 
 

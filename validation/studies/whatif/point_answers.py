@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.store import kept, recalled
+from tactgen.geometry.store.store import cached_result, stored_result
 from tactgen.geometry.store.values import source_digest
 from tactgen.validation.catalogue.models import MODELS, gives, models_of, reading
 from tactgen.validation.engine.answers import Answer
@@ -50,7 +50,7 @@ def question(scene: Scene, model: str, quantities: tuple[str, ...]) -> Question:
 
 def recall(asked: Question, *, retry: bool = False) -> Answer | None:
     """Answer that is kept, if any; with `retry` only one that did not fail."""
-    return recalled(_kind(asked), asked.inputs, _made_of(asked.model), _serving(retry))
+    return stored_result(_kind(asked), asked.inputs, _made_of(asked.model), _serving(retry))
 
 
 def answer(
@@ -73,7 +73,7 @@ def answer(
     retry : bool
         Whether an answer that is kept as failed gives way.
     """
-    return kept(
+    return cached_result(
         _kind(asked), asked.inputs, _made_of(asked.model),
         lambda: solved(asked, values, announce, earlier),
         serves=_serving(retry), announce=announce,
@@ -102,7 +102,7 @@ def solved(
 
 def keep(asked: Question, found: Answer, *, retry: bool = False) -> Answer:
     """Store an answer that was computed elsewhere; an earlier one wins."""
-    return kept(
+    return cached_result(
         _kind(asked), asked.inputs, _made_of(asked.model), lambda: found, serves=_serving(retry)
     )
 

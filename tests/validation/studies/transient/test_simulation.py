@@ -23,7 +23,7 @@ from tactgen.tmm.generator.transient.time_integration import simulate_steps
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Step
 from tactgen.tmm.ports.elements import chain_of
 from tactgen.tmm.ports.multiport import respond, terminate
-from tactgen.tmm.reluctance.map_range import network_pull
+from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import simulate
 from tactgen.validation.models.generator import transient
@@ -341,7 +341,7 @@ def test_small_motions_under_the_finger_are_those_of_the_machine():
     """
     scene, drive, frequency = load_scene("generator", [])[0], 1e-6, 150.0
     device, load = scene.device, chain_of(scene.ends.tip)
-    pull = network_pull(device)
+    pull = network_map(device)
     place = resting_place(axial_forces(device, pull, 0.0), 0.0, "rising")
     rod = linearised(device, scene.beam, place, 0.0, pull)
     rod = creeping(rod, device, place)
@@ -380,7 +380,7 @@ def test_friction_creeps_where_small_motions_have_a_spring(scene):
     Under the finger the two differ by percents below 2 Hz, and by less than 1 % from 10 to 500 Hz.
     """
     device = scene.device
-    pull = network_pull(device)
+    pull = network_map(device)
     place = resting_place(axial_forces(device, pull, 0.0), 0.0, "rising")
     rod = linearised(device, scene.beam, place, 0.0, pull)
     law, one = Stop(1e6), np.eye(2)

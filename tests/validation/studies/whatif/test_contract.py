@@ -9,7 +9,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import whatif
 from tactgen.validation.engine import comparison as ladders
-from tactgen.validation.engine.comparison import Rung, choose_for
+from tactgen.validation.engine.comparison import FidelityLevel, choose_for
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif.defaults import judged_points, under_contract
@@ -36,8 +36,8 @@ def forms(monkeypatch):
         asked.append(scene.bimorph.length)
         form = 0.02 * 14e-3 / scene.bimorph.length
         return (
-            Rung("tmm", form, 0.0, 0.1, form <= scene.accuracy, "q"),
-            Rung(judge, 0.0, scene.accuracy, None, scene.accuracy >= 1e-6, ""),
+            FidelityLevel("tmm", form, 0.0, 0.1, form <= scene.accuracy, "q"),
+            FidelityLevel(judge, 0.0, scene.accuracy, None, scene.accuracy >= 1e-6, ""),
         )
 
     monkeypatch.setattr(ladders, "ladder", rungs)

@@ -13,7 +13,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif import optimisation as points
-from tactgen.validation.studies.whatif.optimisation import Found, Range
+from tactgen.validation.studies.whatif.optimisation import Range, SearchResult
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
@@ -118,4 +118,4 @@ def test_a_best_value_at_either_end_is_told(share, ends):
     """Where the range is left, a better one may lie."""
     bounds = SimpleNamespace(key="gap", share=lambda value: value)
     found = SimpleNamespace(ranges=(bounds,), best=SimpleNamespace(values={"gap": share}))
-    assert Found.at_end.fget(found) == (("gap",) if ends else ())
+    assert SearchResult.at_end.fget(found) == (("gap",) if ends else ())

@@ -151,13 +151,15 @@ def _plain(of: RodLoop) -> dict[str, Any]:
 
 
 def _print(of: RodLoop) -> None:
-    from tactgen.geometry.formats import engineering, with_bar
+    from tactgen.geometry.formats import engineering, with_error
 
     print(f"{of.model}: position of the rod, 0 at the upper stop, negative down")
     if of.switching is not None:
         for name in ("lift_off", "pull_in", "holding", "drop_out"):
             at = getattr(of.switching, name)
-            shown = with_bar(at.value, at.error, "A") if math.isfinite(at.value) else "not reached"
+            shown = (
+                with_error(at.value, at.error, "A") if math.isfinite(at.value) else "not reached"
+            )
             print(f"  {name.replace('_', '-'):10} {shown}")
     print(f"  {'current':>10}  {'rising':>28}  {'falling':>28}")
     last = len(of.loop.currents) - 1
