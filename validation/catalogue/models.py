@@ -141,11 +141,6 @@ class ModelRow:
     #: Relative error that its finest mesh is known to come down to; 0 if that is not known
     finest: float = 0.0
 
-    @property
-    def takes_sections_as_plane(self) -> bool:
-        """Whether its theory is that of slender beams."""
-        return self.theory == "beam"
-
     def reads(self, key: str) -> bool:
         """Whether some stage reads a scene key or group."""
         return any(key in plain_keys(entries) for entries in self.stages.values())

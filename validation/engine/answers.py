@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ from tactgen.geometry.store.values import storable
 from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.models.model import Quantity
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 Array = NDArray[Any]
 
@@ -255,25 +258,17 @@ def representative(q: Quantity) -> Representative:
 
 # ---- arrays over the axes of a study, and netCDF ----
 
-
-class Variable(NamedTuple):
-    """An array with the names of its dimensions, its unit and its meaning."""
-
-    dimensions: tuple[str, ...]
-    values: Array
-    unit: str
-    meaning: str
+#: An array with the names of its dimensions, its unit and its meaning.
+Variable = tuple[tuple[str, ...], Array, dict[str, Any]]
 
 
-@dataclass(frozen=True)
-class Dataset:
-    """Answers as arrays; quantities are over model, the axes' dimensions and their own."""
-
-    #: Values of the axes, models, and what the quantities are over besides
-    coordinates: dict[str, Variable]
-    #: Quantities (complex ones in one array) by name, their errors as ``NAME_uncertainty``; nan
-    #: where there is no answer.  And `status` (places in :data:`STATUSES`), `reason`, `seconds`
-    variables: dict[str, Variable]
+def variable(dimensions: tuple[str, ...], values: Any, meaning: str, unit: str = "") -> Variable:
+    """Array over named dimensions, as xarray takes it."""
+    return (
+        dimensions,
+        np.asarray(values),
+        {"long_name": meaning} | ({"units": unit} if unit else {}),
+    )
 
 
 def dataset(
@@ -282,7 +277,9 @@ def dataset(
     quantities: Sequence[str],
     answers: Sequence[Mapping[str, Answer]],
 ) -> Dataset:
-    """Answers as arrays.
+    """Answers over model, the axes' dimensions and their own; nan where there is none.
+
+    With errors as ``NAME_uncertainty``, `status` (places in :data:`STATUSES`), `reason`, `seconds`.
 
     Parameters
     ----------
@@ -295,9 +292,11 @@ def dataset(
     answers : sequence of dict
         By model, one for each point (in C order over `shape`).
     """
+    from xarray import Dataset  # slow to import
+
     models = list(answers[0])
     over, sizes = ("model", *shape), (len(models), *shape.values())
-    coordinates = {**axes, "model": Variable(("model",), np.array(models), "", "model")}
+    coordinates = {**axes, "model": variable(("model",), models, "model")}
     variables: dict[str, Variable] = {}
     for name in quantities:
         found = [[answer[m].get(name) for answer in answers] for m in models]
@@ -305,28 +304,36 @@ def dataset(
         if not known:
             continue
         value, error = _filled(found, known)
-        names = _inner_dimensions(known[0])
-        if names[:1] == ("frequency",) and "frequency" in axes:
-            value, error, names = value[:, :, 0], error[:, :, 0], names[1:]
+        names: tuple[str, ...] = ("mode",) if known[0].value.ndim else ()
+        if known[0].frequency is not None:
+            names = ("frequency", "effort", "motion")[: known[0].value.ndim]
+            if "frequency" in axes:
+                value, error, names = value[:, :, 0], error[:, :, 0], names[1:]
         inner = value.shape[2:]
-        _add_coordinates(names, inner, known[0], coordinates)
-        row, dimensions = QUANTITIES[name], (*over, *names)
-        variables[name] = Variable(dimensions, value.reshape(*sizes, *inner), row.unit, row.meaning)
-        variables[f"{name}_uncertainty"] = Variable(
-            dimensions, error.reshape(*sizes, *inner), row.unit,
-            f"numerical error bar of {name}, absolute, of the magnitude",
-        )  # fmt: skip
+        for own, size in zip(names, inner, strict=True):
+            if own == "frequency":
+                values: Any = known[0].frequency
+                coordinates[own] = variable((own,), values, "frequency of the drive", "Hz")
+            elif own not in coordinates or coordinates[own][1].size < size:
+                counted = "number, from 1, of the mode or of the row or column of the port matrix"
+                coordinates[own] = variable((own,), np.arange(1, size + 1), counted)
+        row, dimensions, of = QUANTITIES[name], (*over, *names), (*sizes, *inner)
+        variables[name] = variable(dimensions, value.reshape(of), row.meaning, row.unit)
+        bars = f"numerical error bar of {name}, absolute, of the magnitude"
+        variables[f"{name}_uncertainty"] = variable(dimensions, error.reshape(of), bars, row.unit)
 
-    def each(of: Callable[[Answer], Any], kind: Any, unit: str, meaning: str) -> Variable:
+    def each(of: Callable[[Answer], Any], kind: Any, meaning: str, unit: str = "") -> Variable:
         values = [[of(answer[m]) for answer in answers] for m in models]
-        return Variable(over, np.array(values, dtype=kind).reshape(sizes), unit, meaning)
+        return variable(over, np.array(values, dtype=kind).reshape(sizes), meaning, unit)
 
     variables |= {
-        "status": each(lambda a: STATUSES.index(a.status), np.int8, "", "whether answered"),
-        "reason": each(lambda a: a.reason, np.str_, "", "why there is no answer"),
-        "seconds": each(lambda a: a.seconds, float, "s", "cost of the answer when it was computed"),
-    }  # fmt: skip
-    return Dataset(coordinates, variables)
+        "status": each(lambda a: STATUSES.index(a.status), np.int8, "whether answered"),
+        "reason": each(lambda a: a.reason, np.str_, "why there is no answer"),
+        "seconds": each(lambda a: a.seconds, float, "cost of the answer when it was computed", "s"),
+    }
+    flags = {"flag_values": np.arange(len(STATUSES), dtype=np.int8)}
+    variables["status"][2].update(flags, flag_meanings=" ".join(STATUSES))
+    return Dataset(variables, coordinates)
 
 
 def _filled(found: list[list[Quantity | None]], known: list[Quantity]) -> tuple[Array, Array]:
@@ -343,80 +350,19 @@ def _filled(found: list[list[Quantity | None]], known: list[Quantity]) -> tuple[
     return value, error
 
 
-def _inner_dimensions(first: Quantity) -> tuple[str, ...]:
-    """Dimensions of a quantity itself."""
-    if first.frequency is None:
-        return ("mode",) if first.value.ndim else ()
-    return ("frequency", "effort", "motion")[: first.value.ndim]
-
-
-def _add_coordinates(
-    names: tuple[str, ...], sizes: tuple[int, ...], first: Quantity, to: dict[str, Variable]
-) -> None:
-    """Add the coordinates that a quantity is over besides the axes."""
-    of_matrix = "place in the matrix over the ports, from 1"
-    meanings = {"mode": "number of the mode, from 1", "effort": of_matrix, "motion": of_matrix}
-    for name, size in zip(names, sizes, strict=True):
-        if name == "frequency":
-            values = np.array(first.frequency)
-            to[name] = Variable((name,), values, "Hz", "frequency of the drive")
-        elif name not in to or to[name].values.size < size:
-            to[name] = Variable((name,), np.arange(1, size + 1), "", meanings[name])
-
-
 def write_netcdf(path: Path, found: Dataset, attributes: Mapping[str, str]) -> Path:
     """Write arrays with units, errors and provenance as netCDF 3, whole or not at all.
 
+    Real and imaginary parts apart: netCDF knows no complex numbers.
+
     Raises InputError if the file cannot be written.
     """
-    from scipy.io import netcdf_file  # slow to import
-
-    with written_whole(path) as temporary, netcdf_file(str(temporary), "w", version=2) as file:
-        for name, text in attributes.items():
-            setattr(file, name, text.encode())
-        dimensions: dict[str, int] = {}
-        for variable in (*found.coordinates.values(), *found.variables.values()):
-            dimensions.update(zip(variable.dimensions, variable.values.shape, strict=True))
-        for name, size in dimensions.items():
-            file.createDimension(name, size)
-        for name, variable in found.coordinates.items():
-            _add_variable(file, name, variable)
-        auxiliary = " ".join(key for key, v in found.coordinates.items() if (key,) != v.dimensions)
-        for name, variable in _real_parts(found.variables):
-            made = _add_variable(file, name, variable)
-            if auxiliary:
-                made.coordinates = auxiliary.encode()
+    for name, values in found.data_vars.items():
+        if np.iscomplexobj(values):
+            parts = {f"{name}_re": values.real, f"{name}_im": values.imag}
+            found = found.drop_vars([name]).assign(
+                {part: of.assign_attrs(values.attrs) for part, of in parts.items()}
+            )
+    with written_whole(path) as temporary:
+        found.assign_attrs(attributes).to_netcdf(temporary, engine="scipy")
     return path
-
-
-def _real_parts(variables: Mapping[str, Variable]) -> Iterator[tuple[str, Variable]]:
-    """Yield the variables with real and imaginary parts apart: netCDF knows no complex numbers."""
-    for name, v in variables.items():
-        if np.iscomplexobj(v.values):
-            yield f"{name}_re", v._replace(values=v.values.real, meaning=f"real part: {v.meaning}")
-            imaginary = f"imaginary part: {v.meaning}"
-            yield f"{name}_im", v._replace(values=v.values.imag, meaning=imaginary)
-        else:
-            yield name, v
-
-
-def _add_variable(file: Any, name: str, variable: Variable) -> Any:
-    """Add a variable to an open file; texts as arrays of characters."""
-    dimensions, values, unit, meaning = variable
-    if values.dtype.kind == "U":
-        encoded = np.char.encode(values, "utf-8")
-        length = max(1, encoded.dtype.itemsize)
-        file.createDimension(f"{name}_length", length)
-        made = file.createVariable(name, "S1", (*dimensions, f"{name}_length"))
-        values, made._Encoding = encoded.astype(f"S{length}")[..., None].view("S1"), b"utf-8"
-    else:
-        kind = "i1" if values.dtype == np.int8 else {"f": "f8", "i": "i4"}[values.dtype.kind]
-        made = file.createVariable(name, kind, dimensions)
-    made[:] = values
-    made.long_name = meaning.encode()
-    if unit:
-        made.units = unit.encode()
-    if name == "status":
-        made.flag_values = np.arange(len(STATUSES), dtype=np.int8)
-        made.flag_meanings = " ".join(STATUSES).encode()
-    return made

@@ -5,9 +5,9 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from tactgen.geometry.display.clearances import check_display
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import (
     SUFFIX,
@@ -21,19 +21,9 @@ from tactgen.geometry.store.store import (
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import NEEDS, QUANTITIES, Actuator
-from tactgen.validation.engine.answers import quantity_json
+from tactgen.validation.engine.answers import plain, quantity_json
 from tactgen.validation.engine.readout import read
-from tactgen.validation.engine.warnings import (
-    accuracy_warnings,
-    check_held,
-    deflection_warnings,
-    field_warnings,
-    held_warnings,
-    level_warnings,
-    load_warnings,
-    slenderness_warnings,
-    stress_warnings,
-)
+from tactgen.validation.engine.warnings import answer_warnings, held_warnings, request_warnings
 from tactgen.validation.models.classes import make_model, map_of, model_class, stage_code
 from tactgen.validation.models.model import Model, Quantity, Stages
 from tactgen.validation.scene.inputs import stage_keys
@@ -50,14 +40,6 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Skip:
-    """A stage that will not run, and why."""
-
-    stage: str
-    reason: str
-
-
-@dataclass(frozen=True)
 class Plan:
     """Stages in the order in which they run, and those that do not."""
 
@@ -67,12 +49,9 @@ class Plan:
     keys: dict[str, str]
 
     @property
-    def skipped(self) -> tuple[Skip, ...]:
-        """Stages that do not run, and why."""
-        return tuple(
-            Skip(stage, _why_not(stage, self.models))
-            for stage in stage_reads() if stage not in self.keys
-        )  # fmt: skip
+    def skipped(self) -> dict[str, str]:
+        """Stages that do not run, with the reason."""
+        return {s: _why_not(s, self.models) for s in stage_reads() if s not in self.keys}
 
 
 def asks_display(quantities: Iterable[str]) -> bool:
@@ -130,8 +109,8 @@ def check_models(models: Sequence[str], quantities: Sequence[str]) -> None:
     Raises InputError with the models that can.
     """
     for quantity in quantities:
-        if not any(gives(model, quantity) for model in models):
-            able = [model for model in MODELS if gives(model, quantity)]
+        able = [model for model in MODELS if gives(model, quantity)]
+        if not set(able) & set(models):
             # the cheapest that takes no shortcut
             enough = next((model for model in able if not MODELS[model].shortcut), able[0])
             raise InputError(
@@ -155,6 +134,8 @@ def check_on_contact(scene: Scene, quantities: Sequence[str]) -> None:
                 f'{scene.support.kind}" says nothing; set support.kind=contact'
             )
         if actuator == "display":
+            from tactgen.geometry.display.clearances import check_display
+
             check_display(scene.device, scene.display)
 
 
@@ -173,7 +154,6 @@ def _why_not(stage: str, models: Sequence[str]) -> str:
     return f"no quantity that is wanted needs {' or '.join(needs)}"
 
 
-_NAME = "costs"
 #: Stages that take less (s) are not worth a line in a file.
 _LEAST = 0.02
 #: Change of a cost (as a share) that is worth writing it down again.
@@ -183,7 +163,7 @@ _CHANGED = 0.25
 def recorded() -> dict[str, float]:
     """Seconds that stages took when they last ran, by name; of none that never did."""
     try:
-        found: dict[str, float] = read_entry(store_folder() / (_NAME + SUFFIX))
+        found: dict[str, float] = read_entry(_costs())
     except (FileNotFoundError, Damaged):
         return {}
     return found
@@ -195,20 +175,17 @@ def record(seconds: Mapping[str, float]) -> None:
     Of two processes that write at once one wins: it is an estimate.
     """
     worth = {stage: cost for stage, cost in seconds.items() if cost >= _LEAST}
-    before = recorded()
-    news = {
-        stage: cost
-        for stage, cost in worth.items()
-        if abs(cost - before.get(stage, 0.0)) > _CHANGED * cost
-    }
-    if news:
+    before = recorded() if worth else {}
+    if any(abs(cost - before.get(stage, 0.0)) > _CHANGED * cost for stage, cost in worth.items()):
         with contextlib.suppress(OSError, InputError):
-            path = store_folder() / (_NAME + SUFFIX)
-            write_entry(path, sealed(path, {**before, **news}))
+            write_entry(_costs(), sealed(_costs(), before | worth))
 
 
-@dataclass(frozen=True)
-class Prospect:
+def _costs() -> Path:
+    return store_folder() / f"costs{SUFFIX}"
+
+
+class Prospect(NamedTuple):
     """One stage of a plan: whether its result is kept, and the seconds recorded, if any are."""
 
     kept: bool
@@ -220,13 +197,13 @@ def stage_prospects(plan: Plan) -> dict[str, Prospect]:
 
     Costs are those of the last run on this machine, of whatever scene: an order of magnitude.
     """
-    costs = recorded()
+    costs, codes = recorded(), {stage: stage_code(stage) for stage in plan.keys}
     return {
         stage: Prospect(
-            bool(code := stage_code(stage)) and is_cached(stage, (key,), code), costs.get(stage)
+            bool(code) and is_cached(stage, (plan.keys[stage],), code), costs.get(stage)
         )
-        for stage, key in plan.keys.items()
-    }  # fmt: skip
+        for stage, code in codes.items()
+    }
 
 
 def total(prospects: dict[str, Prospect]) -> float:
@@ -287,7 +264,7 @@ def solve(
         map_of(scene, stages)
     if awaited:
         map_of(scene)
-        warnings += _of_held(scene, names, quantities)
+        warnings += held_warnings(scene, names, quantities)
     made = {name: make_model(name, scene, stages) for name in names}
     same = reuse.quantities if reuse is not None and reuse.scene == scene else ()
     known = {(quantity.name, quantity.model): quantity for quantity in same}
@@ -297,14 +274,8 @@ def solve(
         for model in names
         if gives(model, name)
     ]
-    for model in made.values():
-        warnings += model.warnings(quantities)
-    warnings += accuracy_warnings(scene, found)
-    warnings += deflection_warnings(scene, found)
-    warnings += stress_warnings(scene, made, quantities, found)
-    costs = {stage: stages.seconds[stage] for stage in stages.computed}
-    if max(costs.values(), default=0.0) >= _LEAST:
-        record(costs)
+    warnings += answer_warnings(scene, made, quantities, found)
+    record({stage: stages.seconds[stage] for stage in stages.computed})
     # models of one theory say the same
     return Solution(scene, tuple(found), plan, tuple(dict.fromkeys(warnings)), made, stages)
 
@@ -318,29 +289,6 @@ def check_request(
     """
     warnings = request_warnings(scene, models, quantities)
     return make_plan(scene, models, quantities), warnings
-
-
-def request_warnings(
-    scene: Scene, models: Sequence[str], quantities: Sequence[str]
-) -> tuple[str, ...]:
-    """Warnings about a request before anything is computed.
-
-    Raises InputError if it cannot be answered, whichever the models.
-    """
-    scene = scene.asking(models)
-    rows = [QUANTITIES[name] for name in quantities]
-    warnings = load_warnings(scene, quantities) if any(row.loaded for row in rows) else ()
-    if any(row.has_level for row in rows):
-        warnings += level_warnings(scene, quantities)
-    if not scene.awaits_map:
-        warnings += _of_held(scene, models, quantities)
-    return warnings + field_warnings(scene, quantities) + slenderness_warnings(scene, models)
-
-
-def _of_held(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> tuple[str, ...]:
-    """Check the bimorph's support, and return warnings."""
-    check_held(scene, quantities)
-    return held_warnings(scene, models) if scene.support.kind == "contact" else ()
 
 
 def evaluate(name: str, model: Model) -> Quantity:
@@ -374,11 +322,5 @@ def as_json(solution: Solution) -> dict[str, Any]:
 
 def plan_json(plan: Plan) -> dict[str, Any]:
     """Plan as plain JSON values."""
-
-    def entry(step: Step) -> dict[str, str]:
-        return {"stage": step.stage, "reason": step.reason, "key": step.key}
-
-    return {
-        "run": [entry(step) for step in plan.run],
-        "skipped": [{"stage": s.stage, "reason": s.reason} for s in plan.skipped],
-    }
+    skipped = [{"stage": stage, "reason": reason} for stage, reason in plan.skipped.items()]
+    return {"run": [plain(step) for step in plan.run], "skipped": skipped}

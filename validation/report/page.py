@@ -148,7 +148,7 @@ def summary(study: Study) -> dict[str, Any]:
         "asked": study.asked,
         "bars": len(most_detailed),
         "missed": sum(c.error > study.scene.accuracy * abs(c.value) for c in most_detailed),
-        "others_missed": accuracy_warnings(study.scene, study.solution.quantities),
+        "others_missed": list(accuracy_warnings(study.scene, study.solution.quantities)),
     }
 
 

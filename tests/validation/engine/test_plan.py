@@ -20,7 +20,7 @@ def test_only_what_is_needed_runs():
     scene, _ = load_scene("paper")
     plan = make_plan(scene, ("tmm",), ("capacitance_free",))
     assert [s.stage for s in plan.run] == ["tmm.static"]
-    skipped = {s.stage: s.reason for s in plan.skipped}
+    skipped = plan.skipped
     assert skipped["solid.mesh"] == "model solid is not asked for"
     assert "static" not in skipped["tmm.modes"]
     assert skipped["network.map"] == "model network is not asked for"
@@ -31,7 +31,7 @@ def test_normal_actuator_touches_nothing_of_the_lateral_one():
     scene, _ = load_scene("reluctance")
     plan = make_plan(scene, ("network",), ("magnetic_force",))
     assert [s.stage for s in plan.run] == ["network.point"]
-    skipped = {s.stage: s.reason for s in plan.skipped}
+    skipped = plan.skipped
     assert skipped["tmm.static"] == "model tmm is not asked for"
     assert "over the stroke" in skipped["network.map"]
 

@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings, held_warnings
+from tactgen.validation.engine.warnings import held_warnings, number_warnings
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import load_scene
 
@@ -29,7 +29,7 @@ def test_a_tenth_of_the_length_is_beyond_linear_theory(name, share, warned):
     scene, _ = load_scene("paper")
     values = share * scene.bimorph.length
     found = [quantity(name, "tmm", values if name.startswith("static") else [0.0, values])]
-    assert bool(deflection_warnings(scene, found)) is warned
+    assert bool(number_warnings(scene, found)) is warned
 
 
 @pytest.mark.parametrize(("share", "warned"), [(0.999, False), (1.001, True)])
@@ -38,9 +38,9 @@ def test_a_bar_wider_than_the_accuracy_is_warned_of(share, warned):
     scene, _ = load_scene("j1")
     bar = share * scene.accuracy * 2.0
     assert (
-        bool(accuracy_warnings(scene, [quantity("capacitance_free", "solid", -2.0, bar)])) is warned
+        bool(number_warnings(scene, [quantity("capacitance_free", "solid", -2.0, bar)])) is warned
     )
-    assert not accuracy_warnings(scene, [quantity("capacitance_free", "tmm", -2.0, bar)])
+    assert not number_warnings(scene, [quantity("capacitance_free", "tmm", -2.0, bar)])
 
 
 @pytest.mark.parametrize("spring", ["rotational_stiffness", "lateral_stiffness"])
@@ -72,7 +72,7 @@ def test_a_floating_body_has_no_static_answer(spring, name, frequency, held):
 def test_a_spring_that_does_not_hold_the_rod_up_is_named(preload):
     """Its place follows from the stops' tails alone, which is worth a sentence."""
     scene, _ = load_scene("generator", [f"spring.preload={preload}"])
-    found = held_warnings(scene, ("network",))
+    found = held_warnings(scene, ("network",), ())
     assert [("spring.preload = 0 mN" in w, "110 mN" in w) for w in found] == (
         [(True, True)] if preload == "0N" else []
     )

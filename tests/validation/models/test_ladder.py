@@ -88,7 +88,7 @@ def test_costs_are_written_down(own_store):
     record({"solid.static": 2.0, "tmm.static": 1e-4})
     assert recorded() == {"solid.static": 2.0}
     record({"solid.static": 2.1, "solid.mesh": 0.5})
-    assert recorded() == {"solid.static": 2.0, "solid.mesh": 0.5}
+    assert recorded() == {"solid.static": 2.1, "solid.mesh": 0.5}
     (own_store / "costs.kept").write_bytes(b"damaged")
     assert recorded() == {}
 

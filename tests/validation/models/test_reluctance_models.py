@@ -8,7 +8,7 @@ import pytest
 from tactgen.fem.magnetics import actuator_3d as actuator
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import make_plan
-from tactgen.validation.engine.warnings import accuracy_warnings
+from tactgen.validation.engine.warnings import number_warnings
 from tactgen.validation.models.model import Quantity, Stages
 from tactgen.validation.models.reluctance.field import Magnetic3dModel, _fine_enough
 from tactgen.validation.scene.scene import load_scene
@@ -64,7 +64,7 @@ def quantity(value, bar):
 def test_bars_beyond_the_accuracy_are_told(value, bar, words):
     """How wide it is, or that the value may be zero; nothing of what has no value."""
     scene, _ = load_scene("reluctance")
-    found = accuracy_warnings(scene, [quantity(value, bar)])
+    found = number_warnings(scene, [quantity(value, bar)])
     assert len(found) == bool(words)
     assert all(words in text for text in found)
 

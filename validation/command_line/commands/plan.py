@@ -81,8 +81,8 @@ def _print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
         print(f"  {step.stage:23} {cost:>7}  {step.reason}  [{step.key}]")
     print(f"  about {total(prospects):.2g} s in all, as far as costs are recorded")
     print("skipped:")
-    for skip in plan.skipped:
-        print(f"  {skip.stage:23} {skip.reason}")
+    for stage, reason in plan.skipped.items():
+        print(f"  {stage:23} {reason}")
 
 
 def _refuse_unused(options: argparse.Namespace) -> None:

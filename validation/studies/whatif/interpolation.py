@@ -16,7 +16,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives, reading
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.engine.solve import check_scene, request_warnings
+from tactgen.validation.engine.solve import check_scene
 from tactgen.validation.engine.surrogate import (
     MOST_KEYS,
     Ranges,
@@ -26,7 +26,7 @@ from tactgen.validation.engine.surrogate import (
     design_size,
     fit_surrogate,
 )
-from tactgen.validation.engine.warnings import accuracy_warnings, deflection_warnings
+from tactgen.validation.engine.warnings import number_warnings, request_warnings
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import ScenesNearby
@@ -208,9 +208,7 @@ def _with_warnings(scene: Scene, model: str, given: tuple[Quantity, ...]) -> Ans
     """Answer with its warnings; None where the request is refused."""
     names = [quantity.name for quantity in given]
     try:
-        warnings = request_warnings(scene, (model,), names)
-        warnings += accuracy_warnings(scene, given)
-        warnings += deflection_warnings(scene, given)
+        warnings = request_warnings(scene, (model,), names) + number_warnings(scene, given)
     except InputError:
         return None
     return Answer("ok", "", given, warnings, sum(quantity.seconds for quantity in given))

@@ -7,17 +7,20 @@ import json
 from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.engine import answers
-from tactgen.validation.engine.answers import Answer, Dataset, Variable, representative
+from tactgen.validation.engine.answers import Answer, representative
 from tactgen.validation.studies.whatif.definition import FORMAT
 from tactgen.validation.studies.whatif.key_values import scene_field
 from tactgen.validation.studies.whatif.point_answers import code_of
 from tactgen.validation.studies.whatif.study import Study
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 #: Files in a study's folder.
 TABLE, ARRAYS = "study.csv", "study.nc"
@@ -45,9 +48,9 @@ def dataset(study: Study) -> Dataset:
     """Study's arrays."""
     stated = study.statement
     axes = {
-        axis.key: Variable(
-            (dimension,), np.array(values, dtype=None if axis.numeric else np.str_), axis.unit,
-            f"scene key {axis.key}",
+        axis.key: answers.variable(
+            (dimension,), np.array(values, dtype=None if axis.numeric else np.str_),
+            f"scene key {axis.key}", axis.unit,
         )
         for axis in stated.axes
         for dimension, values in (stated.columns[axis.key],)

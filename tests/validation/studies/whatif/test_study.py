@@ -311,7 +311,7 @@ def test_a_study_over_frequency_is_a_sweep():
                       ("tip_displacement",))  # fmt: skip
     study = run_study(asked, 1)
     found = dataset(study).variables["tip_displacement"]
-    assert found.dimensions == ("model", "frequency", "load.kind")
+    assert found.dims == ("model", "frequency", "load.kind")
     scene, _ = load_scene("prototype", ["frequency=100,500", "load.kind=none"])
     sweep = solve(scene, ("tmm",), ("tip_displacement",)).quantities[0].value
     np.testing.assert_array_equal(found.values[0, :, 0], sweep)
@@ -319,7 +319,7 @@ def test_a_study_over_frequency_is_a_sweep():
     unanswered = replace(
         study, answers=tuple({"tmm": Answer("refused", "why")} for _ in study.answers)
     )
-    assert set(dataset(unanswered).variables) == {"status", "reason", "seconds"}
+    assert set(dataset(unanswered).data_vars) == {"status", "reason", "seconds"}
 
 
 def test_a_study_that_is_gone_on_with_keeps_what_it_held(tmp_path):

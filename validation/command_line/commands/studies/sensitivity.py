@@ -68,12 +68,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.catalogue.models import models_of
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.engine.warnings import (
-        field_warnings,
-        level_warnings,
-        load_warnings,
-        slenderness_warnings,
-    )
+    from tactgen.validation.engine.warnings import request_warnings
     from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.parameter_list import ranges
     from tactgen.validation.scene.scene import load_scene
@@ -108,8 +103,7 @@ def run(options: argparse.Namespace) -> int:
         )
         if options.sobol:
             uncertain = parameter_uncertainty(scene, announce=announce)
-    warn(load_warnings(scene, scene.quantities) + level_warnings(scene, scene.quantities))
-    warn(field_warnings(scene, scene.quantities) + slenderness_warnings(scene, scene.models))
+    warn(request_warnings(scene, scene.models, scene.quantities))
     exact = "tmm" in scene.models and scene.support.kind != "contact"
     if options.sobol or (exact and not options.key):
         omitted = [left_out(scene), *omitted]
