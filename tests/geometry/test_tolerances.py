@@ -36,7 +36,7 @@ def test_what_is_written_is_what_is_meant(text, unit, low, high, value):
     found = read_tolerance(text, unit)
     # sums and differences of what was written, to rounding
     assert (found.low, found.high) == pytest.approx((low, high), rel=1e-14)
-    assert found.value == value
+    assert found.text == value
 
 
 @pytest.mark.parametrize(

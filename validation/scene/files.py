@@ -19,7 +19,7 @@ from tactgen.geometry.names import nearest
 from tactgen.geometry.units import FREQUENCY, OutOfRange, quoted
 
 #: Longest name that a scene may have.
-_LONGEST_NAME = 100
+LONGEST_NAME = 100
 #: Parts of a dotted key beyond which none is looked at: a scene's have two.
 _DEEPEST = 4
 
@@ -49,17 +49,14 @@ def read_scene(name: str) -> tuple[dict[str, Any], str]:
     known = built_in_texts()
     if name in known:
         return tomllib.loads(known[name]), f"scene {name}"
-    path = Path(name)
-    if name and _is_there(path) and path.is_dir():
-        raise InputError(
-            f"scene {quoted(name)} is a folder; name a scene file in it, for example "
-            f"{quoted(str(path / 'mine.toml'))}, or a built-in scene: {', '.join(known)}"
-        )
+    path, listed = Path(name), f"built in are {', '.join(known)}"
     if not (name and _is_there(path)):
         raise InputError(
             f"scene {quoted(name)} is neither a readable file nor a built-in scene"
-            f"{nearest(name, known)}; built in are {', '.join(known)}"
+            f"{nearest(name, known)}; {listed}"
         )
+    if path.is_dir():
+        raise InputError(f"scene {quoted(name)} is a folder; name a scene file in it; {listed}")
     try:
         return tomllib.loads(read_text(path)), f"scene file {scene_name(path.name)}"
     except (OSError, UnicodeDecodeError) as error:
@@ -83,27 +80,9 @@ def _is_there(path: Path) -> bool:
         return False
 
 
-def beside_scene(name: str, file: str) -> str:
-    """Path of a file that a scene file names: relative to the scene, not to here."""
-    return str(Path(name).parent / file)
-
-
 def scene_name(text: str) -> str:
     """Text such as a file's name as a scene's name: printable and not too long."""
-    return "".join(c if c.isprintable() else "?" for c in text)[:_LONGEST_NAME]
-
-
-def checked_name(value: Any) -> Any:
-    """Refuse a scene's name that is more than one short line.
-
-    Raises InputError with the remedy.
-    """
-    if isinstance(value, str) and scene_name(value) != value:
-        raise InputError(
-            f"name = {quoted(value)} is not one line of at most {_LONGEST_NAME} printable "
-            "characters; shorten it, and use description for more"
-        )
-    return value
+    return "".join(c if c.isprintable() else "?" for c in text)[:LONGEST_NAME]
 
 
 def split_override(text: str) -> tuple[str, str]:
@@ -111,16 +90,11 @@ def split_override(text: str) -> tuple[str, str]:
 
     Raises InputError if one of them is missing.
     """
-    key, equals, value = text.partition("=")
-    if not equals or not key.strip() or not value.strip():
-        unset = (
-            f"; to take the profile away write --set {key.strip()}=uniform"
-            if equals and key.strip().endswith("_profile")
-            else ""
-        )
+    key, _, value = text.partition("=")
+    if not key.strip() or not value.strip():
         raise InputError(
             f"--set {quoted(text)} is not of the form KEY=VALUE; write for example "
-            f"--set bimorph.length=25mm{unset}"
+            "--set bimorph.length=25mm, or --set bimorph.width_profile=uniform"
         )
     return key.strip(), value.strip()
 
@@ -216,7 +190,7 @@ def parse_frequencies(given: Any, stated: str = "") -> tuple[float, ...]:
     Raises InputError if a number, the count or the spacing cannot be used.
     """
     stated = stated or f"frequency = {quoted(given)}"
-    if isinstance(given, str) and given.count(":") > 0:
+    if isinstance(given, str) and ":" in given:
         return _sweep(given, stated)
     parts = given.split(",") if isinstance(given, str) else given
     if not isinstance(parts, list | tuple):
@@ -229,14 +203,17 @@ def parse_frequencies(given: Any, stated: str = "") -> tuple[float, ...]:
 
 
 def _sweep(text: str, stated: str) -> tuple[float, ...]:
-    parts = text.split(":")
-    if len(parts) not in (3, 4) or (len(parts) == 4 and parts[3].strip() not in ("log", "lin")):
+    first, last, *rest = (part.strip() for part in text.split(":"))
+    if len(rest) not in (1, 2) or rest[1:] not in ([], ["log"], ["lin"]):
         raise InputError(
             f'{stated} is not START:STOP:N or START:STOP:N:log; write for example "10:2000:200"'
         )
-    start, stop = _one(parts[0], stated), _one(parts[1], stated)
-    count = _count(parts[2], stated)
-    logarithmic = len(parts) == 4 and parts[3].strip() == "log"
+    start, stop, logarithmic = _one(first, stated), _one(last, stated), rest[1:] == ["log"]
+    count = int(rest[0]) if re.fullmatch(r"\d{1,9}", rest[0], re.ASCII) else 0
+    if not 1 <= count <= _MOST:
+        raise InputError(
+            f"{stated} asks for {quoted(rest[0])} points; give a whole number from 1 to {_MOST}"
+        )
     if logarithmic and (start <= 0.0 or stop <= 0.0):
         raise InputError(
             f"{stated} cannot be spaced logarithmically from {start:g} Hz to "
@@ -258,46 +235,24 @@ def _sweep(text: str, stated: str) -> tuple[float, ...]:
     return (start, *inner, stop)
 
 
-def _count(part: str, stated: str) -> int:
-    stripped = part.strip()
-    count = int(stripped) if re.fullmatch(r"\d{1,9}", stripped, re.ASCII) else 0
-    if not 1 <= count <= _MOST:
-        raise InputError(
-            f"{stated} asks for {quoted(stripped)} points; give a whole number from 1 to {_MOST}"
-        )
-    return count
-
-
 def _one(part: Any, stated: str) -> float:
-    value = _hertz(part, stated)
-    if not math.isfinite(value) or value < 0.0:
+    """One frequency."""
+    try:
+        if isinstance(part, int | float) and not isinstance(part, bool):
+            value = float(part)
+        else:
+            # "mHz" is not meant as a thousandth of a hertz
+            text = part.strip(" \t").replace("hz", "Hz")
+            value = math.nan if text.endswith("mHz") else FREQUENCY.parse(text, bare=True)
+    except OverflowError:
+        value = math.inf
+    except (ValueError, AttributeError):
         raise InputError(
-            f"{stated} has {quoted(part)}; frequencies must be finite and not negative, in Hz"
-        )
-    if value > _HIGHEST:
+            f"{stated} has {quoted(part)}, which is not a frequency; {_REMEDY}"
+        ) from None
+    if not 0.0 <= value <= _HIGHEST:
         raise InputError(
-            f"{stated} has {quoted(part)}; frequencies must be at most {_HIGHEST * 1e-6:g} MHz"
+            f"{stated} has {quoted(part)}; frequencies must be finite, not negative and at most "
+            f"{_HIGHEST * 1e-6:g} MHz; {_REMEDY}"
         )
     return value
-
-
-def _hertz(part: Any, where: str) -> float:
-    """One frequency as a number, of whatever sign and size."""
-    if isinstance(part, int | float) and not isinstance(part, bool):
-        try:
-            return float(part)
-        except OverflowError:
-            return math.inf
-    if not isinstance(part, str):
-        raise InputError(f"{where} has {quoted(part)}, which is not a frequency; {_REMEDY}")
-    text = part.strip(" \t")
-    if text.endswith(("mHz", "mhz")):
-        raise InputError(
-            f"{where} has {quoted(part)} in millihertz; write MHz for megahertz, or the value in Hz"
-        )
-    try:
-        return FREQUENCY.parse(text.replace("hz", "Hz"), bare=True)
-    except ValueError:
-        raise InputError(
-            f"{where} has {quoted(part)}, which is not a frequency; {_REMEDY}"
-        ) from None

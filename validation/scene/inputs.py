@@ -33,8 +33,6 @@ from tactgen.validation.scene.variation import value_of
 
 #: Keys that say whose scene it is and what is asked of it.
 _ASKED = ("name", "description", "models", "quantities")
-#: Quantities that a sentence lists.
-_LISTED = 4
 
 
 @lru_cache
@@ -159,94 +157,75 @@ def scene_warnings(
     Parameters
     ----------
     origins : mapping of str to str
-        Where each key was set; "" for a key that is only asked about.
+        Where each key was set.
     report : bool
         Whether all is shown that the models know, not the scene's quantities only.
     """
-    wanted = keys_read(scene, _entries(scene.models, scene.quantities))
     found = []
     for key, origin in origins.items():
-        if key in wanted or key in _ASKED:
-            continue
+        if report and key.startswith("coil.") and set(scene.models) & set(models_of("reluctance")):
+            continue  # a report shows the coil's resistance and heat
+        quantities = _sensible(scene, key) if report else scene.quantities
         # a file may describe both actuators, whichever is asked about today
-        asked = origin in (ON_COMMAND_LINE, "")
-        because = _idle(scene, key, report=report, asked=asked)
-        if because:
-            found.append(f"{key} = {_text(scene, key)} has no effect {because}")
+        found.append(_idle(scene, key, quantities, asked=origin == ON_COMMAND_LINE))
     load = scene.load
     if load.kind == "mass" and load.mass == 0.0:
         found.append('load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass')
     if load.kind == "spring_damper" and load.stiffness == load.damping == 0.0:
         both = "load.stiffness = 0 N/m and load.damping = 0 N*s/m"
         found.append(f'load.kind = "spring_damper" with {both} is a free tip; set one of them')
-    # a size that was taken for a value
-    if scene.piezo.d31 > 0.0:
-        found.append(
-            f"piezo.d31 = {_text(scene, 'piezo.d31')} is positive, and that of poled ceramics is "
-            "negative; if a data sheet prints its size, write it with a minus"
-        )
-    for name, part in (("shim", scene.shim), ("rod", scene.rod), ("glue", scene.glue)):
-        if part.poisson_ratio < 0.0:
-            key = f"{name}.poisson_ratio"
-            found.append(f"{key} = {_text(scene, key)} is negative, as hardly any material's is")
-    return tuple(found)
+    return tuple(filter(None, found))
 
 
 def idle(scene: Scene, key: str) -> str:
     """Reason why a key has no effect on a scene's request, or ""."""
-    because = _idle(scene, key, report=False, asked=True)
-    return f"{key} = {_text(scene, key)} has no effect {because}" if because else ""
+    return _idle(scene, key, scene.quantities, asked=True)
 
 
-def _idle(scene: Scene, key: str, *, report: bool, asked: bool) -> str:
-    wanted = _sensible(scene, key) if report else scene.quantities
-    if key in _ASKED or key in keys_read(scene, _entries(scene.models, wanted)):
+def _idle(scene: Scene, key: str, quantities: tuple[str, ...], *, asked: bool) -> str:
+    """The same of some quantities; unless `asked` only if the scene itself makes it idle."""
+    if key in _ASKED or key in keys_read(scene, _entries(scene.models, quantities)):
         return ""
-    profile = key in PROFILED and _profile(scene, key)
-    if profile:
-        return f"with {profile}, which gives it along the ceramic; leave one of the two out"
     sensible = _sensible(scene, key)
-    unmet = _unmet(scene, key, scene.models, sensible)
-    shown = report and key.startswith("coil.") and set(scene.models) & set(models_of("reluctance"))
-    if unmet or not asked or shown:
-        return unmet
-    if key in keys_read(scene, _entries(scene.models, sensible)):
-        names = [q for q in sensible if key in keys_read(scene, _of(scene.models, q))]
-        listed = ", ".join(names[:_LISTED]) + (", …" if len(names) > _LISTED else "")
-        return f"with quantities = {', '.join(scene.quantities)}; ask for {listed} to use it"
-    return _by_other_models(scene, key, sensible)
+    profile = _profile(scene, key) if key in PROFILED else ""
+    because = _unmet(scene, key, scene.models, sensible)
+    if profile:
+        because = f"with {profile}, which gives it along the ceramic; leave one of the two out"
+    if asked and not because:
+        because = _use(scene, key, sensible) or _unmet(scene, key, MODELS, sensible)
+        because = because or "on any quantity; tactgen report shows the coil's resistance and heat"
+    return because and f"{key} = {_text(scene, key)} has no effect {because}"
+
+
+def _use(scene: Scene, key: str, quantities: tuple[str, ...]) -> str:
+    """Quantity, or else model, to ask for so that a key is read; "" if there is none."""
+    for name in quantities:
+        if key in keys_read(scene, _entries(scene.models, (name,))):
+            return f"with quantities = {', '.join(scene.quantities)}; ask for {name} to use it"
+    able = [m for m in MODELS if key in keys_read(scene, _entries((m,), quantities))]
+    model = next((m for m in able if not MODELS[m].shortcut), "")
+    return model and f"with models = {', '.join(scene.models)}; use it with --set models={model}"
 
 
 def _sensible(scene: Scene, key: str) -> tuple[str, ...]:
     """Quantities that a scene can be asked for: of machines where one stands."""
     machine = scene.support.kind == "contact" or key.partition(".")[0] in ("display", "skin")
-    return tuple(
-        name for name, row in QUANTITIES.items()
-        if machine or row.actuator in ("bimorph", "reluctance")
-    )  # fmt: skip
+    own = ("bimorph", "reluctance")
+    return tuple(name for name, row in QUANTITIES.items() if machine or row.actuator in own)
 
 
-def _entries(models: Iterable[str], quantities: Iterable[str]) -> tuple[str, ...]:
-    """Entries of all that models read for quantities."""
-    models, found = tuple(models), dict[str, None]()
+def _entries(models: Iterable[str], quantities: Iterable[str]) -> dict[str, None]:
+    """Entries of all that models read for quantities, in order."""
+    quantities, found = tuple(quantities), dict[str, None]()
     for model in models:
+        row, given = MODELS[model], [name for name in quantities if gives(model, name)]
         found |= dict.fromkeys(SETTINGS.get(model, ()))
-        if any(gives(model, q) for q in quantities):
+        if given:
             found |= dict.fromkeys(entry for entry in reading(model) if entry != "accuracy")
-    for quantity in quantities:
-        found |= dict.fromkeys(_of(models, quantity))
-    return tuple(found)
-
-
-def _of(models: Iterable[str], quantity: str) -> list[str]:
-    """Entries of the stages that a quantity needs by models that give it."""
-    rows = [MODELS[model] for model in models if gives(model, quantity)]
-    return [
-        entry
-        for row in rows
-        for stage in row.stages_for(QUANTITIES[quantity])
-        for entry in row.stages[stage.partition(".")[2]]
-    ]
+        for name in given:
+            for stage in row.stages_for(QUANTITIES[name]):
+                found |= dict.fromkeys(row.stages[stage.partition(".")[2]])
+    return found
 
 
 def _unmet(scene: Scene, key: str, models: Iterable[str], quantities: Iterable[str]) -> str:
@@ -275,20 +254,6 @@ def _remedy(scene: Scene, condition: str) -> str:
     if value.isdecimal():
         return f"with {key} = {text}; leave {key} out to use it"
     return f'with {key} = "{text}"; set {key} = "{value}" to use it'
-
-
-def _by_other_models(scene: Scene, key: str, quantities: tuple[str, ...]) -> str:
-    """Models that read a key which none of the requested ones reads."""
-    able = [m for m in MODELS if key in keys_read(scene, _entries((m,), quantities))]
-    if not able:
-        nobody = "on any quantity; tactgen report shows the coil's resistance and heat"
-        return _unmet(scene, key, MODELS, quantities) or nobody
-    model = next((m for m in able if not MODELS[m].shortcut), able[0])
-    actuator, use = MODELS[model].actuator, f"with models = {', '.join(scene.models)}; "
-    if set(scene.models) & set(models_of(actuator)) or key.startswith("mesh."):
-        return f"{use}use it with --set models={model}"
-    side = "lateral" if actuator == "bimorph" else "normal"
-    return f"{use}ask for one of the {side} actuator, such as --set models={model}, to use it"
 
 
 def _text(scene: Scene, key: str) -> str:

@@ -6,7 +6,7 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -34,9 +34,8 @@ from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, all_given, gives, map_model, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.files import (
+    LONGEST_NAME,
     assign,
-    beside_scene,
-    checked_name,
     choices,
     leaves,
     parse_frequencies,
@@ -197,7 +196,12 @@ class Scene(p.Device):
     @field_validator("name", mode="before")
     @classmethod
     def _name(cls, value: Any) -> Any:
-        return checked_name(value)
+        if isinstance(value, str) and scene_name(value) != value:
+            raise InputError(
+                f"name = {quoted(value)} is not one line of at most {LONGEST_NAME} printable "
+                "characters; shorten it, and use description for more"
+            )
+        return value
 
     @field_validator("frequency", mode="before")
     @classmethod
@@ -287,20 +291,15 @@ def checked_scene(values: dict[str, Any]) -> Scene:
     except ValidationError as error:
         raise InputError(sentence(error)) from None
     scene._tolerances = tolerances
-    check_together(scene)
+    _check_together(scene)
     if "models" not in values or scene.models == tuple(MODELS):  # none, or all of them
         scene = scene.model_copy(update={"models": _able_models(scene)})
     return scene
 
 
-def check_together(scene: Scene, changed: Container[str] = ("piezo",)) -> None:
-    """Refuse values that do not fit together; InputError.
-
-    Of a scene next to one that was checked only the groups that `changed` need a check of
-    their own; what concerns several is checked in any case.
-    """
-    if "piezo" in changed:
-        scene.piezo.ceramic().check_admissible()
+def _check_together(scene: Scene) -> None:
+    """Refuse values that do not fit together; InputError."""
+    scene.piezo.ceramic().check_admissible()
     device = scene.device
     if set(scene.models) & set(models_of("bimorph")) or scene.support.kind == "rod":
         check_bimorph(device, scene.support)
@@ -318,7 +317,7 @@ def _point_from_scene(values: dict[str, Any], name: str) -> None:
         inside = values.get(group)
         file = inside.get(field) if isinstance(inside, dict) else None
         if isinstance(inside, dict) and isinstance(file, str) and not named(file):
-            inside[field] = beside_scene(name, file)
+            inside[field] = str(Path(name).parent / file)
 
 
 def _able_models(scene: Scene) -> tuple[str, ...]:

@@ -34,16 +34,25 @@ _RANGE = re.compile(
 )
 
 
-@dataclass(frozen=True)
-class Toleranced:
-    """A number with the range in which it may lie."""
+#: What says how something is solved, not what is built or done.
+_SETTINGS = ("accuracy", "mesh")
 
-    value: str  #: The number without its tolerance, as it would be written
-    #: Ends of the range, SI units
+
+@dataclass(frozen=True)
+class Tolerance:
+    """A number with the range in which it may lie, SI units."""
+
+    text: str  #: The number without its tolerance, as it would be written
+    value: float
     low: float
     high: float
     words: str  #: The tolerance as people write it after the value
     relative: bool = False  #: Whether it is a share of the value
+
+    @property
+    def spread(self) -> Spread:
+        """Range that the scene states."""
+        return Spread(self.low, self.high, f"stated: {self.words.strip('()')}", not self.relative)
 
 
 def has_tolerance(text: str) -> bool:
@@ -51,32 +60,36 @@ def has_tolerance(text: str) -> bool:
     return len(text) <= _LONGEST and re.search(rf"{_SIGN}|\(.*\.\.", text) is not None
 
 
-def read_tolerance(text: str, unit: Unit) -> Toleranced:
-    """Number with its tolerance, read from a text.
-
-    A unit that stands once holds for all numbers.
+def read_tolerance(text: str, unit: Unit) -> Tolerance:
+    """Number with its tolerance, read from a text; a unit that stands once holds for all numbers.
 
     Raises ValueError with a sentence that names the remedy, to follow the text.
     """
-    found = _PLUS_MINUS.fullmatch(text)
-    if found:
-        return _plus_minus(found, unit)
-    found = _RANGE.fullmatch(text)
-    if found:
-        return _range(found, unit)
-    raise ValueError(f"has a tolerance that cannot be read; write for example {_examples(unit)}")
-
-
-def _examples(unit: Unit) -> str:
-    number, _, name = unit.example.partition(" ")
-    return f'"{unit.example} ± 5 %" or "{number} (LOW..HIGH) {name}'.rstrip() + '"'
+    if found := _PLUS_MINUS.fullmatch(text):
+        tolerance = _plus_minus(found, unit)
+    elif found := _RANGE.fullmatch(text):
+        tolerance = _range(found, unit)
+    else:
+        number, _, name = unit.example.partition(" ")
+        examples = f'"{unit.example} ± 5 %" or "{number} (LOW..HIGH) {name}'.rstrip() + '"'
+        raise ValueError(f"has a tolerance that cannot be read; write for example {examples}")
+    unit.check(tolerance.value)  # a value that is not possible says so by itself
+    for end in (tolerance.low, tolerance.high):
+        try:
+            unit.check(end)
+        except ValueError as error:
+            words = str(error).partition("; write")[0]
+            raise ValueError(
+                f"has a tolerance that reaches {quoted(unit.show(end))}, which {words}; narrow it"
+            ) from None
+    return tolerance
 
 
 def _written(number: str, name: str | None) -> str:
     return f"{number} {name or ''}".strip()
 
 
-def _plus_minus(found: re.Match[str], unit: Unit) -> Toleranced:
+def _plus_minus(found: re.Match[str], unit: Unit) -> Tolerance:
     name, own = found["unit"], found["own"]
     share = own == "%"
     name = name or (None if share else own)
@@ -93,10 +106,10 @@ def _plus_minus(found: re.Match[str], unit: Unit) -> Toleranced:
     if half < 0.0 or found["half"].startswith("-"):
         raise ValueError("has a negative tolerance; write the amount without a sign after ±")
     words = f"± {_written(found['half'], '%' if share else own)}"
-    return _inside(Toleranced(text, value - half, value + half, words, share), value, unit)
+    return Tolerance(text, value, value - half, value + half, words, share)
 
 
-def _range(found: re.Match[str], unit: Unit) -> Toleranced:
+def _range(found: re.Match[str], unit: Unit) -> Tolerance:
     name = found["unit"] or found["after"] or found["high_unit"]
     high_unit = found["high_unit"] or name
     low_unit = found["low_unit"] or high_unit
@@ -109,34 +122,7 @@ def _range(found: re.Match[str], unit: Unit) -> Toleranced:
             f"has a range from {unit.show(ends[0])} to {unit.show(ends[1])} in which "
             f"{unit.show(value)} does not lie; write the smaller end first, around the value"
         )
-    return _inside(Toleranced(text, *ends, f"({low}..{high})"), value, unit)
-
-
-def _inside(found: Toleranced, value: float, unit: Unit) -> Toleranced:
-    """`found` if both ends are possible; a value that is not says so by itself."""
-    unit.check(value)
-    for end in (found.low, found.high):
-        try:
-            unit.check(end)
-        except ValueError as error:
-            words = str(error).partition("; write")[0]
-            raise ValueError(
-                f"has a tolerance that reaches {quoted(unit.show(end))}, which {words}; narrow it"
-            ) from None
-    return found
-
-
-#: What says how something is solved, not what is built or done.
-_SETTINGS = ("accuracy", "mesh")
-
-
-@dataclass(frozen=True)
-class Tolerance:
-    """Stated tolerance of a number, with the number (SI)."""
-
-    value: float
-    spread: Spread
-    words: str
+    return Tolerance(text, value, *ends, f"({low}..{high})")
 
 
 def split_tolerances(
@@ -172,22 +158,21 @@ def _split(
             unit = unit_of(info)
             if unit is None:
                 continue  # no number: what reads it says what it is
-            plain[name], stated[key] = _read(key, value, unit)
+            stated[key] = _read(key, value, unit)
+            plain[name] = stated[key].text
     return plain
 
 
-def _read(key: str, text: str, unit: Unit) -> tuple[str, Tolerance]:
+def _read(key: str, text: str, unit: Unit) -> Tolerance:
     if key.partition(".")[0] in _SETTINGS:
         raise InputError(
             f"{key} = {quoted(text)} has a tolerance, but says how the scene is solved; "
             "write the value alone"
         )
     try:
-        found = read_tolerance(text, unit)
+        return read_tolerance(text, unit)
     except ValueError as error:
         raise InputError(f"{key} = {quoted(text)} {error}") from None
-    spread = Spread(found.low, found.high, f"stated: {found.words.strip('()')}", not found.relative)
-    return found.value, Tolerance(unit.parse(found.value), spread, found.words)
 
 
 def unit_of(info: FieldInfo) -> Unit | None:

@@ -10,7 +10,6 @@ from tactgen.geometry.device.parameters import Piezo, Shim, Steel, sources, spre
 from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
-from tactgen.validation.scene.inputs import scene_warnings
 from tactgen.validation.scene.scene import load_scene
 
 #: E (GPa), Poisson ratio, density (g/cm³), range of E, and what the source is of.
@@ -129,12 +128,3 @@ def test_steels_go_by_folded_names_or_are_files():
     assert set(SOFT_MAGNETS) < set(STEELS)
     with pytest.raises(InputError, match='did you mean "armco"'):
         magnetisation_curve(Steel(curve="armko"))
-
-
-def test_signs_that_look_wrong_are_said():
-    """A size that a data sheet prints, taken for a value."""
-    stated = ["piezo.material=PZT-8", "piezo.d31=10 pC/N", "shim.poisson_ratio=-0.3"]
-    scene, origins = load_scene("paper", stated)
-    words = scene_warnings(scene, origins)
-    assert any("piezo.d31 = 10 pC/N is positive" in line and "minus" in line for line in words)
-    assert any("shim.poisson_ratio = -0.3 is negative" in line for line in words)

@@ -275,7 +275,7 @@ def test_settings_with_effect_are_not_warned_of(name):
 @pytest.mark.parametrize(
     ("key", "asked", "words"),
     [
-        ("spring.preload=90 mN", "quantities=magnetic_force", "ask for pull_in_current"),
+        ("spring.preload=90 mN", "quantities=magnetic_force", "ask for pull_in_current to use it"),
         ("spring.preload=90 mN", "quantities=pull_in_current", ""),
         ("coil.outer_radius=0.87 mm", "models=network", "use it with --set models=axisymmetric"),
         ("coil.outer_radius=0.87 mm", "models=network,axisymmetric", ""),
@@ -300,9 +300,9 @@ def test_a_file_may_describe_what_is_not_asked_about():
     ("scene", "override", "words"),
     [
         ("paper", "coil.current=50 mA", ("coil.current = 50 mA", "--set models=network")),
-        ("paper", "steel.curve=linear", ("steel.curve = linear", "normal actuator")),
+        ("paper", "steel.curve=linear", ("steel.curve = linear", "--set models=network")),
         ("reluctance", "bimorph.length=25 mm", ("bimorph.length = 25 mm", "--set models=tmm")),
-        ("reluctance", "frequency=10,20", ("frequency = 2 values", "lateral actuator")),
+        ("reluctance", "frequency=10,20", ("frequency = 2 values", "--set models=tmm")),
         ("reluctance", "rod.density=7800 kg/m^3", ("rod.density", 'support.kind = "rod"')),
         ("reluctance", "steel.relative_permeability=500", ('curve = "team20"', '"linear" to use')),
         ("reluctance", "coil.resistivity=2e-8 ohm*m", ("on any quantity", "tactgen report")),
@@ -380,7 +380,7 @@ def test_frequency_lists(text, expected):
     ("given", "words"),
     [
         ("10 20", ["not a frequency"]),
-        ("5 mHz", ["millihertz", "MHz"]),
+        ("5 mHz", ["MHz"]),
         ("1_0", ["not a frequency"]),
         ("١٠", ["not a frequency"]),
         ("10:20:٣", ["whole number"]),
