@@ -53,7 +53,7 @@ chosen = {}
 for accuracy in ("10 %", "5 %", "0.1 %"):
     free = ["support.kind=clamped", "load.kind=none", f"accuracy={accuracy}"]
     scene, _ = tactgen.load_scene("paper", free)
-    chosen[accuracy] = choose(scene, asked)
+    chosen[accuracy] = choose((scene,), asked)
     print(f"{accuracy:>6}: {', '.join(chosen[accuracy].models)}")
 for rung in chosen["5 %"].ladders[0]:
     print(" ", rung.sentence)
@@ -70,7 +70,7 @@ assert costs["tmm"].numerical < 1e-9 < costs["tmm"].form
 # %%
 impossible, _ = tactgen.load_scene("paper", ["support.kind=clamped", "accuracy=1e-9"])
 try:
-    choose(impossible, asked)
+    choose((impossible,), asked)
 except InputError as refusal:
     print(refusal)
 else:

@@ -9,7 +9,7 @@ theory on its coarsest mesh, whose own error is added.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -119,16 +119,15 @@ def compare(
     rows = []
     for row in (QUANTITIES[name] for name in quantities_of(actuator)):
         by_model = {q.model: q for q in quantities if q.name == row.name}
-        if by_model and not row.by_frequency and not _is_list(row, by_model.values()):
+        # of a list of modes the first stands for it, of any other list no entry does
+        single = isinstance(row.read, ModalReadout) or not any(
+            q.value.ndim for q in by_model.values()
+        )
+        if by_model and single and not row.by_frequency:
             found = [by_model[model] for model in ranked(tuple(by_model))]
             cells = tuple(_cell(scene, row, q, found, causes) for q in found)
             rows.append(ComparedRow(row, cells))
     return rows
-
-
-def _is_list(row: QuantityRow, found: Iterable[Quantity]) -> bool:
-    """Whether a quantity is a list of which no entry stands for it, unlike modes."""
-    return not isinstance(row.read, ModalReadout) and any(q.value.ndim for q in found)
 
 
 def _cell(
@@ -143,75 +142,57 @@ def _cell(
     difference = 0.0 if value == base else np.inf
     if base != 0.0:
         difference = value / base - 1.0
-    covered = abs(value - base) <= bar + base_bar + 1e-12 * abs(base)
-    covered |= np.isnan(value) and np.isnan(base)  # neither model has a value
-    verdict: Verdict = "agrees"
-    why, left = "", 0.0
     if q is reference:
-        verdict = "reference"
-    elif not covered:
-        models = MODELS[q.model], MODELS[reference.model]
-        size = abs(base) or np.inf
-        by_shortcut = (value - _without_shortcut(q, found)) / (np.copysign(size, base))
-        apart = difference, (bar + base_bar) / size, by_shortcut
-        verdict, why, left = _verdict(scene, row, models, apart, causes)
+        return Cell(q.model, value, bar, difference, "reference", "")
+    neither = np.isnan(value) and np.isnan(base)
+    if neither or abs(value - base) <= bar + base_bar + 1e-12 * abs(base):
+        return Cell(q.model, value, bar, difference, "agrees", "")
+    model, size = MODELS[q.model], abs(base) or np.inf
+    shortcut = "" if row.static else model.shortcut
+    if model.theory == MODELS[reference.model].theory:
+        if shortcut:
+            return Cell(q.model, value, bar, difference, "model form", shortcut, np.nan)
+        if abs(difference) < _SAME_THEORY:
+            return Cell(q.model, value, bar, difference, "agrees", "")
+        why = f"{_SAME_EQUATIONS}; not understood"
+        return Cell(q.model, value, bar, difference, "differs", why, np.nan)
+    shares = {c.name: c.shares[row.name] for c in causes or () if row.name in c.shares}
+    # what the shortcut is worth beside the same theory without it
+    plain = (p for p in found if MODELS[p.model].theory == model.theory)
+    plain = (p for p in plain if not MODELS[p.model].shortcut)
+    whole = next((_first(p)[0] for p in plain), np.nan)
+    if shares and shortcut and not np.isnan(whole):
+        shares[shortcut], shortcut = (value - whole) / np.copysign(size, base), ""
+    bars, granted = (bar + base_bar) / size, _SHORTCUT if shortcut else 0.0
+    verdict, why, left = _explained(scene, model, shares, difference, bars, granted)
+    why = f"{why}; {shortcut}" if shortcut else why
     return Cell(q.model, value, bar, difference, verdict, why, left)
 
 
-def _without_shortcut(q: Quantity, found: Sequence[Quantity]) -> float:
-    """Value of the same theory without shortcut; nan if not asked."""
-    theory = MODELS[q.model].theory
-    plain = [p for p in found if MODELS[p.model].theory == theory and not MODELS[p.model].shortcut]
-    return _first(plain[0])[0] if plain else float("nan")
-
-
-def _verdict(
+def _explained(
     scene: Scene,
-    row: QuantityRow,
-    models: tuple[ModelRow, ModelRow],
-    apart: tuple[float, float, float],
-    causes: Sequence[Cause] | None,
+    model: ModelRow,
+    shares: Mapping[str, float],
+    difference: float,
+    bars: float,
+    granted: float,
 ) -> tuple[Verdict, str, float]:
-    """Verdict on a difference beyond the errors, its reason, the rest.
-
-    `apart` holds as fractions the difference, the bars together, and what of it is the shortcut.
-    """
-    (difference, bars, by_shortcut), (model, reference) = apart, models
-    shortcut = "" if row.static else model.shortcut
-    if model.theory == reference.theory:
-        if shortcut:
-            return "model form", shortcut, np.nan
-        if abs(difference) < _SAME_THEORY:
-            return "agrees", "", 0.0
-        return "differs", f"{_SAME_EQUATIONS}; not understood", np.nan
-    shares = {c.name: c.shares[row.name] for c in causes or () if row.name in c.shares}
+    """Verdict on a difference (as its bars, a fraction) by measured shares, reason, the rest."""
+    on_rod = scene.support.kind == "rod"
     if not shares:
-        reason = _left_out(scene, model)
-        return "model form", f"{reason}; {shortcut}" if shortcut else reason, np.nan
-    if shortcut and not np.isnan(by_shortcut):
-        shares[shortcut], shortcut = by_shortcut, ""
+        reason = _TUBES if model.theory == "circuit" else _ONE_DIMENSIONAL
+        joint = f"; and {_ON_ROD}" if on_rod and model.theory != "circuit" else ""
+        return "model form", reason + joint, np.nan
     together = sum(shares.values())
     left = (1.0 + difference) / (1.0 + together) - 1.0
     named = ", ".join(f"{name} {_points(share)}" for name, share in shares.items())
     reason = f"{named}: together {_points(together)} %, of {_points(difference)} %"
-    if shortcut:
-        reason += f"; {shortcut}"
     beyond = max(abs(left) - bars, 0.0)
-    if scene.support.kind == "rod" and beyond > UNEXPLAINED:  # no step measures the joint
+    if beyond > UNEXPLAINED and on_rod:  # no step measures the joint
         return "model form", f"{reason}; {_points(left)} % by the joint: {_ON_ROD}", beyond
-    if beyond > UNEXPLAINED + (_SHORTCUT if shortcut else 0.0):
+    if beyond > UNEXPLAINED + granted:
         return "differs", f"{reason}; {_points(left)} % unexplained", beyond
     return "explained", reason, beyond
-
-
-def _left_out(scene: Scene, model: ModelRow) -> str:
-    """Words on a model's omissions, where causes are not separated."""
-    if model.theory == "circuit":
-        return _TUBES
-    reason = _ONE_DIMENSIONAL
-    if scene.support.kind == "rod":
-        reason += f"; and {_ON_ROD}"
-    return reason
 
 
 def _points(share: float) -> str:
@@ -285,16 +266,6 @@ class Choice:
 
 
 def choose(
-    scene: Scene, quantities: Sequence[str], announce: Callable[[str], None] = lambda _: None
-) -> Choice:
-    """Cheapest models whose known error meets the scene's accuracy.
-
-    Raises InputError if none does, with what each would give.
-    """
-    return choose_for((scene,), quantities, announce)
-
-
-def choose_for(
     scenes: Sequence[Scene],
     quantities: Sequence[str],
     announce: Callable[[str], None] = lambda _: None,
@@ -340,14 +311,10 @@ def ladder(
     scene: Scene,
     actuator: Actuator,
     quantities: tuple[str, ...],
-    announce: Callable[[str], None] = lambda _: None,
-    judge: str = "",
+    announce: Callable[[str], None],
+    judge: str,
 ) -> tuple[FidelityLevel, ...]:
-    """Model hierarchy: known errors in these quantities, cheapest first.
-
-    The most detailed model, `judge`, is that which can take the scene if none is given.
-    """
-    judge = judge or _judge(actuator, (scene,), quantities)
+    """Model hierarchy: known errors in these quantities by a judge, cheapest first."""
     simple = [m for m in _LADDERS[actuator][:-1] if all(gives(m, q) for q in quantities)]
     level = {"mesh": scene.mesh.model_copy(update={"level": 0}), "accuracy": _COARSE}
     announce(f"{judge} on its coarsest mesh, to judge the others")

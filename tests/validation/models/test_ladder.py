@@ -24,7 +24,7 @@ def scene_with(accuracy):
 def test_the_model_form_is_measured_on_the_device():
     """What a rung says is the difference from the solid on its coarse mesh and the solid's bar."""
     scene = scene_with("10%")
-    rungs = {rung.model: rung for rung in ladder(scene, "bimorph", STATIC)}
+    rungs = {rung.model: rung for rung in ladder(scene, "bimorph", STATIC, lambda _: None, "solid")}
     coarse = solve(scene, ("solid",), STATIC).quantities[0]
     beam = solve(scene, ("tmm",), STATIC).quantities[0]
     expected = (abs(beam.value - coarse.value) + coarse.error) / abs(coarse.value)
@@ -39,7 +39,7 @@ def test_the_model_form_is_measured_on_the_device():
 
 def test_what_no_model_meets_is_refused():
     with pytest.raises(InputError, match=r"accuracy = 1e-07 is met by no model: lumped does not"):
-        choose(scene_with("1e-7"), STATIC)
+        choose((scene_with("1e-7"),), STATIC)
     assert MODELS["solid"].finest == solid._BRICK_BARS[-1]
 
 

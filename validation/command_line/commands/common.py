@@ -175,5 +175,5 @@ def under_contract(scene: Scene, origins: Mapping[str, str]) -> tuple[Scene, Cho
     from tactgen.validation.engine.comparison import choose
 
     with announcer() as announce:
-        choice = choose(scene, scene.quantities, announce)
+        choice = choose((scene,), scene.quantities, announce)
     return scene.model_copy(update={"models": choice.models}), choice

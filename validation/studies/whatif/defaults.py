@@ -16,7 +16,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS, all_given, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
-from tactgen.validation.engine.comparison import Choice, choose_for
+from tactgen.validation.engine.comparison import Choice, choose
 from tactgen.validation.scene.files import assign, choices
 from tactgen.validation.scene.parameter_list import ranges
 from tactgen.validation.scene.scene import Scene, check_key, checked_scene
@@ -181,7 +181,7 @@ def under_contract(
             refused = refused or str(error)
     if not scenes:
         raise InputError(f"no point at the study's edges makes a scene: {refused}")
-    choice = choose_for(scenes, statement.quantities, announce)
+    choice = choose(scenes, statement.quantities, announce)
     return replace(statement, models=choice.models), choice
 
 

@@ -9,7 +9,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import whatif
 from tactgen.validation.engine import comparison as ladders
-from tactgen.validation.engine.comparison import FidelityLevel, choose_for
+from tactgen.validation.engine.comparison import FidelityLevel, choose
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif.defaults import judged_points, under_contract
@@ -101,7 +101,7 @@ def test_refused_once_with_the_reason(forms, tmp_path, capsys):
 def test_what_the_judge_does_not_compute_is_refused():
     scene, _ = load_scene("display", ["models=tmm"])
     with pytest.raises(InputError, match="judged by solid, which does not compute tuned_spread"):
-        choose_for((scene,), ("tuned_spread",))
+        choose((scene,), ("tuned_spread",))
 
 
 def test_a_study_says_why_and_remembers_that_none_was_named(
