@@ -5,8 +5,8 @@ A model's libraries take up to seconds to load: an answer by transfer matrices l
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from tactgen.validation.catalogue.models import MODELS
@@ -18,65 +18,23 @@ if TYPE_CHECKING:
     from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 
 
-def _lumped() -> type[Model]:
-    from tactgen.validation.models.bimorph.model import LumpedModel
-
-    return LumpedModel
-
-
-def _tmm() -> type[Model]:
-    from tactgen.validation.models.bimorph.model import TmmModel
-
-    return TmmModel
-
-
-def _beam() -> type[Model]:
-    from tactgen.validation.models.bimorph.beam import BeamModel
-
-    return BeamModel
-
-
-def _solid() -> type[Model]:
-    from tactgen.validation.models.bimorph.solid import SolidModel
-
-    return SolidModel
-
-
-def _cad() -> type[Model]:
-    from tactgen.validation.models.bimorph.solid import CadModel
-
-    return CadModel
-
-
-def _network() -> type[Model]:
-    from tactgen.validation.models.reluctance.model import NetworkModel
-
-    return NetworkModel
-
-
-def _axisymmetric() -> type[Model]:
-    from tactgen.validation.models.reluctance.field import AxisymmetricModel
-
-    return AxisymmetricModel
-
-
-def _magnetic3d() -> type[Model]:
-    from tactgen.validation.models.reluctance.field import Magnetic3dModel
-
-    return Magnetic3dModel
-
-
-#: By name what loads the class.
-CLASSES: dict[str, Callable[[], type[Model]]] = {
-    "lumped": _lumped, "tmm": _tmm, "beam": _beam, "solid": _solid, "cad": _cad,
-    "network": _network, "axisymmetric": _axisymmetric, "magnetic3d": _magnetic3d,
+#: Where the class of each model is, and its name.
+CLASSES = {
+    "lumped": ("bimorph.model", "LumpedModel"), "tmm": ("bimorph.model", "TmmModel"),
+    "beam": ("bimorph.beam", "BeamModel"),
+    "solid": ("bimorph.solid", "SolidModel"), "cad": ("bimorph.solid", "CadModel"),
+    "network": ("reluctance.model", "NetworkModel"),
+    "axisymmetric": ("reluctance.field", "AxisymmetricModel"),
+    "magnetic3d": ("reluctance.field", "Magnetic3dModel"),
 }  # fmt: skip
 
 
 @cache
 def model_class(name: str) -> type[Model]:
     """Class of a model."""
-    return CLASSES[name]()
+    module, own = CLASSES[name]
+    found: type[Model] = getattr(import_module(f"tactgen.validation.models.{module}"), own)
+    return found
 
 
 def make_model(name: str, scene: Scene, stages: Stages) -> Model:

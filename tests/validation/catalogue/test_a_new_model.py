@@ -1,5 +1,7 @@
 """One row and one class make a model: added at run time, it is in solve, plan and report."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -63,7 +65,8 @@ FIRST = "short_circuit_frequencies"
 def registered(monkeypatch):
     """Add the row for one test."""
     monkeypatch.setitem(MODELS, ROW.name, ROW)
-    monkeypatch.setitem(CLASSES, ROW.name, lambda: Rayleigh)
+    monkeypatch.setitem(sys.modules, "tactgen.validation.models.rayleigh", sys.modules[__name__])
+    monkeypatch.setitem(CLASSES, ROW.name, ("rayleigh", "Rayleigh"))
 
 
 def clamped(*overrides):

@@ -83,7 +83,6 @@ class SwitchingCurrents:
     pull_in: Estimate
     holding: Estimate
     drop_out: Estimate
-    floats: bool  #: Whether the rod comes to rest between the stops before it pulls in
     beyond_table: float  #: The largest of the points that were solved, see :class:`MagneticPoint`
     limit: float  #: The largest current that was looked at
     method: str = (
@@ -91,62 +90,35 @@ class SwitchingCurrents:
         "also what the place is uncertain by"
     )
 
+    @property
+    def floats(self) -> bool:
+        """Whether the rod comes to rest between the stops before it pulls in."""
+        return bool(self.pull_in.value > self.lift_off.value * (1.0 + 1e-9))
+
 
 def switching_currents(device: Device, pull: CoenergyMap, at: Solver) -> SwitchingCurrents:
     """Switching currents of a model by its map and by points of it.
 
     Raises InputError if the stops do not fit the gap or the map.
     """
-    found = Balances(device, pull, at)
+    by_map, balances = switching(device, pull), _Balances(device, pull, at)
     return SwitchingCurrents(
-        lift_off=found.lift_off,
-        pull_in=found.pull_in,
-        holding=found.holding,
-        drop_out=found.drop_out,
-        floats=found.floats,
-        beyond_table=found.beyond_table,
-        limit=found.limit,
+        lift_off=balances.at_gap(device.gap, by_map.lift_off),
+        pull_in=balances.extreme(by_map.pull_in_gap, by_map.pull_in),
+        holding=balances.at_gap(device.spring.stop_gap, by_map.holding),
+        drop_out=balances.extreme(by_map.drop_out_gap, by_map.drop_out),
+        beyond_table=balances.beyond_table,
+        limit=pull.current_limit,
     )
 
 
-class Balances:
-    """Force balances that define :class:`SwitchingCurrents`, solved when read.
-
-    By currents at which pull and spring balance, from points; each gap is solved once.
-    """
-
-    method = SwitchingCurrents.method
+class _Balances:
+    """Currents at which pull and spring balance, from points; each gap is solved once."""
 
     def __init__(self, device: Device, pull: CoenergyMap, at: Solver) -> None:
         self._device, self._pull, self._at = device, pull, at
-        self._by_map = switching(device, pull)
         self._found: dict[float, Estimate] = {}
-        self.beyond_table, self.limit = 0.0, pull.current_limit
-
-    @property
-    def floats(self) -> bool:
-        """Whether the rod leaves the upper stop for a place between the stops."""
-        return self._by_map.pull_in > self._by_map.lift_off * (1.0 + 1e-9)
-
-    @property
-    def lift_off(self) -> Estimate:
-        """Current at which the rod leaves its upper stop (A)."""
-        return self.at_gap(self._device.gap, self._by_map.lift_off)
-
-    @property
-    def pull_in(self) -> Estimate:
-        """Current that draws the rod to its lower stop (A)."""
-        return self.extreme(self._by_map.pull_in_gap, self._by_map.pull_in)
-
-    @property
-    def holding(self) -> Estimate:
-        """Least current that holds the rod at its lower stop (A)."""
-        return self.at_gap(self._device.spring.stop_gap, self._by_map.holding)
-
-    @property
-    def drop_out(self) -> Estimate:
-        """Current below which the rod is back at its upper stop (A)."""
-        return self.extreme(self._by_map.drop_out_gap, self._by_map.drop_out)
+        self.beyond_table = 0.0
 
     def at_gap(self, gap: float, start: float) -> Estimate:
         """Balance at `gap` near the map's current `start` (A), inf for none."""
