@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from tactgen.geometry.arrays import Complex, Floats
 
@@ -68,12 +68,3 @@ class Ends:
             self.conservative_tip.stiffness,
         )
         return max(0, 2 - sum(stiffness > 0.0 for stiffness in springs))
-
-    def with_inertia(self, factor: Any) -> Ends:
-        """Scaled copy: all masses times `factor`, a number or (n,)."""
-        base, tip = self.base, self.tip
-        if base is not None:
-            base = replace(base, rotational_inertia=base.rotational_inertia * factor)
-        if isinstance(tip, TipLoad):
-            tip = replace(tip, mass=tip.mass * factor)
-        return Ends(base, tip)

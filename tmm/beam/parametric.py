@@ -1,9 +1,8 @@
 """The transfer-matrix model as a function of its parameters, many sets of values at once.
 
 A *point* is a frequency with one value for each parameter that is varied.  The values are
-arrays over the points: real for samples, complex for derivatives on a contour.  Nothing is
-modelled here; sections, spans and port algebra are those of every other answer, and all
-are analytic in their inputs.
+arrays over the points.  Nothing is modelled here; sections, spans and port algebra are those of
+every other answer.
 """
 
 from __future__ import annotations
@@ -23,7 +22,6 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.scattering import Element
-from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, chain, elements
 from tactgen.tmm.ports.elements import attach, ends_of
 from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond
@@ -110,15 +108,9 @@ def _number_keys(actuator: Actuator) -> list[str]:
     return found
 
 
-def check_keys(actuator: Actuator, keys: Sequence[str]) -> None:
-    """Refuse a key that the model cannot vary.
-
-    Raises InputError with the keys that it reads.
-    """
-    known = _number_keys(actuator)
-    for key in keys:
-        if key not in known or _slopes(actuator, key) is None:
-            raise _unvariable(actuator, key)
+def has_kink(actuator: Actuator, key: str) -> bool:
+    """Whether a piece of the row of beams appears or vanishes at a key's value."""
+    return _slopes(actuator, key) is None
 
 
 def _unvariable(actuator: Actuator, key: str) -> InputError:
@@ -144,12 +136,7 @@ def check_length_free(bimorph: Bimorph) -> None:
 
 
 def terminated(
-    actuator: Actuator,
-    values: Values,
-    frequencies: Floats,
-    *,
-    lossless: bool = False,
-    inertia: Any = 1.0,
+    actuator: Actuator, values: Values, frequencies: Floats, *, lossless: bool = False
 ) -> Multiport:
     """D(Ω) with support and load attached, wired as the device is.
 
@@ -161,13 +148,10 @@ def terminated(
         Frequencies (Hz), one per point.
     lossless : bool
         Without any damping and, as for all static values and modes, without the finger.
-    inertia : number or (n,) array
-        Factor on all masses.  Ω enters a lossless model with the masses only, as Ω² m, so
-        this is also the factor on Ω².
 
-    Raises InputError if the row of pieces does not follow a key smoothly; see :func:`check_keys`.
+    Raises InputError if the row of pieces does not follow a key smoothly.
     """
-    row, ends, series = _mounted(actuator, values, lossless=lossless, inertia=inertia)
+    row, ends, series = _mounted(actuator, values, lossless=lossless)
     return attach(_wired(chain(row, frequencies), series=series), ends)
 
 
@@ -201,20 +185,15 @@ def _wired(port: Multiport, *, series: bool) -> Multiport:
 
 
 def _mounted(
-    actuator: Actuator, values: Values, *, lossless: bool, inertia: Any = 1.0
+    actuator: Actuator, values: Values, *, lossless: bool
 ) -> tuple[list[Element], Ends, bool]:
     """Row of elements, boundary conditions, and whether it is wired in series."""
     now = actuator.with_values(values)
     row: list[Element] = []
     for piece in _pieces(actuator, values):
-        for element, length in elements(
-            piece, now.device, now.beam, lossy=not lossless, segments=actuator.segments
-        ):
-            if isinstance(element, Section):
-                element = replace(element, m=element.m * inertia, rhoI=element.rhoI * inertia)
-            row.append((element, length))
+        row += elements(piece, now.device, now.beam, lossy=not lossless, segments=actuator.segments)
     ends = now.ends.lossless if lossless else now.ends
-    return row, ends.with_inertia(inertia), now.device.bimorph.wiring == "series"
+    return row, ends, now.device.bimorph.wiring == "series"
 
 
 def _pieces(actuator: Actuator, values: Values) -> list[Piece]:

@@ -21,8 +21,12 @@ from tactgen.validation.scene.variation import value_of
 
 #: Where a quantity is evaluated for a difference, in units of the largest distance.
 PLACES = np.array([1.0, -1.0, 0.5, -0.5])
-#: Largest and smallest relative distance.
-_FAR, NEAREST = 1e-2, 2e-3
+#: Largest relative distance: of numbers with an error, and of those exact to rounding.
+_FAR, _CLOSE = 1e-2, 2e-4
+#: Relative error of a quantity up to which it counts as exact.
+_EXACT = 1e-8
+#: Relative distance at which neighbouring scenes must exist.
+NEAREST = 2e-3
 #: Standard deviation of the even part's rest per scatter of a value, and how much more scatter is
 #: counted with, since five values show one sample of it.
 _EVEN, _ONE_SAMPLE = 8.4, 5.0
@@ -58,10 +62,12 @@ def derivatives(
     start = [base.get(name, model) for name in quantities]
     slopes: list[dict[str, Numbers]] = [{} for _ in start]
     bars: list[dict[str, Floats]] = [{} for _ in start]
+    exact = not any(np.any(q.error > _EXACT * np.abs(q.value)) for q in start)
+    far = _CLOSE if exact else _FAR
     for number, key in enumerate(keys):
         announce(f"{model}: derivative {number + 1} of {len(keys)}, {key}")
         value = float(value_of(scene, key))
-        distance = within(changed, key, value, _FAR * abs(value))
+        distance = within(changed, key, value, far * abs(value))
         near = [
             solve(changed(key, value + place * distance), (model,), quantities, reuse=base)
             for place in PLACES
@@ -76,7 +82,7 @@ def derivatives(
             values = np.array([q.value, *(other.value for other in others)])
             slopes[n][key], bars[n][key] = extrapolated(values, q.error, distance)
     method = (
-        f"central differences at up to {100 * _FAR:g} and {50 * _FAR:g} %, extrapolated; the bar "
+        f"central differences at up to {100 * far:g} and {50 * far:g} %, extrapolated; the bar "
         "holds the truncation, the scatter of the values and the relative error of the value"
     )
     return [Derivatives(q, s, b, method) for q, s, b in zip(start, slopes, bars, strict=True)]
@@ -105,12 +111,16 @@ def extrapolated(values: Numbers, error: Floats, distance: float) -> tuple[Numbe
 def within(changed: Changed, key: str, value: float, distance: float) -> float:
     """Distance, or less of it where the parts would not fit together."""
     nearest = NEAREST * abs(value)
-    while distance > nearest:
-        try:
-            for place in (1.0, -1.0):
-                changed(key, value + place * distance)
-        except InputError:
-            distance = max(0.5 * distance, nearest)
-        else:
-            return distance
-    return nearest
+    while distance > nearest and misfit(changed, key, value, distance):
+        distance = max(0.5 * distance, nearest)
+    return distance
+
+
+def misfit(changed: Changed, key: str, value: float, distance: float) -> str:
+    """Reason why a scene so far to either side of a value makes no device, or ""."""
+    try:
+        for place in (1.0, -1.0):
+            changed(key, value + place * distance)
+    except InputError as error:
+        return str(error)
+    return ""

@@ -21,15 +21,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
-from tactgen.tmm.beam.sensitivities import logarithmic_sensitivities
 from tactgen.tmm.ports.loads import finger_spring_damper
-from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.design import Aim, Design, lowest_margin
-from tactgen.validation.studies.length_map import actuator
+from tactgen.validation.studies.length_map import actuator, tip_slopes
 
 #: How far on either side of a largest margin the slopes are taken (relative).
 _ASIDE = 1e-3
@@ -109,22 +106,15 @@ def _at_peak(device: Actuator, aim: Aim, length: float) -> dict[str, float]:
 
 def _margin_slopes(device: Actuator, aim: Aim, length: float, frequency: float) -> dict[str, float]:
     """D ln m / d ln p of every parameter, the length among them; a factor on 0 says nothing."""
-    at = np.array([frequency])
     device = device.with_values({_LENGTH: length})
-    slopes = _slopes(device, tuple(k for k in parameter_keys(device) if device.value(k)), at)
+    slopes = tip_slopes(device, parameter_keys(device), frequency)
     if device.load.kind == "finger":
-        stiffness, damping = (float(v[0]) for v in finger_spring_damper(at))
+        stiffness, damping = (float(v[0]) for v in finger_spring_damper(np.array([frequency])))
         springs = {"kind": "spring_damper", "stiffness": stiffness, "damping": damping}
         same = replace(device, load=device.load.model_copy(update=springs))
-        slopes |= _slopes(same, ("load.stiffness", "load.damping"), at)
+        slopes |= tip_slopes(same, ("load.stiffness", "load.damping"), frequency)
     weights = aim.threshold.weights(frequency)
     return slopes | {_point(aim, i): -float(weight) for i, weight in enumerate(weights)}
-
-
-def _slopes(device: Actuator, keys: tuple[str, ...], at: Floats) -> dict[str, float]:
-    """D ln|w_tip| / d ln p at one frequency."""
-    slopes = logarithmic_sensitivities(device, TIP_DISPLACEMENT.port_readout, keys, at)
-    return {key: float(value[0]) for key, value in slopes.items()}
 
 
 def _point(aim: Aim, number: int) -> str:

@@ -5,7 +5,7 @@ By the transfer-matrix model, for any support, load and segmented beam that it c
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.parametric import Actuator, check_length_free
 from tactgen.tmm.beam.port_quantities import evaluate
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
+from tactgen.validation.engine.derivatives import PLACES, extrapolated
 from tactgen.validation.scene.scene import Scene
 
 #: Frequencies of the map over the band; minima between them are located by narrowing.
@@ -28,6 +29,8 @@ _PROBES, _ROUNDS = 17, 6
 _AROUND = 4e-4 * 2.0 ** np.arange(8)
 #: Frequencies that a power law misses by more than this (relative) do not follow one.
 _LAWFUL = 0.1
+#: Relative distance of differences: truncation beside a sharp dip and rounding are then alike.
+_CLOSE = 2e-4
 
 
 class Minimum(NamedTuple):
@@ -73,6 +76,17 @@ def tip_amplitude(device: Actuator, lengths: Floats, frequencies: Floats) -> Flo
     read = TIP_DISPLACEMENT.port_readout
     moved = evaluate(device, read, {"bimorph.length": l.ravel()}, f.ravel())
     return np.asarray(np.abs(moved).reshape(l.shape))
+
+
+def tip_slopes(device: Actuator, keys: Sequence[str], frequency: float) -> dict[str, float]:
+    """D ln|w_tip| / d ln p at one frequency (Hz), by extrapolated central differences."""
+    values = 1.0 + _CLOSE * np.array([0.0, *PLACES])
+    at, read = np.full(values.size, frequency), TIP_DISPLACEMENT.port_readout
+    slopes = {}
+    for key in keys:
+        moved = evaluate(device, read, {key: device.value(key) * values}, at)
+        slopes[key] = float(extrapolated(np.log(np.abs(moved)), np.zeros(()), _CLOSE)[0])
+    return slopes
 
 
 def band_points(band: tuple[float, float]) -> Floats:

@@ -2,7 +2,7 @@
 
 The numerical error of a quantity says how well an equation was solved; this says how
 well the quantity is known.  By the transfer-matrix model, which gives values, derivatives and
-samples in milliseconds: first order from exact derivatives, u² = Σ (∂q/∂p)² w²/12 for uniform
+samples in milliseconds: first order from differences, u² = Σ (∂q/∂p)² w²/12 for uniform
 ranges of width w, and Sobol's indices with the 95 % interval from samples (Saltelli's scheme,
 SALib).
 """
@@ -10,7 +10,7 @@ SALib).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
@@ -19,10 +19,11 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import beam_pieces
-from tactgen.tmm.beam.parametric import Actuator, parameter_keys
+from tactgen.geometry.device.profile import Profile
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.parametric import Actuator, has_kink, parameter_keys
 from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
-from tactgen.tmm.beam.sensitivities import derivatives, values
-from tactgen.tmm.beam.transfer_matrix import is_tapered
+from tactgen.tmm.beam.transfer_matrix import is_tapered, sections
 from tactgen.tmm.ports.readout import Circuit, ModalReadout, Readout
 from tactgen.validation.catalogue.quantities import (
     QUANTITIES,
@@ -30,10 +31,11 @@ from tactgen.validation.catalogue.quantities import (
     TIP_VELOCITY,
     QuantityRow,
 )
-from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.engine.derivatives import PLACES, extrapolated
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ranges, show
-from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.scene import Scene, scene_keys
 from tactgen.validation.scene.variation import value_of
 from tactgen.validation.studies.length_map import actuator
 
@@ -43,8 +45,8 @@ FREQUENCIES, ILL_CONDITIONED = (10.0, 100.0, 250.0), 1000.0
 #: Prismatic stretches of a tapered piece in derivatives and samples, whose relative size
 #: they settle to a few percent; the numbers themselves take as many as everywhere else.
 _SEGMENTS = 4
-#: Rounds of the search for the peak.
-_ROUNDS = 5
+#: Relative distance of the differences.
+_CLOSE = 2e-4
 #: Evaluations that one study may take; Saltelli's scheme takes (parameters + 2) times a
 #: power of two.  Segmented beams get fewer, since each piece costs.
 _EVALUATIONS = 6000
@@ -150,95 +152,12 @@ def _response(row: QuantityRow, frequency: float) -> Target:
     return Target(row.name, f"{row.label}, {frequency:g} Hz", row.unit, frequency)
 
 
-class HeadlineNumbers:
-    """Values, derivatives and samples of a scene's headline numbers.
-
-    Derivatives and samples are of `actuator`, whose tapers have few segments.
-    """
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self.actuator = replace(actuator(scene), segments=_SEGMENTS)
-        self._first: dict[Circuit, float] = {}
-
-    def first(self, circuit: Circuit) -> float:
-        """First natural frequency (Hz)."""
-        if circuit not in self._first:
-            self._first[circuit] = float(values(self.actuator, ModalReadout((circuit,)))[0])
-        return self._first[circuit]
-
-    @cached_property
-    def peak(self) -> tuple[float, float]:
-        """Frequency (Hz) and height (m/s) of the free tip's velocity peak."""
-        return _peak(actuator(self.scene), self.first("short"), _ROUNDS)
-
-    @cached_property
-    def solution(self) -> Solution:
-        """The same numbers as everywhere else, with their errors."""
-        names = {t.name for t in targets(self.scene)}
-        peaks = [self.peak[0]] if any(t.peak for t in targets(self.scene)) else []
-        at = (*FREQUENCIES, ILL_CONDITIONED, *peaks)
-        return solve(self.scene.model_copy(update={"frequency": at}), ("tmm",), sorted(names))
-
-    def value_and_error(self, target: Target) -> tuple[float, float]:
-        """Number and its numerical error, absolute."""
-        if target.peak == "frequency":
-            before, _ = _peak(actuator(self.scene), self.peak[0], _ROUNDS - 1)
-            return self.peak[0], abs(before - self.peak[0])
-        q, i = self.solution.get(target.name, "tmm"), -1 if target.peak else 0
-        if target.frequency is not None:
-            i = (*FREQUENCIES, ILL_CONDITIONED).index(target.frequency)
-        return float(np.abs(np.atleast_1d(q.value)[i])), float(np.atleast_1d(q.error)[i])
-
-    def value_and_slopes(
-        self, target: Target, keys: tuple[str, ...]
-    ) -> tuple[float, dict[str, float]]:
-        """Number of `actuator` and its derivative by each key."""
-        if target.peak:
-            return self._peak_and_slopes(target, keys)
-        at = None if target.frequency is None else np.array([target.frequency])
-        value = values(self.actuator, target.read, at)[0]
-        slopes = derivatives(self.actuator, target.read, keys, at)
-        return float(abs(value)), {
-            key: float((np.conj(value) * slope[0]).real / abs(value))
-            for key, slope in slopes.items()
-        }
-
-    def _peak_and_slopes(
-        self, target: Target, keys: tuple[str, ...]
-    ) -> tuple[float, dict[str, float]]:
-        """Height or frequency f of the peak of L = ln|v| and its derivatives.
-
-        At the peak ∂L/∂f = 0, so the height changes by ∂L/∂p at fixed f, and f by
-        −(∂²L/∂f∂p)/(∂²L/∂f²); central differences over 1e-4 of f, good to some 1e-4.
-        """
-        frequency, height = _peak(self.actuator, self.first("short"), _ROUNDS)
-        step = 1e-4 * frequency
-        at = frequency + step * np.array([-1.0, 0.0, 1.0])
-        velocity = values(self.actuator, target.read, at)
-        relative = {
-            key: (slope / velocity).real
-            for key, slope in derivatives(self.actuator, target.read, keys, at).items()
-        }
-        if target.peak == "height":
-            return height, {key: float(height * r[1]) for key, r in relative.items()}
-        level = np.log(np.abs(velocity))
-        curvature = (level[0] - 2.0 * level[1] + level[2]) / step
-        return frequency, {
-            key: float(-0.5 * (r[2] - r[0]) / curvature) for key, r in relative.items()
-        }
-
-
-def _peak(of: Actuator, start: float, rounds: int) -> tuple[float, float]:
-    at, size = resonance_peak(of, TIP_VELOCITY.port_readout, {}, np.array([start]), rounds=rounds)
-    return float(at[0]), float(size[0])
-
-
 class SampledNumbers:
-    """The headline numbers at samples (n,) of scene keys; frequencies of modes once."""
+    """Headline numbers of a scene at samples (n,) of its keys; tapers have few segments."""
 
-    def __init__(self, numbers: HeadlineNumbers, points: dict[str, Floats]) -> None:
-        self._numbers, self._points = numbers, points
+    def __init__(self, scene: Scene, points: dict[str, Floats]) -> None:
+        self.actuator = replace(actuator(scene), segments=_SEGMENTS)
+        self._points = points
         self._size = next(iter(points.values())).size
         self._modes: dict[Circuit, Floats] = {}
 
@@ -249,7 +168,7 @@ class SampledNumbers:
         read = target.read
         if isinstance(read, Readout):
             at = np.full(self._size, target.frequency or 0.0)
-            return np.abs(evaluate(self._numbers.actuator, read, self._points, at))
+            return np.abs(evaluate(self.actuator, read, self._points, at))
         first = [self._mode(circuit) for circuit in read.circuits]
         return np.asarray(read.combine(*first)) if read.combine else first[0]
 
@@ -257,17 +176,46 @@ class SampledNumbers:
     def _peaks(self) -> tuple[Floats, Floats]:
         """Frequency (n,) in Hz and height (n,) of the free tip's resonance."""
         read = TIP_VELOCITY.port_readout
-        return resonance_peak(
-            self._numbers.actuator, read, self._points, self._mode("short"), rounds=3
-        )
+        return resonance_peak(self.actuator, read, self._points, self._mode("short"))
 
     def _mode(self, circuit: Circuit) -> Floats:
         if circuit not in self._modes:
-            start = np.full(self._size, self._numbers.first(circuit))
+            start = np.full(self._size, _first(self.actuator, circuit))
             self._modes[circuit] = first_frequency(
-                self._numbers.actuator, self._points, start, open_circuit=circuit == "open"
+                self.actuator, self._points, start, open_circuit=circuit == "open"
             )
         return self._modes[circuit]
+
+
+def _first(device: Actuator, circuit: Circuit) -> float:
+    """First natural frequency (Hz)."""
+    pieces = sections(
+        device.device, device.support, device.beam, lossy=False, segments=device.segments
+    )
+    return float(bending_frequencies(pieces, device.ends, 1, open_circuit=circuit == "open")[0])
+
+
+def values_and_errors(
+    scene: Scene, numbers: Sequence[Target]
+) -> Iterator[tuple[Target, float, float]]:
+    """Yield each headline number as everywhere else, with its absolute numerical error."""
+    device, peaks = actuator(scene), []
+    if any(target.peak for target in numbers):
+        read, start = TIP_VELOCITY.port_readout, np.array([_first(device, "short")])
+        peaks = [
+            float(resonance_peak(device, read, {}, start, rounds=rounds)[0][0]) for rounds in (4, 5)
+        ]
+    at = (*FREQUENCIES, ILL_CONDITIONED, *peaks[1:])
+    names = sorted({target.name for target in numbers})
+    solution = solve(scene.model_copy(update={"frequency": at}), ("tmm",), names)
+    for target in numbers:
+        if target.peak == "frequency":
+            yield target, peaks[1], abs(peaks[1] - peaks[0])
+            continue
+        q, i = solution.get(target.name, "tmm"), -1 if target.peak else 0
+        if target.frequency is not None:
+            i = at.index(target.frequency)
+        yield target, float(np.abs(np.atleast_1d(q.value)[i])), float(np.atleast_1d(q.error)[i])
 
 
 def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
@@ -294,6 +242,28 @@ def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
     return tuple(rows)
 
 
+def left_out(scene: Scene) -> str:
+    """Sentence on numbers that are known to vary and are not sampled, "" if none."""
+    device = actuator(scene)
+    known = parameter_keys(device)
+
+    def omitted(key: str) -> bool:
+        value = value_of(scene, key)
+        if isinstance(value, Profile) or key in scene.tolerances:
+            return bool(value) and key not in known
+        if not isinstance(value, float) or not value or key in known or idle(scene, key):
+            return False
+        made_of_contact = scene.support.kind == "contact" and key.startswith(("contact.", "guide."))
+        return made_of_contact or has_kink(device, key)
+
+    keys = ", ".join(key for key in scene_keys() if omitted(key))
+    return keys and (
+        f"left out of the parameters: {keys} (points of a profile, springs of a contact, lengths "
+        "at which a piece of the row of beams appears or vanishes, or not read by the "
+        "transfer-matrix model)"
+    )
+
+
 def parameter_uncertainty(
     scene: Scene, evaluations: int | None = None, announce: Callable[[str], None] = lambda _: None
 ) -> list[Uncertainty]:
@@ -311,24 +281,27 @@ def parameter_uncertainty(
     parameters = uncertain_parameters(scene)
     keys = tuple(p.key for p in parameters)
     bounds = np.array([(p.low, p.high) for p in parameters])
-    numbers = HeadlineNumbers(scene)
     problem = {"num_vars": len(keys), "names": list(keys), "bounds": bounds.tolist()}
     base = base_samples(len(keys), evaluations or affordable(scene))
     points = saltelli.sample(problem, base, calc_second_order=False, seed=_SEED)
-    sampled = SampledNumbers(numbers, dict(zip(keys, points.T, strict=True)))
+    usual = np.array([p.value for p in parameters])
+    places = np.array([0.0, *PLACES])
+    close = usual * (1.0 + _CLOSE * np.kron(np.eye(len(keys)), places[:, None]))
+    sampled, beside = (
+        SampledNumbers(scene, dict(zip(keys, part.T, strict=True))) for part in (points, close)
+    )
     # Saltelli's rows come in groups of A, the mixtures, B; A and B are independent samples
     independent = np.isin(np.arange(len(points)) % (len(keys) + 2), (0, len(keys) + 1))
     rows = []
-    for target in targets(scene):
+    for target, value, error in values_and_errors(scene, targets(scene)):
         announce(f"parameter uncertainty: {target.label}")
-        value, error = numbers.value_and_error(target)
-        usual, slopes = numbers.value_and_slopes(target, keys)
-        # what is taken over from the derivatives' and samples' model is relative
-        slopes = {key: slope * value / usual for key, slope in slopes.items()}
-        y = sampled.of(target) * (value / usual)
+        near = beside.of(target).reshape(len(keys), places.size)
+        # what is taken over from the samples' model is relative
+        y = sampled.of(target) * (value / near[0, 0])
         indices = sobol.analyze(problem, y, calc_second_order=False, num_resamples=100, seed=_SEED)
-        slope = np.array([slopes[key] for key in keys])
-        reach = np.abs(bounds - np.array([[p.value] for p in parameters])).max(axis=1)
+        relative, _ = extrapolated(near.T / near[0, 0], np.zeros(len(keys)), _CLOSE)
+        slope = value * relative / usual
+        reach = np.abs(bounds - usual[:, None]).max(axis=1)
         low, high = np.percentile(y[independent], [2.5, 97.5])
         rows.append(
             Uncertainty(
@@ -340,7 +313,7 @@ def parameter_uncertainty(
                 sampled=float(y[independent].std()),
                 low=float(low),
                 high=float(high),
-                slopes=slopes,
+                slopes=dict(zip(keys, slope.tolist(), strict=True)),
                 first=_by_key(keys, indices, "S1"),
                 total=_by_key(keys, indices, "ST"),
             )

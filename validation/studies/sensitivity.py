@@ -1,12 +1,11 @@
 """Sensitivities of a scene's quantities to its keys, by any model, each with an error.
 
-By the transfer-matrix model from exact derivatives; by others as `engine.derivatives` gives them.
-Complex quantities by their magnitude.
+As `engine.derivatives` gives them; complex quantities by their magnitude.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,33 +16,19 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import SI, quoted
-from tactgen.tmm.beam import sensitivities as tmm
-from tactgen.tmm.beam.parametric import Actuator, check_keys, parameter_keys
-from tactgen.tmm.ports.readout import ModalReadout, Readout
-from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives, reading
-from tactgen.validation.catalogue.quantities import QUANTITIES, QuantityRow
-from tactgen.validation.engine.derivatives import NEAREST, Changed, derivatives
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.derivatives import NEAREST, Changed, Derivatives, derivatives, misfit
 from tactgen.validation.engine.solve import check_models, check_request
 from tactgen.validation.engine.warnings import check_held
-from tactgen.validation.scene.files import assign
 from tactgen.validation.scene.inputs import idle, keys_read
-from tactgen.validation.scene.scene import Scene, checked_scene, scene_keys, scene_values
-from tactgen.validation.scene.variation import SYMBOLS, value_of
-from tactgen.validation.studies.length_map import actuator
+from tactgen.validation.scene.scene import Scene, scene_keys, scene_values
+from tactgen.validation.scene.variation import SYMBOLS, ScenesNearby, value_of
 
-#: Groups that no one-dimensional model of the lateral actuator reads, and those that say what the
-#: springs of a contact are.
-_ELSEWHERE = ("coil", "sleeve", "spring", "steel", "mesh", "limits")
-_CONTACT = ("contact", "guide")
 #: Groups and keys that say how a model is solved or compared, not what the device is.
-_NUMERICAL = ("mesh", "accuracy", "modes", "frequency", "limits", "beam")
+_NUMERICAL = ("mesh", "accuracy", "modes", "frequency", "limits")
 #: Columns that a table for people has at most, if a quantity's frequencies can be thinned.
 _SHOWN = 8
-#: Relative error of the transfer-matrix model's derivatives, of the largest of a column:
-#: rounding where an entry of the ports' matrix is next to a pole or zero.
-_EXACT = 2e-9
-_METHOD = "exact derivatives by Cauchy's integral; the bar is the rounding next to a pole"
 
 
 @dataclass(frozen=True)
@@ -82,13 +67,8 @@ class SensitivityColumn:
 
 def changed_scenes(name: str, overrides: Sequence[str]) -> Changed:
     """Function that gives a command line's scene with another value (SI) at one key."""
-
-    def changed(key: str, value: float) -> Scene:
-        values, _ = scene_values(name, list(overrides))
-        assign(values, key, SI(value))
-        return checked_scene(values)
-
-    return changed
+    nearby = ScenesNearby(scene_values(name, list(overrides))[0])
+    return lambda key, value: nearby.scene({key: SI(value)})
 
 
 def all_columns(
@@ -97,7 +77,7 @@ def all_columns(
     keys: Sequence[str] | None = None,
     announce: Callable[[str], None] = lambda _: None,
 ) -> tuple[list[SensitivityColumn], list[str]]:
-    """Sensitivities by all models of a scene, and the keys left out.
+    """Sensitivities by all models of a scene, and which keys are left out, in words.
 
     Parameters
     ----------
@@ -110,155 +90,72 @@ def all_columns(
     that gives none of the quantities.
     """
     check_models(scene.models, scene.quantities)
+    check_held(scene, scene.quantities)
     columns: list[SensitivityColumn] = []
     omitted: list[str] = []
     for model in scene.models:
-        given = [name for name in scene.quantities if gives(model, name)]
-        if not given:
+        names = [name for name in scene.quantities if gives(model, name)]
+        if not names:
             raise InputError(
                 f"model {model} gives none of {', '.join(scene.quantities)}; leave it out, or add "
                 "a --quantity that it gives"
             )
-        exact = [name for name in given if model == "tmm" and _by_tmm(scene, name)]
-        if exact:
-            own = scene.model_copy(update={"quantities": tuple(exact)})
-            columns += sensitivity_columns(own, keys)
-        rest = [name for name in given if name not in exact]
-        if rest:
-            by_model, sentence = _model_columns(scene, changed, model, rest, keys, announce)
-            columns += by_model
-            omitted.append(sentence)
-    return columns, omitted
-
-
-def _by_tmm(scene: Scene, name: str) -> bool:
-    """Whether the transfer-matrix model's exact derivatives, or their refusal, serve.
-
-    They know a contact as the springs that it is at rest, and not what these are made of.
-    """
-    row = QUANTITIES[name]
-    return (_differentiable(row) and scene.support.kind != "contact") or row.unit == "SI"
-
-
-def _differentiable(row: QuantityRow) -> bool:
-    return isinstance(row.read, Readout | ModalReadout)
-
-
-def sensitivity_columns(scene: Scene, keys: Sequence[str] | None = None) -> list[SensitivityColumn]:
-    """Scene's quantities by the transfer-matrix model, a column for each frequency.
-
-    The threshold voltage has columns only where the threshold is stated.
-
-    Raises InputError as :func:`all_columns`.
-    """
-    threshold = threshold_of(scene.threshold)
-    rows = [QUANTITIES[name].at_threshold(threshold) for name in scene.quantities]
-    for row in rows:
-        if not _differentiable(row):
-            able = ", ".join(name for name, other in QUANTITIES.items() if _differentiable(other))
-            raise InputError(
-                f"quantity {row.name} is a matrix and has no sensitivities here; use one of {able}"
-            )
-    check_held(scene, scene.quantities)
-    device = actuator(scene)
-    chosen = list(parameter_keys(device) if keys is None else dict.fromkeys(keys))
-    for key in chosen if keys is not None else ():
-        _check_key(key, _refusal(scene, key, device=device))
-    return [column for row in rows for column in _tmm_columns(scene, device, row, chosen)]
-
-
-def _tmm_columns(
-    scene: Scene, device: Actuator, row: QuantityRow, keys: Sequence[str]
-) -> list[SensitivityColumn]:
-    if row.has_level and scene.piezo.d31 == 0.0:
-        raise InputError(
-            f"{row.name} has no value with piezo.d31 = 0, for no voltage moves the tip; give "
-            "piezo.d31 a value"
-        )
-    assert isinstance(row.read, Readout | ModalReadout)
-    at = np.asarray(scene.frequency) if row.by_frequency else None
-    value = tmm.values(device, row.read, at)
-    if (value == 0.0).any():
-        raise InputError(
-            f"{row.name} is 0 in this scene, so no parameter changes it in relation to its "
-            "size; give drive.voltage and piezo.d31 a value, or ask at another frequency"
-        )
-    slopes = tmm.derivatives(device, row.read, keys, at)
-    columns = []
-    for i in np.flatnonzero(np.isfinite(value)):
-        f = None if at is None else float(at[i])
-        by_key = {key: s[i] for key, s in slopes.items()}
-        column = _column(scene, row, "tmm", f, value[i], by_key, {}, _METHOD)
-        error = _EXACT * max(map(abs, column.logarithmic.values()), default=0.0)
-        column.bars.update(dict.fromkeys(by_key, error))
-        columns.append(column)
-    return columns
-
-
-def _model_columns(
-    scene: Scene,
-    changed: Changed,
-    model: str,
-    names: Sequence[str],
-    keys: Sequence[str] | None,
-    announce: Callable[[str], None],
-) -> tuple[list[SensitivityColumn], str]:
-    """Sensitivities by a model, and the keys left out."""
-    for name in names:
-        if QUANTITIES[name].unit == "SI":
-            raise InputError(f"quantity {name} is a matrix and has no sensitivities here; ask for "
-                             "what is read off it, such as tip_displacement")  # fmt: skip
-    alone = scene.model_copy(update={"models": (model,), "quantities": tuple(names)})
-    check_request(alone, (model,), names)
-    chosen, omitted = readable_keys(alone, changed, model, keys)
-    columns = []
-    for result in derivatives(alone, changed, model, names, chosen, announce):
-        q = result.quantity
-        values = np.atleast_1d(q.value)
-        # of lists other than over frequency the first value
-        for i in range(values.size if q.frequency is not None else min(values.size, 1)):
-            if not np.isfinite(values[i]):
-                continue
-            if values[i] == 0.0:
+        for name in names:
+            if QUANTITIES[name].unit == "SI":
                 raise InputError(
-                    f"{q.name} is 0 by {q.model} in this scene, so no parameter changes it in "
-                    "relation to its size; choose another point, or another quantity"
+                    f"quantity {name} is a matrix and has no sensitivities here; ask for what is "
+                    "read off it, such as tip_displacement"
                 )
-            f = None if q.frequency is None else float(q.frequency[i])
-            slopes, bars = (
-                {key: np.atleast_1d(s)[i] for key, s in by_key.items()}
-                for by_key in (result.slopes, result.bars)
-            )
-            row = QUANTITIES[q.name]
-            columns.append(_column(alone, row, model, f, values[i], slopes, bars, result.method))
+        alone = scene.model_copy(update={"models": (model,), "quantities": tuple(names)})
+        check_request(alone, (model,), names)
+        chosen, sentence = readable_keys(alone, changed, model, keys)
+        omitted += [sentence] if sentence else []
+        for result in derivatives(alone, changed, model, names, chosen, announce):
+            columns += _columns(alone, result)
     return columns, omitted
 
 
-def _column(
-    scene: Scene,
-    row: QuantityRow,
-    model: str,
-    frequency: float | None,
-    value: Any,
-    slopes: Mapping[str, Any],
-    bars: Mapping[str, Any],
-    method: str,
-) -> SensitivityColumn:
-    """One number of a quantity, by its magnitude, with derivatives (SI) and their errors by key."""
-    size = float(abs(value))
-    real = {key: float((np.conj(value) * slope).real / size) for key, slope in slopes.items()}
-    scales = {key: float(value_of(scene, key)) / size for key in slopes}
-    return SensitivityColumn(
-        quantity=row.name,
-        unit=row.unit,
-        frequency=frequency,
-        value=size,
-        derivatives=real,
-        logarithmic={key: slope * scales[key] for key, slope in real.items()},
-        model=model,
-        bars={key: float(bar) * abs(scales[key]) for key, bar in bars.items()},
-        method=method,
-    )
+def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
+    """One column for each frequency; of other lists the first value."""
+    q = result.quantity
+    values = np.atleast_1d(q.value)
+    if not np.isfinite(values).any():
+        raise InputError(
+            f"{q.name} has no value by {q.model} in this scene; check piezo.d31, drive.voltage and "
+            "the frequencies, or leave it out"
+        )
+    columns = []
+    for i in range(values.size if q.frequency is not None else min(values.size, 1)):
+        if not np.isfinite(values[i]):
+            continue
+        size = float(abs(values[i]))
+        if size == 0.0:
+            raise InputError(
+                f"{q.name} is 0 by {q.model} in this scene, so no parameter changes it in "
+                "relation to its size; give drive.voltage and piezo.d31 a value, or ask at "
+                "another frequency or of another quantity"
+            )
+
+        def here(by_key: dict[str, Any], i: int = i) -> dict[str, Any]:
+            return {key: np.atleast_1d(entry)[i] for key, entry in by_key.items()}
+
+        phase = np.conj(values[i]) / size
+        slopes = {key: float((phase * slope).real) for key, slope in here(result.slopes).items()}
+        scales = {key: float(value_of(scene, key)) / size for key in slopes}
+        columns.append(
+            SensitivityColumn(
+                quantity=q.name,
+                unit=QUANTITIES[q.name].unit,
+                frequency=None if q.frequency is None else float(q.frequency[i]),
+                value=size,
+                derivatives=slopes,
+                logarithmic={key: slope * scales[key] for key, slope in slopes.items()},
+                model=q.model,
+                bars={k: float(bar) * abs(scales[k]) for k, bar in here(result.bars).items()},
+                method=result.method,
+            )
+        )
+    return columns
 
 
 def readable_keys(
@@ -268,16 +165,22 @@ def readable_keys(
 
     Raises InputError for a given key that cannot be varied.
     """
+
+    def unfit(key: str) -> str:
+        value = float(value_of(scene, key))
+        return misfit(changed, key, value, NEAREST * abs(value))
+
     if keys is not None:
         chosen = list(dict.fromkeys(keys))
         for key in chosen:
-            reason = _refusal(scene, key, model=model)
-            if not reason and (misfit := _misfit(scene, changed, key)):
-                reason = f"cannot be varied: {misfit}; leave the key out"
-            _check_key(key, reason)
+            reason = _refusal(scene, key, model)
+            if not reason and (error := unfit(key)):
+                reason = f"cannot be varied: next to its value {error}; leave the key out"
+            if reason:
+                raise InputError(f"--key {quoted(key)} {reason}")
         return chosen, ""
-    able = [key for key in scene_keys() if not _refusal(scene, key, model=model)]
-    stuck = [key for key in able if _misfit(scene, changed, key)]
+    able = [key for key in scene_keys() if not _refusal(scene, key, model)]
+    stuck = [key for key in able if unfit(key)]
     sentence = (
         f"left out of the parameters by {model}, since next to their values the parts do not fit "
         f"together: {', '.join(stuck)}"
@@ -285,43 +188,26 @@ def readable_keys(
     return [key for key in able if key not in stuck], sentence if stuck else ""
 
 
-def _check_key(key: str, reason: str) -> None:
-    if reason:
-        raise InputError(f"--key {quoted(key)} {reason}")
-
-
-def _refusal(scene: Scene, key: str, *, model: str = "tmm", device: Actuator | None = None) -> str:
+def _refusal(scene: Scene, key: str, model: str) -> str:
     """Reason why a key has no sensitivity, and the remedy, or ""."""
     out = "leave the key out"
-    known = key in scene_keys()
-    if device and known and ("." not in key or key.partition(".")[0] in _ELSEWHERE):
-        return f"is no parameter of the transfer-matrix model; {out}"
-    if not known:
+    if key not in scene_keys():
         symbol = f' (did you mean "{SYMBOLS[key]}"?)' if key in SYMBOLS else ""
         close = symbol or nearest(key, scene_keys())
         return f"is not a scene key{close}; tactgen init FILE.toml writes a scene with every key"
     value = value_of(scene, key)
     if isinstance(value, Profile):
         return f"is a profile, whose points are not varied; {out}, or compare two tactgen solve"
-    if isinstance(value, int):
-        return f"is a whole number, which is not varied; {out}"
     if value is None:
         return f"has no value of its own in this scene, but follows from others; {out}"
     if not isinstance(value, float):
-        return f"is a choice, not a number, and has no sensitivity; {out}"
+        return f"is a choice or a whole number and has no sensitivity; {out}"
     if idle(scene, key):
         return "has no sensitivity: " + idle(scene, key)
-    if not device and (key.partition(".")[0] in _NUMERICAL or not _reads(scene, model, key)):
+    if key.partition(".")[0] in _NUMERICAL or not _reads(scene, model, key):
         return f"is not read by the model {model} for these quantities; {out}"
     if value == 0.0:
         return f"is 0, and there is no percentage of 0; set another value, or {out}"
-    if device and (kink := tmm_kink(scene, device, key)):
-        return f"cannot be varied: {kink}; {out}"
-    if device and key not in parameter_keys(device):
-        return (
-            f'is not read by the transfer-matrix model with support.kind = "{scene.support.kind}" '
-            f'and load.kind = "{scene.load.kind}"; {out}'
-        )
     return ""
 
 
@@ -331,60 +217,6 @@ def _reads(scene: Scene, model: str, key: str) -> bool:
     stages = {s for name in scene.quantities for s in row.stages_for(QUANTITIES[name])}
     entries = [entry for stage in stages for entry in row.stages[stage.partition(".")[2]]]
     return key in keys_read(scene, [*entries, *reading(model)])
-
-
-def _misfit(scene: Scene, changed: Changed, key: str) -> str:
-    """Reason why a neighbouring scene makes no device, or ""."""
-    value = float(value_of(scene, key))
-    try:
-        for share in (NEAREST, -NEAREST):
-            changed(key, value * (1.0 + share))
-    except InputError as error:
-        return f"next to its value {error}"
-    return ""
-
-
-def tmm_kink(scene: Scene, device: Actuator, key: str) -> str:
-    """Reason why the transfer-matrix model is not smooth in a number, or ""."""
-    try:
-        check_keys(device, [key])
-    except InputError:
-        profiles = [f"bimorph.{name}" for name in scene.bimorph.profiles]
-        if key == "bimorph.length" and profiles:
-            return f"{' and '.join(profiles)} would not end at the ceramic's edge any more"
-        return "a piece of the row of beams appears or vanishes at its value"
-    return ""
-
-
-def left_out(scene: Scene) -> str:
-    """Parameters without exact sensitivity by tmm, with reasons; "" if none."""
-    device = actuator(scene)
-    reasons: dict[str, list[str]] = {}
-    for key in scene_keys():
-        group, _, name = key.partition(".")
-        if key not in scene.tolerances and (not name or group in _ELSEWHERE):
-            continue
-        reason = _omission(scene, device, key)
-        if not reason and key in scene.tolerances and key not in parameter_keys(device):
-            reason = "has a tolerance, but is not read here"
-        if reason:
-            reasons.setdefault(reason, []).append(key)
-    listed = "; ".join(f"{', '.join(keys)} ({reason})" for reason, keys in reasons.items())
-    return f"left out of the parameters: {listed}" if listed else ""
-
-
-def _omission(scene: Scene, device: Actuator, key: str) -> str:
-    group, _, name = key.partition(".")
-    value, profile = value_of(scene, key), f"{name}_profile"
-    if group == "bimorph" and profile in scene.bimorph.profiles and idle(scene, key):
-        return f"bimorph.{profile} gives it"
-    if isinstance(value, Profile) and value:
-        return "its points are not varied"
-    if not isinstance(value, float) or not value or idle(scene, key):
-        return ""
-    if group in _CONTACT and scene.support.kind == "contact":
-        return "the contact is held as the springs that it is at rest; tactgen whatif varies it"
-    return tmm_kink(scene, device, key)
 
 
 def thinned(columns: Sequence[SensitivityColumn]) -> list[SensitivityColumn]:

@@ -108,13 +108,13 @@ def test_sensitivities_follow(capsys):
     )  # fmt: skip
     columns = {c["quantity"]: c["logarithmic"] for c in json.loads(out)["sensitivities"]}
     assert columns["tip_acceleration"] == pytest.approx(columns["tip_velocity"], rel=1e-12)
-    assert columns["tip_acceleration"]["drive.voltage"] == pytest.approx(1.0, rel=1e-14)
+    assert columns["tip_acceleration"]["drive.voltage"] == pytest.approx(1.0, rel=1e-9)
     # to first order the shift is half the square of the coupling factor, which goes as d31
     assert columns["stiffening"]["piezo.d31"] == pytest.approx(2.0, rel=0.1)
 
 
 def test_uncertainty_varies_it():
-    """By exact slopes and by samples, which agree where the ranges are narrow."""
+    """By slopes and by samples, which agree where the ranges are narrow."""
     scene, _ = load_scene("prototype")
     rows = {row.target.label: row for row in parameter_uncertainty(scene, evaluations=700)}
     slow, shift = rows["tip acceleration, 10 Hz"], rows["stiffening"]

@@ -9,9 +9,8 @@ import numpy as np
 
 from tactgen.geometry.device.parameters import Drive
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.sensitivities import logarithmic_sensitivities
+from tactgen.tmm.beam.parametric import parameter_keys
 from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
-from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import is_papers_bimorph
 from tactgen.validation.show.figures import (
@@ -40,7 +39,7 @@ from tactgen.validation.studies.design_statements import (
     dependences,
     statements,
 )
-from tactgen.validation.studies.length_map import LengthMap, actuator, length_map
+from tactgen.validation.studies.length_map import LengthMap, actuator, length_map, tip_slopes
 
 #: Lengths that span more than this factor are drawn over a logarithmic axis.
 _WIDE = 5.0
@@ -230,8 +229,7 @@ def _cases(scene: Scene, aims: Sequence[Aim]) -> list[tuple[str, str, Design]]:
 def _at_band_end(scene: Scene) -> dict[str, Any]:
     """Conditioning of the deflection at the band's end."""
     at = _band(scene)[0][1]
-    slopes = logarithmic_sensitivities(
-        actuator(scene), TIP_DISPLACEMENT.port_readout, None, np.array([at])
-    )
-    strongest = sorted(slopes.items(), key=lambda item: -abs(float(item[1][0])))[:4]
-    return {"frequency": at, "slopes": [(key, float(value[0])) for key, value in strongest]}
+    device = actuator(scene)
+    slopes = tip_slopes(device, parameter_keys(device), at)
+    strongest = sorted(slopes.items(), key=lambda item: -abs(item[1]))[:4]
+    return {"frequency": at, "slopes": strongest}

@@ -21,9 +21,9 @@ from tactgen.validation.studies.parameter_uncertainty import (
     Uncertainty,
     affordable,
     base_samples,
+    left_out,
     uncertain_parameters,
 )
-from tactgen.validation.studies.sensitivity import left_out
 
 #: Contributors shown per number, and panels per row.
 _SHOWN, _COLUMNS = 5, 3

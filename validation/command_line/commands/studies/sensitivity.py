@@ -36,8 +36,7 @@ _SHOWN = 5e-4
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
-        "sensitivity",
-        help="what each parameter does to a quantity, by exact derivatives where a model has them",
+        "sensitivity", help="what each parameter does to a quantity, with error bars"
     )
     scene_options(parser)
     parser.add_argument(
@@ -73,13 +72,8 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.scene.parameter_list import ranges
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.scene.variation import value_of
-    from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
-    from tactgen.validation.studies.sensitivity import (
-        all_columns,
-        changed_scenes,
-        left_out,
-        thinned,
-    )
+    from tactgen.validation.studies.parameter_uncertainty import left_out, parameter_uncertainty
+    from tactgen.validation.studies.sensitivity import all_columns, changed_scenes, thinned
 
     overrides = [*options.overrides, *asked_overrides(options)]
     scene, origins = load_scene(options.scene, overrides)
@@ -104,10 +98,9 @@ def run(options: argparse.Namespace) -> int:
         if options.sobol:
             uncertain = parameter_uncertainty(scene, announce=announce)
     warn(request_warnings(scene, scene.models, scene.quantities))
-    exact = "tmm" in scene.models and scene.support.kind != "contact"
-    if options.sobol or (exact and not options.key):
-        omitted = [left_out(scene), *omitted]
-    for sentence in filter(None, omitted):
+    if options.sobol and (sentence := left_out(scene)):
+        omitted.append(sentence)
+    for sentence in omitted:
         say(f"note: {sentence}")
     spreads = ranges(scene)
     known: dict[str, KnownRange] = {

@@ -1,0 +1,100 @@
+"""The transfer-matrix model at many values of its parameters at once."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.bimorph.segments import beam_pieces
+from tactgen.geometry.device.parameters import Bimorph, Device, Support
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam import parametric
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.parametric import Actuator, parameter_keys
+from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
+from tactgen.tmm.beam.transfer_matrix import sections
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.scene.scene import load_scene
+
+VELOCITY = QUANTITIES["tip_velocity"].read
+
+
+def actuator(name, *overrides):
+    scene, _ = load_scene(name, overrides)
+    return Actuator(scene.device, scene.support, scene.load, scene.beam, scene.drive)
+
+
+PAPER, PROTOTYPE = actuator("paper"), actuator("prototype")
+ROWS = {
+    "paper": PAPER,
+    "tab": actuator("paper", "bimorph.tab_length=2mm", "load.kind=none"),
+    "rod": actuator("bimorph_on_rod", "load.kind=none"),
+    "taper": actuator("prototype", "bimorph.width_profile=0 mm: 2.1 mm, 14 mm: 1 mm"),
+    "series": actuator("prototype", "bimorph.wiring=series", "bimorph.bare_below=2mm"),
+    "mass": actuator("prototype", "load.kind=mass", "load.mass=5mg", "support.kind=clamped"),
+    "spring": actuator(
+        "paper", "load.kind=spring_damper", "load.stiffness=700N/m", "load.damping=0.5N*s/m"
+    ),
+}
+
+
+def first(device, *, open_circuit):
+    pieces = sections(device.device, device.support, device.beam, lossy=False)
+    return bending_frequencies(pieces, device.ends, 1, open_circuit=open_circuit)
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_a_varied_value_is_that_of_another_device(name):
+    """Every parameter, tab, rod, taper, bare ceramic, series wiring, mass, spring: 1e-9."""
+    device, at = ROWS[name], np.array([40.0, 120.0])
+    for key in parameter_keys(device):
+        moved = 1.001 * device.value(key)
+        other = evaluate(device.with_values({key: moved}), VELOCITY, {}, at)
+        found = evaluate(device, VELOCITY, {key: np.full(2, moved)}, at)
+        assert found == pytest.approx(other, rel=1e-9), key
+
+
+def test_keys_are_those_that_matter():
+    """No magnetics, no rod unless it holds the bimorph, no length at which a piece appears."""
+    keys = parameter_keys(PAPER)
+    assert "piezo.s11" in keys
+    assert not [key for key in keys if key.startswith(("rod", "glue", "load", "coil"))]
+    rod = parameter_keys(ROWS["rod"])
+    assert {"rod.radius", "glue.thickness", "bimorph.tab_length"} <= set(rod)
+    assert not [key for key in rod if key.startswith("support")]
+    # this rod ends at its flange: its length can only grow, with a new piece
+    assert "rod.length" not in rod
+    assert {"load.stiffness", "load.damping"} <= set(parameter_keys(ROWS["spring"]))
+    with pytest.raises(InputError, match=r"rod\.length.*smoothly; this scene's depends on"):
+        evaluate(ROWS["rod"], VELOCITY, {"rod.length": np.ones(1)}, np.ones(1))
+
+
+@pytest.mark.parametrize("open_circuit", [False, True])
+def test_sampled_first_frequency_is_the_counted_one(open_circuit):
+    """Newton's method on many samples finds the mode that counting modes finds, at both ends."""
+    points = {"piezo.density": np.array([6000.0, 7900.0, 9000.0]), "bimorph.length": 0.014}
+    points["support.rotational_stiffness"] = np.array([0.05, 0.24, 1.0])
+    start = np.full(3, first(PROTOTYPE, open_circuit=open_circuit)[0])
+    found = first_frequency(PROTOTYPE, points, start, open_circuit=open_circuit)
+    for i in range(3):
+        one = PROTOTYPE.with_values(
+            {k: float(np.ravel(v)[i % np.size(v)]) for k, v in points.items()}
+        )
+        # counting converges to 1e-14, Newton to 1e-12
+        assert found[i] == pytest.approx(first(one, open_circuit=open_circuit)[0], rel=1e-11)
+
+
+def test_resonance_peak_is_a_maximum():
+    """The peak lies where the stored frequency and height say, and beside it is less."""
+    at, height = resonance_peak(PROTOTYPE, VELOCITY, {}, first(PROTOTYPE, open_circuit=False))
+    assert at[0] == pytest.approx(781.609, abs=5e-4)  # digits stated
+    assert height[0] == pytest.approx(22.795e-3, abs=5e-7)
+    beside = np.abs(evaluate(PROTOTYPE, VELOCITY, {}, at[0] * np.array([1 - 1e-5, 1 + 1e-5])))
+    assert (beside < height[0]).all()
+
+
+def test_a_piece_is_made_of_its_dimensions():
+    """Length, radius and the layers at both ends, each in its place."""
+    tapered = Device(bimorph=Bimorph(width_profile="0 mm: 2.1 mm, 20 mm: 1 mm"))
+    pieces = beam_pieces(tapered, Support(kind="rod"))
+    assert any(piece.ends for piece in pieces)
+    for piece in pieces:
+        assert parametric._with_dimensions(piece, parametric._dimensions(piece)) == piece
