@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -27,27 +28,21 @@ Need = Literal[
 Actuator = Literal["bimorph", "reluctance", "generator", "display"]
 
 
-class NeedRow(NamedTuple):
-    """Kind of answer: its actuator and its name in words."""
-
-    actuator: Actuator
-    words: str
-
-
-NEEDS: dict[Need, NeedRow] = {
-    "static": NeedRow("bimorph", "a static value"),
-    "modes_short": NeedRow("bimorph", "short-circuit modes"),
-    "modes_open": NeedRow("bimorph", "open-circuit modes"),
-    "harmonic": NeedRow("bimorph", "the response at given frequencies"),
-    "load": NeedRow("bimorph", "what the tip touches"),
-    "magnetic_point": NeedRow("reluctance", "the magnetic circuit at one current and gap"),
-    "magnetic_map": NeedRow("reluctance", "the magnetic circuit over the stroke"),
-    "rest": NeedRow("reluctance", "where the rod rests"),
-    "small_signal": NeedRow("generator", "the machine's response at given frequencies"),
-    "machine_poles": NeedRow("generator", "the poles of the rod and its coil"),
-    "crosstalk": NeedRow("display", "what one unit moves at the others"),
-    "spread": NeedRow("display", "how far the units differ"),
-    "neighbours": NeedRow("display", "the field between neighbouring units"),
+#: Kinds of answer, each with its actuator and its name in words.
+NEEDS: dict[Need, tuple[Actuator, str]] = {
+    "static": ("bimorph", "a static value"),
+    "modes_short": ("bimorph", "short-circuit modes"),
+    "modes_open": ("bimorph", "open-circuit modes"),
+    "harmonic": ("bimorph", "the response at given frequencies"),
+    "load": ("bimorph", "what the tip touches"),
+    "magnetic_point": ("reluctance", "the magnetic circuit at one current and gap"),
+    "magnetic_map": ("reluctance", "the magnetic circuit over the stroke"),
+    "rest": ("reluctance", "where the rod rests"),
+    "small_signal": ("generator", "the machine's response at given frequencies"),
+    "machine_poles": ("generator", "the poles of the rod and its coil"),
+    "crosstalk": ("display", "what one unit moves at the others"),
+    "spread": ("display", "how far the units differ"),
+    "neighbours": ("display", "the field between neighbouring units"),
 }
 
 
@@ -56,7 +51,7 @@ class AnswerReadout:
     """A value with its error bar, as a model's answer holds it."""
 
     need: Need  #: The answer that is asked for
-    #: Takes the answer, gives a :class:`validation.models.model.Estimate`, or a Estimate
+    #: Takes the answer, gives a :class:`validation.models.model.Estimate`
     of: Callable[[Any], Any]
 
 
@@ -129,7 +124,7 @@ class QuantityRow:
     @cached_property
     def actuator(self) -> Actuator:
         """Actuator that the quantity belongs to."""
-        return NEEDS[self.needs[0]].actuator
+        return NEEDS[self.needs[0]][0]
 
     @cached_property
     def by_frequency(self) -> bool:
@@ -283,7 +278,7 @@ VOLTAGE_LIMIT = QuantityRow(
 
 LOAD_IMPEDANCE = QuantityRow(
     "load_impedance", "N*s/m", "force per velocity of what the tip touches, laterally",
-    AnswerReadout("load", lambda load: load.impedance),
+    AnswerReadout("load", attrgetter("impedance")),
 )  # fmt: skip
 LOAD_FORCE = QuantityRow(
     "load_force", "N", "force of the tip on what it touches, at the drive voltage",
@@ -302,180 +297,109 @@ _BIMORPH = (
 )  # fmt: skip
 
 
-MAGNETIC_FORCE = QuantityRow(
-    "magnetic_force", "N", "pull between rod and sleeve at the coil's current and the gap",
-    AnswerReadout("magnetic_point", lambda point: point.force), label="pull", headline=True,
+def _answer(
+    need: Need, name: str, unit: str, meaning: str, of: str | Callable[[Any], Any], **more: Any
+) -> QuantityRow:
+    """Quantity that an answer holds, by the name of its attribute or what reads it off."""
+    read = attrgetter(of) if isinstance(of, str) else of
+    return QuantityRow(name, unit, meaning, AnswerReadout(need, read), **more)
+
+
+MAGNETIC_FORCE = _answer(
+    "magnetic_point", "magnetic_force", "N", "pull between rod and sleeve at the coil's current "
+    "and the gap", "force", label="pull", headline=True,
 )  # fmt: skip
-FLUX_LINKAGE = QuantityRow(
-    "flux_linkage", "Wb", "flux linkage of the winding, all turns",
-    AnswerReadout("magnetic_point", lambda point: point.flux_linkage),
+FLUX_LINKAGE = _answer(
+    "magnetic_point", "flux_linkage", "Wb", "flux linkage of the winding, all turns",
+    "flux_linkage",
 )  # fmt: skip
-INCREMENTAL_INDUCTANCE = QuantityRow(
-    "incremental_inductance", "H", "d flux linkage / d current, gap held",
-    AnswerReadout("magnetic_point", lambda point: point.incremental_inductance),
-)  # fmt: skip
-PULL_IN_CURRENT = QuantityRow(
-    "pull_in_current", "A", "current that draws the rod to its lower stop",
-    AnswerReadout("magnetic_map", lambda currents: currents.pull_in),
-    label="pull-in current", headline=True,
-)  # fmt: skip
-DROP_OUT_CURRENT = QuantityRow(
-    "drop_out_current", "A", "current below which the rod is back at its upper stop",
-    AnswerReadout("magnetic_map", lambda currents: currents.drop_out), label="drop-out current",
+PULL_IN_CURRENT = _answer(
+    "magnetic_map", "pull_in_current", "A", "current that draws the rod to its lower stop",
+    "pull_in", label="pull-in current", headline=True,
 )  # fmt: skip
 
 _RELUCTANCE = (
     MAGNETIC_FORCE,
     FLUX_LINKAGE,
-    QuantityRow(
-        "coenergy", "J", "magnetic co-energy",
-        AnswerReadout("magnetic_point", lambda point: point.coenergy),
-        label="co-energy",
-    ),
-    QuantityRow(
-        "inductance", "H", "apparent inductance, flux linkage / current",
-        AnswerReadout("magnetic_point", lambda point: point.inductance), headline=True,
-    ),
-    INCREMENTAL_INDUCTANCE,
+    _answer("magnetic_point", "coenergy", "J", "magnetic co-energy", "coenergy", label="co-energy"),
+    _answer("magnetic_point", "inductance", "H", "apparent inductance, flux linkage / current",
+            "inductance", headline=True),
+    _answer("magnetic_point", "incremental_inductance", "H",
+            "d flux linkage / d current, gap held", "incremental_inductance"),
     PULL_IN_CURRENT,
-    QuantityRow(
-        "holding_current", "A", "least current that holds the rod at its lower stop",
-        AnswerReadout("magnetic_map", lambda currents: currents.holding),
-    ),
-    DROP_OUT_CURRENT,
-    QuantityRow(
-        "rod_position", "m",
-        "where the rod rests at the coil's current and history: 0 at the upper stop, negative down",
-        AnswerReadout("rest", lambda state: state.position), headline=True,
-    ),
-    QuantityRow(
-        "finger_force", "N",
-        "force with which the rod there would push a finger: spring less pull, negative if held",
-        AnswerReadout("rest", lambda state: state.finger_force), headline=True,
-    ),
-    QuantityRow(
-        "contact_force", "N", "force that presses the rod's head on its stop there, 0 if it floats",
-        AnswerReadout("rest", lambda state: state.contact_force),
-    ),
-    QuantityRow(
-        "resting_positions", "m",
-        "all places where the rod can rest at the coil's current, stable or not, from the top",
-        AnswerReadout("rest", lambda state: state.places),
-    ),
+    _answer("magnetic_map", "holding_current", "A",
+            "least current that holds the rod at its lower stop", "holding"),
+    _answer("magnetic_map", "drop_out_current", "A",
+            "current below which the rod is back at its upper stop", "drop_out",
+            label="drop-out current"),
+    _answer("rest", "rod_position", "m", "where the rod rests at the coil's current and history: "
+            "0 at the upper stop, negative down", "position", headline=True),
+    _answer("rest", "finger_force", "N", "force with which the rod there would push a finger: "
+            "spring less pull, negative if held", "finger_force", headline=True),
+    _answer("rest", "contact_force", "N",
+            "force that presses the rod's head on its stop there, 0 if it floats", "contact_force"),
+    _answer("rest", "resting_positions", "m", "all places where the rod can rest at the coil's "
+            "current, stable or not, from the top", "places"),
 )  # fmt: skip
-
 
 _GENERATOR = (
-    QuantityRow(
-        "lateral_tip_per_voltage", "m/V",
-        "lateral motion of the tip per volt at the bimorph, the coil at its supply",
-        AnswerReadout("small_signal", lambda machine: machine.by_voltage("w_tip")),
-    ),
-    QuantityRow(
-        "axial_tip_per_voltage", "m/V",
-        "axial motion of the tip per volt at the bimorph: 0 while the head stands upright",
-        AnswerReadout("small_signal", lambda machine: machine.by_voltage("u")),
-    ),
-    QuantityRow(
-        "axial_tip_per_current", "m/A",
-        "axial motion of the tip per ampere added in the coil, the bimorph's voltage held",
-        AnswerReadout("small_signal", lambda machine: machine.by_current("u")),
-    ),
-    QuantityRow(
-        "lateral_tip_per_current", "m/A",
-        "lateral motion of the tip per ampere added to the coil's current: 0 on an upright head",
-        AnswerReadout("small_signal", lambda machine: machine.by_current("w_tip")),
-    ),
-    QuantityRow(
-        "axial_tip_per_coil_voltage", "m/V",
-        "axial motion of the tip per volt added at the coil, through its resistance and inductance",
-        AnswerReadout("small_signal", lambda machine: machine.by_coil_voltage("u")),
-    ),
-    QuantityRow(
-        "coil_impedance", "ohm",
-        "voltage per current of the coil with its supply's resistance, what the motion induces too",
-        AnswerReadout("small_signal", lambda machine: machine.impedance()),
-        curve=Unit("ohm", "impedance", "12.3 ohm", limits=(1e-9, 1e12)),
-    ),
-    QuantityRow(
-        "axial_poles", "rad/s",
-        "poles of axial motion and coil with its supply, the head not rocking",
-        AnswerReadout("machine_poles", lambda poles: poles.listed),
-    ),
+    _answer("small_signal", "lateral_tip_per_voltage", "m/V",
+            "lateral motion of the tip per volt at the bimorph, the coil at its supply",
+            lambda machine: machine.by_voltage("w_tip")),
+    _answer("small_signal", "axial_tip_per_voltage", "m/V",
+            "axial motion of the tip per volt at the bimorph: 0 while the head stands upright",
+            lambda machine: machine.by_voltage("u")),
+    _answer("small_signal", "axial_tip_per_current", "m/A",
+            "axial motion of the tip per ampere added in the coil, the bimorph's voltage held",
+            lambda machine: machine.by_current("u")),
+    _answer("small_signal", "lateral_tip_per_current", "m/A", "lateral motion of the tip per "
+            "ampere added to the coil's current: 0 on an upright head",
+            lambda machine: machine.by_current("w_tip")),
+    _answer("small_signal", "axial_tip_per_coil_voltage", "m/V", "axial motion of the tip per volt "
+            "added at the coil, through its resistance and inductance",
+            lambda machine: machine.by_coil_voltage("u")),
+    _answer("small_signal", "coil_impedance", "ohm", "voltage per current of the coil with its "
+            "supply's resistance, what the motion induces too",
+            lambda machine: machine.impedance(),
+            curve=Unit("ohm", "impedance", "12.3 ohm", limits=(1e-9, 1e12))),
+    _answer("machine_poles", "axial_poles", "rad/s",
+            "poles of axial motion and coil with its supply, the head not rocking", "listed"),
 )  # fmt: skip
 
-
-CROSSTALK_LARGEST = QuantityRow(
-    "crosstalk_largest", "1",
-    "largest lateral motion of another tip over the driven one's, through board and skin",
-    AnswerReadout("crosstalk", lambda display: display.largest()),
+CROSSTALK_LARGEST = _answer(
+    "crosstalk", "crosstalk_largest", "1", "largest lateral motion of another tip over the driven "
+    "one's, through board and skin", "largest",
 )  # fmt: skip
 
 _DISPLAY = (
-    QuantityRow(
-        "crosstalk_beside", "1",
-        "lateral motion of the next tip along x over the driven one's, through board and skin",
-        AnswerReadout("crosstalk", lambda display: display.beside()),
-    ),
-    QuantityRow(
-        "crosstalk_behind", "1",
-        "lateral motion of the next tip along y over the driven one's, through board and skin",
-        AnswerReadout("crosstalk", lambda display: display.behind()),
-    ),
+    _answer("crosstalk", "crosstalk_beside", "1", "lateral motion of the next tip along x over "
+            "the driven one's, through board and skin", "beside"),
+    _answer("crosstalk", "crosstalk_behind", "1", "lateral motion of the next tip along y over "
+            "the driven one's, through board and skin", "behind"),
     CROSSTALK_LARGEST,
-    QuantityRow(
-        "crosstalk_by_board", "1",
-        "the same with no skin on the tips: what the upper board alone passes on",
-        AnswerReadout("crosstalk", lambda display: display.by_board()),
-    ),
-    QuantityRow(
-        "unit_frequencies", "Hz",
-        "first natural frequency of each unit as drawn from the scatter, row by row",
-        AnswerReadout("spread", lambda units: units.as_drawn()),
-    ),
-    QuantityRow(
-        "frequency_spread", "Hz", "highest less lowest of the units' first natural frequencies",
-        AnswerReadout("spread", lambda units: units.apart()),
-    ),
-    QuantityRow(
-        "screw_turns", "1",
-        "turns of each unit's grub screw that bring it to the units' median, positive tightens",
-        AnswerReadout("spread", lambda units: units.screws()),
-    ),
-    QuantityRow(
-        "tuned_spread", "Hz", "highest less lowest after the screws were turned",
-        AnswerReadout("spread", lambda units: units.left_apart()),
-    ),
-    QuantityRow(
-        "tuning_range", "Hz",
-        "what a grub screw can do to the nominal unit's first natural frequency, from end to end",
-        AnswerReadout("spread", lambda units: units.reach()),
-    ),
-    QuantityRow(
-        "pull_all_driven", "N",
-        "pull of a unit in an endless array, every coil at display.coil_current, one polarity",
-        AnswerReadout("neighbours", lambda field: field.same),
-    ),
-    QuantityRow(
-        "pull_alternating", "N",
-        "the same with polarities that alternate as on a chessboard",
-        AnswerReadout("neighbours", lambda field: field.alternating),
-    ),
-    QuantityRow(
-        "magnetic_crosstalk", "N/A",
-        "change of a unit's pull per ampere in each nearest neighbour, if all four change alike",
-        AnswerReadout("neighbours", lambda field: field.per_neighbour()),
-    ),
-    QuantityRow(
-        "pull_one_driven", "N",
-        "pull of a single driven unit among others without current, at display.coil_current",
-        AnswerReadout("neighbours", lambda field: field.single),
-    ),
-    QuantityRow(
-        "passive_pull", "N",
-        "pull of an undriven unit beside a single driven one, by the field; below 0: it is lifted",
-        AnswerReadout("neighbours", lambda field: field.passive),
-    ),
+    _answer("crosstalk", "crosstalk_by_board", "1",
+            "the same with no skin on the tips: what the upper board alone passes on", "by_board"),
+    _answer("spread", "unit_frequencies", "Hz",
+            "first natural frequency of each unit as drawn from the scatter, row by row",
+            "as_drawn"),
+    _answer("spread", "frequency_spread", "Hz",
+            "highest less lowest of the units' first natural frequencies", "apart"),
+    _answer("spread", "screw_turns", "1", "turns of each unit's grub screw that bring it to the "
+            "units' median, positive tightens", "screws"),
+    _answer("spread", "tuned_spread", "Hz", "highest less lowest after the screws were turned",
+            "left_apart"),
+    _answer("spread", "tuning_range", "Hz", "what a grub screw can do to the nominal unit's first "
+            "natural frequency, from end to end", "reach"),
+    _answer("neighbours", "pull_all_driven", "N", "pull of a unit in an endless array, every coil "
+            "at display.coil_current, one polarity", "same"),
+    _answer("neighbours", "pull_alternating", "N",
+            "the same with polarities that alternate as on a chessboard", "alternating"),
+    _answer("neighbours", "magnetic_crosstalk", "N/A", "change of a unit's pull per ampere in each "
+            "nearest neighbour, if all four change alike", "per_neighbour"),
+    _answer("neighbours", "pull_one_driven", "N", "pull of a single driven unit among others "
+            "without current, at display.coil_current", "single"),
+    _answer("neighbours", "passive_pull", "N", "pull of an undriven unit beside a single driven "
+            "one, by the field; below 0: it is lifted", "passive"),
 )  # fmt: skip
 
 QUANTITIES: dict[str, QuantityRow] = {

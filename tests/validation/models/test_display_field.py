@@ -104,7 +104,7 @@ def test_the_field_of_an_array_is_the_mean_of_both_potentials(monkeypatch):
     assert found.single.error == pytest.approx(0.02)
     assert (found.passive.value, found.passive.error) == (0.0, pytest.approx(0.02 / 4.0))
     # what one neighbour's current changes: 2 q i
-    per = found.per_neighbour()
+    per = found.per_neighbour
     assert per.value == pytest.approx(2.0 * BESIDE * 0.05)
     assert per.error == pytest.approx(0.02 * abs(per.value))
 

@@ -39,6 +39,7 @@ class NeighbourField:
     passive: Estimate
     method: str  #: How the bars come about
 
+    @property
     def per_neighbour(self) -> Estimate:
         """Force change of a unit per ampere in each of its nearest neighbours (N/A).
 
@@ -138,16 +139,19 @@ class MechanicalCrosstalk:
         display = self.scene.display
         return (display.rows - 1) // 2, (display.columns - 1) // 2
 
+    @property
     def beside(self) -> Estimate:
         """Motion of the next unit along x over the driven one's; nan without one."""
         row, column = self.driven
         return self._of_unit(row, column + 1)
 
+    @property
     def behind(self) -> Estimate:
         """Motion of the next unit along y over the driven one's; nan without one."""
         row, column = self.driven
         return self._of_unit(row + 1, column)
 
+    @property
     def largest(self) -> Estimate:
         """Largest motion of any other unit over the driven one's, (n,) real."""
         return self._judged(
@@ -156,9 +160,10 @@ class MechanicalCrosstalk:
             )
         )
 
+    @property
     def by_board(self) -> Estimate:
         """:meth:`largest` without skin: through the board alone."""
-        return replace(self, bare=True).largest()
+        return replace(self, bare=True).largest
 
     def ratios(self) -> Complex:
         """Tips' motions (n, units) over the driven one's."""
@@ -263,24 +268,29 @@ class Spread:
     highest: Estimate
     method: str  #: How the bars come about
 
+    @property
     def as_drawn(self) -> Estimate:
         """Frequencies of all units as drawn."""
         return self._listed(
             [f.value for f in self.frequencies], [f.error for f in self.frequencies]
         )
 
+    @property
     def screws(self) -> Estimate:
         """Turns of all screws."""
         return self._listed(list(self.turns), [self.turns_bar] * len(self.turns))
 
+    @property
     def apart(self) -> Estimate:
         """Range of the sampled frequencies."""
         return _range(self.frequencies)
 
+    @property
     def left_apart(self) -> Estimate:
         """Range after tuning."""
         return _range(self.tuned)
 
+    @property
     def reach(self) -> Estimate:
         """Tuning range of the nominal unit's frequency."""
         return Estimate(
