@@ -162,9 +162,11 @@ def load_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     """
     if not any(QUANTITIES[name].loaded for name in quantities):
         return
-    frequencies, law = np.asarray(scene.frequency), scene.ends.tip
+    frequencies = np.asarray(scene.frequency)
     outside = outside_known_range(scene.load, frequencies)
-    if isinstance(law, MeasuredLaw):
+    if scene.load.kind == "table":
+        law = scene.ends.tip
+        assert isinstance(law, MeasuredLaw)
         law(frequencies)  # refuses what it does not reach
         if law.fits:
             beyond = (

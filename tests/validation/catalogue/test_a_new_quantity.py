@@ -14,8 +14,6 @@ from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.scene.parameter_list import template
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.curve_fit import curve_model
-from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
 
 ACCELERATION = QuantityRow(
     "tip_acceleration",
@@ -108,21 +106,9 @@ def test_sensitivities_follow(capsys):
     )  # fmt: skip
     columns = {c["quantity"]: c["logarithmic"] for c in json.loads(out)["sensitivities"]}
     assert columns["tip_acceleration"] == pytest.approx(columns["tip_velocity"], rel=1e-12)
-    assert columns["tip_acceleration"]["drive.voltage"] == pytest.approx(1.0, rel=1e-9)
+    assert columns["tip_acceleration"]["drive.voltage"] == pytest.approx(1.0, rel=1e-14)
     # to first order the shift is half the square of the coupling factor, which goes as d31
     assert columns["stiffening"]["piezo.d31"] == pytest.approx(2.0, rel=0.1)
-
-
-def test_uncertainty_varies_it():
-    """By slopes and by samples, which agree where the ranges are narrow."""
-    scene, _ = load_scene("prototype")
-    rows = {row.target.label: row for row in parameter_uncertainty(scene, evaluations=700)}
-    slow, shift = rows["tip acceleration, 10 Hz"], rows["stiffening"]
-    same = rows["tip displacement, 10 Hz"]
-    # both go alike with every parameter
-    assert slow.standard / slow.value == pytest.approx(same.standard / same.value, rel=1e-9)
-    assert slow.total.keys() == same.total.keys()
-    assert abs(shift.nonlinearity) < 0.2  # of 64 samples the scatter is known to 1/√128, twice
 
 
 def test_report_compares_it():
@@ -137,16 +123,3 @@ def test_report_compares_it():
     assert [row.quantity for row in rows] == ["coenergy", "field_energy"]
     # of saturable iron the energy is less than the co-energy
     assert 0.0 < rows[1].cells[0].value < rows[0].cells[0].value
-
-
-def test_identify_fits_a_curve_of_it(tmp_path, capsys):
-    """A column named like the curve is read, fitted and reported."""
-    f = np.linspace(100.0, 1500.0, 40)
-    curve = curve_model(load_scene("prototype")[0], "tip_acceleration", f, ())(np.zeros(0))
-    table = "\n".join(f"{at}, {abs(value)}" for at, value in zip(f, curve, strict=True))
-    file = tmp_path / "sweep.csv"
-    file.write_text(f"frequency (Hz), acceleration (m/s^2)\n{table}\n", encoding="utf-8")
-    found = json.loads(said(capsys, "identify", str(file), "--json"))
-    assert found["data"]["curve"] == "acceleration"
-    values = [entry["value"] for entry in found["parameters"]]
-    assert values == pytest.approx([0.24, 4.46e-6], rel=1e-6)  # exact data

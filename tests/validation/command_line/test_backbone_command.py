@@ -1,12 +1,10 @@
 """``tactgen backbone``: a table, JSON, a picture; bad input refused in one sentence."""
 
 import json
-from types import SimpleNamespace
 
 import pytest
 
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.command_line.commands.studies import backbone
 
 ON_A_STOP = ("prototype", "--set", "support.kind=contact", "--set", "coil.current=0mA")
 #: From below the bent resonance to above it; peak and folds in between.
@@ -38,12 +36,6 @@ def test_bent_resonance(capsys, tmp_path):
     assert not curve["stable"][turned + 2]
     assert found["warnings"] == []
     assert plot.read_text(encoding="utf-8").startswith("<svg")
-
-
-def test_the_scenes_band_is_from_its_lowest_to_its_highest_frequency():
-    """In whatever order they stand; rest is no part of it."""
-    scene = SimpleNamespace(frequency=(300.0, 0.0, 80.0, 900.0, 500.0))
-    assert backbone._scene_band(scene) == (80.0, 900.0)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ import json
 import pytest
 
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.command_line.commands.without_solving import _readable
 
 
 @pytest.fixture
@@ -33,15 +32,6 @@ def test_info_lists_kinds_with_their_size(filled, capsys):
     assert "network.point" in text
     assert f"{len(files)} entries" in text
     assert "at most 5 GB (TACTGEN_CACHE_LIMIT)" in text
-
-
-@pytest.mark.parametrize(
-    ("size", "text"),
-    [(999, "999 B"), (1000, "1 kB"), (2340, "2.34 kB"), (10**6, "1 MB"), (25 * 10**8, "2.5 GB")],
-)
-def test_sizes_are_in_decimal_units(size, text):
-    """As disks are sold: a kilobyte is 1000 bytes."""
-    assert _readable(size) == text
 
 
 def test_clear_empties_it(filled, capsys):

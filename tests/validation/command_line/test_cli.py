@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.cli import commands, main
+from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.export import export
 
@@ -43,26 +43,6 @@ def test_tmm_answer_loads_no_heavy_library():
     assert len(quantity["value"]) == len(quantity["frequency"]) == 200
 
 
-def test_blas_is_told_its_threads_before_it_is_loaded():
-    """It reads them once, with numpy, which the modules of the command line leave to commands."""
-    script = "import sys, tactgen.validation.command_line.cli; sys.exit('numpy' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
-
-
-def test_a_command_loads_no_other_and_no_compiler():
-    """scipy takes numpy's names over; the front end of a Fortran compiler is one of them."""
-    script = (
-        "import sys; from tactgen.validation.command_line.cli import main; main(['scenes']); "
-        "import scipy.sparse; others = ('numpy.f2py', "
-        "'tactgen.validation.command_line.commands.studies.whatif'); "
-        "print([m for m in others if m in sys.modules], file=sys.stderr)"
-    )
-    result = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
-    )
-    assert result.stderr.strip() == "[]"
-
-
 def test_solve_json_contract(capsys):
     """Keys, complex numbers as pairs, arrays as lists, classes of modes, the plan."""
     code, out, err = run(
@@ -87,25 +67,6 @@ def test_solve_json_contract(capsys):
     assert isinstance(entries["capacitance_free", "tmm"]["value"], float)
 
 
-def test_table_for_people(capsys):
-    """Without --json a table with every quantity asked for."""
-    code, out, _ = run(capsys, "solve", "--model", "tmm", "--quantity", "capacitance_free")
-    assert code == 0
-    assert "capacitance_free" in out
-    assert "+/-" in out
-
-
-def test_frequencies_partly_outside_the_finger_warn(capsys):
-    """Some frequencies outside 10-1000 Hz: answered, with a warning on stderr and in the JSON."""
-    code, out, err = run(
-        capsys, "solve", "--model", "tmm", "--quantity", "tip_velocity",
-        "--frequency", "500,1500", "--json",
-    )  # fmt: skip
-    assert code == 0
-    assert "1 of 2 frequencies lie outside" in err
-    assert json.loads(out)["warnings"]
-
-
 def test_a_spring_at_the_tip_holds_a_base_without_one(capsys):
     """Two springs stop two rigid motions, wherever they are."""
     setting = ["--set", "support.lateral_stiffness=0 N/m", "--set", "load.kind=spring_damper"]
@@ -127,14 +88,6 @@ def test_a_deflection_beyond_linear_theory_is_warned_of(capsys):
     assert code == 0
     assert json.loads(out)["quantities"][0]["value"] > 2e-3
     assert "10 % of the length: all models are linear" in err
-
-
-def test_help_is_a_result(capsys):
-    """Without a command, help goes to stdout."""
-    for arguments in ((), ("--help",)):
-        code, out, err = run(capsys, *arguments)
-        assert (code, err) == (0, "")
-        assert "export" in out
 
 
 @pytest.mark.parametrize(
@@ -246,25 +199,6 @@ def test_export_writes_all_or_nothing(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_no_two_exports_share_a_file(tmp_path):
-    """Links are followed."""
-    (tmp_path / "a.glb").symlink_to(tmp_path / "a.step")
-    with pytest.raises(InputError, match="is also the file of --step"):
-        export(
-            load_scene("j1")[0],
-            {"step": tmp_path / "a.step", "glb": tmp_path / "a.glb"},
-            lambda _: None,
-        )
-
-
-def test_blocked_force_needs_no_finger(capsys):
-    """A held tip does not feel the load, so its range is no limit."""
-    code, _, err = run(
-        capsys, "solve", "--model", "tmm", "--quantity", "blocked_force", "--frequency", "5000"
-    )
-    assert (code, err) == (0, "")
-
-
 def test_init_refuses_to_overwrite(capsys, tmp_path):
     """A scene that somebody wrote is not lost."""
     target = tmp_path / "mine.toml"
@@ -293,57 +227,3 @@ def test_closed_pipe_is_no_error(tmp_path):
     command = f"{shlex.quote(sys.executable)} -m tactgen solve --model tmm --json | true"
     result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert result.stderr == "" or "warning" in result.stderr
-
-
-def test_dimensions_of_the_other_actuator_stop_nothing(capsys):
-    """A bimorph wider than the head is nobody's business when it does not stand in it."""
-    magnetic = ("--model", "network", "--quantity", "magnetic_force")
-    narrow = ("--set", "rod.head_radius=1.0mm")
-    for more in ((), ("--model", "tmm", "--quantity", "admittance")):
-        assert run(capsys, "solve", "reluctance", *magnetic, *narrow, *more)[0] == 0
-    code, _, err = run(
-        capsys, "solve", "reluctance", *magnetic, *narrow, "--set", "support.kind=rod"
-    )
-    assert code == 2
-    assert "bimorph.width" in err
-
-
-def test_zero_is_printed_without_a_sign(capsys):
-    """No current: no co-energy and no force, of either sign."""
-    wanted = (
-        "--quantity",
-        "coenergy",
-        "--quantity",
-        "magnetic_force",
-        "--quantity",
-        "flux_linkage",
-    )
-    code, out, _ = run(
-        capsys, "solve", "reluctance", "--model", "network", "--set", "coil.current=0 A", *wanted
-    )
-    assert code == 0
-    assert " -0 " not in out
-
-
-def test_the_bar_of_a_zero_has_its_unit(capsys):
-    """Where there is no share of the value, the table and the overview say the bar itself."""
-    plain = ["solve", "paper", "--model", "tmm", "--set", "piezo.d31=0 pC/N"]
-    asked = ["--quantity", "coupling_factor", "--quantity", "static_tip_displacement"]
-    _, out, _ = run(capsys, *plain, *asked, "--json")
-    bar = json.loads(out)["quantities"][0]["uncertainty"]
-    assert 0.0 < bar < 1e-5
-    _, out, _ = run(capsys, *plain, *asked)
-    rows = [line.split() for line in out.splitlines()]
-    assert rows[1][2] == "0"
-    assert float(rows[1][3]) == pytest.approx(bar, rel=0.05)
-    assert rows[2][2:] == ["0", "m", "0", "m"]
-    _, out, _ = run(capsys, *plain)
-    assert f"0 ±{rows[1][3]}" in out
-
-
-def test_help_is_on_stdout(capsys):
-    """Asked for or printed by a program; it is no message."""
-    commands()["solve"].print_help()
-    out, err = capsys.readouterr()
-    assert out.startswith("usage: tactgen solve")
-    assert err == ""

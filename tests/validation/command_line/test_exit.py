@@ -1,6 +1,5 @@
 """Told to end: the work is unwound, though not amid the loading of a compiled module."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -57,29 +56,6 @@ def test_told_to_end_leaves_nothing_behind(tmp_path, tmp_path_factory, name, how
     assert not list(tmp_path.iterdir())
 
 
-def test_a_module_is_loaded_to_its_end(monkeypatch):
-    """An end amid the loading of a compiled module comes when that is done, and not before."""
-    loaded = []
-
-    def initialised():
-        os.kill(os.getpid(), signal.SIGTERM)
-        loaded.append(sum(range(3_000_000)))  # longer than the first look takes to come
-
-    def unwound():
-        with ending.unwind_on_signal():
-            initialised()
-            while True:
-                pass
-
-    monkeypatch.setattr(ending, "_LOADERS", {initialised.__code__})
-    before = [signal.getsignal(number) for number in (signal.SIGTERM, ending._LOOK)]
-    with pytest.raises(KeyboardInterrupt) as told:
-        unwound()
-    assert loaded
-    assert ending.end_message(told.value)[0] == 143
-    assert [signal.getsignal(number) for number in (signal.SIGTERM, ending._LOOK)] == before
-
-
 def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
     """And one without a signal is what it is."""
 
@@ -99,48 +75,3 @@ def test_an_error_that_a_library_makes_of_the_signal_is_the_end():
             unwound(told=False)
     finally:
         signal.signal(signal.SIGTERM, before)
-
-
-def test_a_signal_while_an_object_goes_is_the_end_as_well():
-    """Python passes over what is raised there; without a second look the work would go on."""
-
-    class Going:
-        def __del__(self):
-            os.kill(os.getpid(), signal.SIGTERM)
-            sum(range(10_000))  # until the handler has run
-
-    told, hook = [], sys.unraisablehook
-    try:
-        with ending.unwind_on_signal():
-            del_me = Going()
-            del del_me
-            for _ in range(10_000):
-                sum(range(10_000))
-    except ending.TerminationRequest as end:
-        told = end.args
-    assert told == (signal.SIGTERM,)
-    assert sys.unraisablehook is hook
-
-
-def test_what_is_ignored_stays_ignored():
-    """A job in the background of a script does not hear the terminal's Ctrl-C."""
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        with ending.unwind_on_signal():
-            os.kill(os.getpid(), signal.SIGINT)
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def test_nothing_is_said_before_the_program_has_begun():
-    """Ctrl-C while the command line itself is loaded: the signal's own end, no traceback."""
-    script = (
-        "import os, signal, sys, tactgen.__main__ as program\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "class Finder:\n"
-        "    def find_spec(self, *_): os.kill(os.getpid(), signal.SIGINT)\n"
-        "sys.meta_path.insert(0, Finder())\n"
-        "program.main()\n"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
-    assert (done.returncode, done.stderr) == (-signal.SIGINT, b"")

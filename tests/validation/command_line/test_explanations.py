@@ -1,12 +1,9 @@
 """What is said of an error that is not the program's own refusal."""
 
 import errno
-import importlib
-import py_compile
 import resource
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -35,20 +32,6 @@ def test_words_for_what_the_system_refuses(error, words):
     """Memory that is short has many faces; a mistake of ours keeps its traceback."""
     said = explained(error, "paper")
     assert said is None if words is None else words in said
-
-
-def test_a_compiled_module_that_a_full_disk_cut_short(tmp_path, monkeypatch):
-    """Python takes what went in for the whole, and no command would run any more."""
-    source = tmp_path / "some_module.py"
-    source.write_text("a = 1\n" * 99)
-    compiled = Path(py_compile.compile(str(source)))
-    compiled.write_bytes(compiled.read_bytes()[:300])
-    monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(EOFError) as error:
-        importlib.import_module("some_module")
-    said = explained(error.value, "paper")
-    assert said.startswith(f"{compiled} is cut short")
-    assert "remove it" in said
 
 
 @pytest.mark.parametrize(

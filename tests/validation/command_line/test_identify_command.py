@@ -39,34 +39,6 @@ def sweep(tmp_path_factory):
     return path
 
 
-def test_header_shows_where_the_fit_started(capsys, sweep):
-    """A fitted voltage is not taken for the scene's."""
-    code, out, _ = run(capsys, sweep, "--fit", "drive.voltage")
-    assert code == 0
-    assert "scene prototype, 1 V at the start" in out
-
-
-def test_exact_data_show_all_digits(capsys, tmp_path):
-    """Without noise every estimate has ten digits, whatever rounding leaves of its interval."""
-    f = np.linspace(100.0, 1500.0, 40)
-    values = 1e3 * curve_model(load_scene("prototype")[0], "tip_velocity", f, ())(np.zeros(0))
-    rows = [f"{a:.17g},{v.real:.17g},{v.imag:.17g}" for a, v in zip(f, values, strict=True)]
-    path = tmp_path / "exact.csv"
-    header = "frequency (Hz),velocity_re (mm/s),velocity_im (mm/s)\n"
-    path.write_text(header + "\n".join(rows), encoding="utf-8")
-    _, out, _ = run(capsys, path)
-    assert "0.2400000000 .. 0.2400000000" in out
-    assert "4.460000000e-06 .. 4.460000000e-06" in out
-
-
-def test_written_scene_keeps_a_profile(capsys, sweep, tmp_path):
-    """--write gives a profile as text that a scene reads."""
-    path, profile = tmp_path / "fitted.toml", "0 mm: 2.1 mm, 14 mm: 1 mm"
-    setting = f"bimorph.width_profile={profile}"
-    assert run(capsys, sweep, "--fit", "d_s", "--set", setting, "--write", path)[0] == 0
-    assert str(load_scene(str(path))[0].bimorph.width_profile) == profile
-
-
 def test_uncertainty_in_table_and_json(capsys, tmp_path):
     """A stated uncertainty turns the misfit into chi2; --noise then has nothing to say."""
     scene, _ = load_scene("prototype")

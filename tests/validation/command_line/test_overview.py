@@ -4,7 +4,6 @@ import json
 import re
 import subprocess
 
-import numpy as np
 import pytest
 
 from tactgen.validation.catalogue.quantities import QUANTITIES
@@ -69,30 +68,6 @@ def test_the_machine_is_one_screen_in_parts(whole_machine, capsys):
     # what nothing moves is named once and fills no rows
     (idle,) = (line for line in parts[2] if line.startswith("0 "))
     assert idle.endswith(": axial tip per voltage, axial tip per current, lateral tip per current")
-
-
-def test_poles_as_frequency_and_damping(whole_machine, capsys):
-    """One of each pair, its natural frequency and damping ratio; real ones as a rate."""
-    poles = whole_machine[1].get("axial_poles", "tmm").value
-    print_overview(whole_machine[1])
-    lines = capsys.readouterr().out.splitlines()
-    first = next(n for n, line in enumerate(lines) if line.startswith("axial poles"))
-    shown = " ".join(lines[first : first + 2])
-    (pair,) = (pole for pole in poles if pole.imag > 0.0)
-    natural, ratio = re.search(r"([0-9.]+) kHz ζ ([0-9.]+)", shown).groups()
-    assert float(natural) == pytest.approx(1e-3 * abs(pair) / (2.0 * np.pi), rel=5e-5)
-    assert float(ratio) == pytest.approx(-pair.real / abs(pair), rel=0.05)
-    (rate,) = (-pole.real for pole in poles if not pole.imag)
-    assert float(re.search(r"([0-9.]+) k1/s", shown)[1]) == pytest.approx(1e-3 * rate, rel=5e-5)
-
-
-@pytest.mark.parametrize(
-    "asking", [["--quantity", "rod_position"], ["--set", "quantities=rod_position"]]
-)
-def test_what_is_asked_for_by_name_is_shown_in_full(capsys, asking):
-    """On the command line, of a scene that names quantities, too."""
-    _, out, _ = run(capsys, "solve", "generator", "--model", "network", *asking)
-    assert [line.split()[0] for line in out.splitlines()] == ["quantity", "rod_position"]
 
 
 def test_all_values_are_one_option_away(capsys):

@@ -6,7 +6,6 @@ from dataclasses import replace
 import pytest
 
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.evidence import verification
 from tactgen.validation.evidence.cases import bimorph
 
 KEPT = ("TMM-5", "FIN-1", "PAP-2", "SOL-3")
@@ -60,11 +59,3 @@ def test_unknown_group_is_refused(capsys):
     code, out, err = run(capsys, "--only", "bimorf")
     assert (code, out) == (2, "")
     assert 'did you mean "bimorph"' in err
-
-
-def test_heavy_rows_run_when_asked_for(monkeypatch):
-    """Nothing is left out then."""
-    monkeypatch.setattr(bimorph, "CASES", (replace(FEW[0], rows=(replace(ONE, heavy=True),)),))
-    said = []
-    (row,) = verification.verify(("bimorph",), extent="heavy", announce=said.append)
-    assert (row.verdict, said) == ("pass", [f"check {ONE.id}"])

@@ -12,7 +12,6 @@ import pytest
 from tactgen.geometry.store import store
 from tactgen.geometry.store.store import Damaged, read_entry
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.inputs import stage_key
 from tactgen.validation.scene.scene import load_scene
 
 #: Scenes whose answers leave entries behind, by what they cost.
@@ -141,29 +140,6 @@ def test_no_damaged_entry_of_any_kind_is_trusted(own_store, monkeypatch):
           for stage in ("point", "map", "switching")),
         "mesh", "reduction",
     }  # fmt: skip
-
-
-def test_what_another_version_made_is_not_found(own_store, monkeypatch):
-    """Other libraries or other code give other names; the old entry stays and is not read."""
-    case = LIGHT[:1]
-    answers(case)
-    names = {path.name for path in own_store.glob("beam.*")}
-    monkeypatch.setattr(store, "library_versions", lambda: ("numpy 0",))
-    answers(case)
-    assert not names & ({path.name for path in own_store.glob("beam.*")} - names)
-    assert len(list(own_store.glob("beam.*"))) == 2 * len(names)
-
-
-@pytest.mark.parametrize("model", ["network", "axisymmetric", "magnetic3d"])
-def test_gaps_half_a_nanometre_apart_are_two(model):
-    """As are all other dimensions, down to the last digit of the number."""
-    for stage in ("point", "map"):
-        near, far, same = (
-            stage_key(f"{model}.{stage}", load_scene("reluctance", [f"gap={gap}"])[0])
-            for gap in ("0.2 mm", "0.2000005 mm", "200 um")
-        )
-        assert near == same
-        assert near != far
 
 
 def test_an_entry_carries_its_own_name(own_store):

@@ -5,51 +5,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.coverage import PROMISED, median_width
 from tactgen.validation.evidence.coverage_bimorph import judged, varied_cases
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.bimorph.solid import _BRICK_BARS, BrickPair, level_for
-from tactgen.validation.models.model import (
-    LEAST_HALVED,
-    SAFETY,
-    SURPLUS_FACTOR,
-    SURPLUS_FACTOR_AT_EDGES,
-    cancelling,
-    least_difference,
-    observed_factor,
-    two_mesh_factor,
-)
+from tactgen.validation.models.bimorph.solid import _BRICK_BARS, level_for
 from tactgen.validation.scene.scene import load_scene
-
-
-def test_two_mesh_factor_is_wide_for_close_meshes():
-    """The closer two meshes, the more their difference must be magnified."""
-    assert two_mesh_factor(1.2) > two_mesh_factor(2.0) > 0.0
-
-
-def test_gain_of_three_meshes_is_the_one_seen():
-    """Between the least that is counted with, where rounding separates them, and the order's."""
-    before, last = np.array([9.0, 1e6, 1.0, 0.0]), np.array([1.0, 1.0, 2.0, 0.0])
-    gains = 1.0 + SAFETY / observed_factor(before, last, 4)
-    assert gains == pytest.approx([9.0, 16.0, LEAST_HALVED, LEAST_HALVED])
-
-
-def test_agreement_by_chance_is_not_trusted():
-    """A mode that two levels agree in counts a tenth of what its neighbours differ by."""
-    fine, coarse = np.array([100.0, 1000.0]), np.array([100.0, 1010.0])
-    assert least_difference(fine, coarse) == pytest.approx(1e-3)
-    assert least_difference(fine, np.full(2, np.nan)) == 0.0
-    several = least_difference(np.array([fine, [0.0, 1.0]]), np.array([coarse, [1.0, 1.5]]))
-    assert several == pytest.approx([1e-3, 0.05])  # what is zero has no share
-
-
-@pytest.mark.parametrize("change", [0.0, 3.0, -3.0])
-def test_what_cancels_by_chance_is_not_trusted(change):
-    """Of a difference of two errors a tenth of what it can be counts besides."""
-    assert cancelling(change, 20.0) == pytest.approx(abs(change) + 2.0)
-
 
 #: The paper's layers clamped, 10 mm long, by level 5, converged to a twentieth of the bars below.
 CLAMPED = {
@@ -79,21 +41,6 @@ def test_bars_of_every_kind_are_the_size_of_the_error(monkeypatch, few_bricks):
         error = np.abs(found.value - np.array(CLAMPED[found.name]))
         assert (0.8 * error < found.error).all(), found.name
         assert (found.error < 2.0 * error).all(), found.name
-
-
-@pytest.mark.parametrize(
-    ("key", "held"),
-    [(None, "shim"), *((f"{name}=0.02mm", "layers") for name in
-     ("tab_length", "glue_thickness", "bare_below", "bare_above"))],
-)  # fmt: skip
-def test_bars_are_twice_as_wide_where_an_edge_is_inside(key, held):
-    pairs = []
-    for settings, how in (([], "layers"), ([f"bimorph.{key}"] if key else [], held)):
-        device = load_scene("prototype", settings)[0].device
-        pairs.append(BrickPair(device, (bimorph_bricks(device, solid.LEVELS[1], how),) * 2))
-    plain, edged = ((p.static_factor, *p.mode_factors) for p in pairs)
-    assert plain == (SURPLUS_FACTOR,) * 3
-    assert edged == (SURPLUS_FACTOR_AT_EDGES,) * 3 == (2.0 * SURPLUS_FACTOR,) * 3
 
 
 NAMES = ("static_tip_displacement", "capacitance_free", "short_circuit_frequencies")
@@ -159,12 +106,6 @@ def test_wanted_accuracy_is_reached(scene_name, accuracy):
         relative = q.error / abs(q.value)
         first = relative if q.value.ndim == 0 else relative[0]
         assert first <= scene.accuracy
-
-
-def test_level_2_of_job_j1_is_within_a_thousandth():
-    """Deflection and frequencies of the cheap level, about 3 thousand unknowns."""
-    for value, _, known, own in against_consensus(2):
-        assert abs(value / known - 1.0) < 1e-3 + own
 
 
 @pytest.mark.heavy

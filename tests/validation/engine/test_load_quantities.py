@@ -64,8 +64,3 @@ def test_every_model_takes_imitation_skin():
     apart = np.abs(exact.value - elements.value)
     assert (apart <= exact.error + elements.error).all()
     assert found.warnings == ()
-
-
-def test_a_spring_takes_no_power():
-    found = solved("load.kind=spring_damper", "load.stiffness=300N/m", quantities=("load_power",))
-    np.testing.assert_array_equal(found.get("load_power", "tmm").value, 0.0)

@@ -94,17 +94,6 @@ def test_its_key_is_what_is_in_the_file(measured, tmp_path):
     assert values_read(again, ("load",)) != first
 
 
-def test_a_scene_file_names_it_from_where_it_is(tmp_path, monkeypatch):
-    folder = tmp_path / "study"
-    folder.mkdir()
-    write(folder / "load.csv", spring_damper, np.geomspace(10.0, 1000.0, 9))
-    scene_file = folder / "scene.toml"
-    scene_file.write_text('[load]\nkind = "table"\nfile = "load.csv"\n')
-    monkeypatch.chdir(tmp_path)
-    scene, _ = load_scene(str(scene_file))
-    assert scene.ends.tip.table.band == (10.0, 1000.0)
-
-
 def test_what_is_missing_or_idle_is_said(capsys):
     assert main(["solve", "paper", "--set", "load.kind=table"]) == 2
     assert "needs load.file" in capsys.readouterr().err

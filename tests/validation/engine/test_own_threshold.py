@@ -12,7 +12,6 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.inputs import scene_warnings, values_read
 from tactgen.validation.scene.scene import load_scene, scene_values
-from tactgen.validation.studies.sensitivity import all_columns, changed_scenes
 from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import run_study
@@ -52,17 +51,6 @@ def test_where_it_is_not_stated_there_is_no_value(felt):
     scene, _ = load_scene("paper", ("frequency=5", "models=tmm", "load.kind=none", *felt))
     with pytest.raises(InputError, match="outside the range of the detection threshold"):
         solve(scene, None, BOTH)
-
-
-def test_its_sensitivities_are_those_of_the_motion(felt):
-    """A ratio rises with the displacement by the same percentage, a voltage falls by it."""
-    asked = f"quantities=tip_displacement,{','.join(BOTH)}"
-    overrides = ("frequency=100", "models=tmm", asked, *felt)
-    changed = changed_scenes("paper", overrides)
-    columns, _ = all_columns(load_scene("paper", overrides)[0], changed, ["bimorph.length"])
-    tip, ratio, voltage = (column.logarithmic["bimorph.length"] for column in columns)
-    assert ratio == pytest.approx(tip, rel=1e-9)
-    assert voltage == pytest.approx(-tip, rel=1e-9)
 
 
 def test_design_asks_for_it(felt, capsys):

@@ -3,9 +3,9 @@
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
+from tactgen.validation.catalogue.models import gives, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.engine.solve import Prospect, make_plan, solve, total
+from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.model import Stages
 from tactgen.validation.models.reluctance import field
 from tactgen.validation.scene.inputs import stage_key
@@ -24,16 +24,6 @@ def test_only_what_is_needed_runs():
     assert skipped["solid.mesh"] == "model solid is not asked for"
     assert "static" not in skipped["tmm.modes"]
     assert skipped["network.map"] == "model network is not asked for"
-
-
-def test_normal_actuator_touches_nothing_of_the_lateral_one():
-    """A pull by the network runs one stage; nothing piezoelectric is even planned."""
-    scene, _ = load_scene("reluctance")
-    plan = make_plan(scene, ("network",), ("magnetic_force",))
-    assert [s.stage for s in plan.run] == ["network.point"]
-    skipped = plan.skipped
-    assert skipped["tmm.static"] == "model tmm is not asked for"
-    assert "over the stroke" in skipped["network.map"]
 
 
 def test_quantity_without_a_model_is_refused():
@@ -57,20 +47,6 @@ def test_a_point_in_3d_needs_no_map(monkeypatch):
 
 def key(stage, *overrides):
     return stage_key(stage, load_scene("reluctance", overrides)[0])
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        ["coil.resistivity=2e-8 ohm*m", "coil.temperature=80 degC", "coil.fill_factor=0.6"],
-        ["steel.relative_permeability=500"],
-        ["rod.density=7800 kg/m^3", "bimorph.width=1 mm"],
-    ],
-)
-@pytest.mark.parametrize("stage", ["network.map", "axisymmetric.point", "axisymmetric.switching"])
-def test_magnetic_stages_do_not_know_what_they_do_not_read(stage, change):
-    """What heats the coil, or a permeability that the curve does not use, makes nothing stale."""
-    assert key(stage, *change) == key(stage)
 
 
 @pytest.mark.parametrize(
@@ -115,26 +91,6 @@ def test_what_ran_is_what_was_planned(model, quantity):
     support = ["support.kind=contact", "display.rows=1", "display.columns=2"] if machine else []
     scene, _ = load_scene("prototype", ["frequency=100,500", "modes=1", *support])
     solution = solve(scene, (model,), (quantity,))
-    assert set(solution.stages.seconds) == set(solution.plan.keys)
-
-
-def test_a_quantity_costs_what_its_stages_cost():
-    """Shared stages count in full for each quantity that needs them; others do not."""
-    scene, _ = load_scene("prototype", ["frequency=100", "modes=2"])
-    names = ("tip_velocity", "input_current", "coupling_factor")
-    solution = solve(scene, ("tmm", "lumped"), names)
-    seconds = solution.stages.seconds
-    for model in ("tmm", "lumped"):
-        for name in ("tip_velocity", "input_current"):
-            assert solution.get(name, model).seconds == seconds[f"{model}.ports"]
-        assert solution.get("coupling_factor", model).seconds == seconds[f"{model}.modes"]
-
-
-@pytest.mark.usefixtures("coarse_bricks", "own_store")
-def test_solid_plan_runs_as_planned():
-    """The same for the solid, all quantities at once."""
-    scene, _ = load_scene("j1", ["frequency=100", "mesh.level=2", "modes=2"])
-    solution = solve(scene, ("solid",))
     assert set(solution.stages.seconds) == set(solution.plan.keys)
 
 
@@ -202,15 +158,3 @@ def test_results_are_reused_when_their_inputs_are_the_same():
     fresh = solve(free, quantities=("tip_displacement",))
     for a, b in zip(again.quantities, fresh.quantities, strict=True):
         assert (a.value == b.value).all()
-
-
-def test_every_model_and_quantity_has_a_description():
-    """The catalogue is complete."""
-    assert all(row.description for row in MODELS.values())
-    assert all(q.meaning and q.unit and q.needs for q in QUANTITIES.values())
-
-
-def test_what_is_kept_or_of_unknown_cost_adds_nothing():
-    found = {"a": Prospect(False, 2.0), "b": Prospect(True, 5.0), "c": Prospect(False, None),
-             "d": Prospect(False, 3.0)}  # fmt: skip
-    assert total(found) == 5.0

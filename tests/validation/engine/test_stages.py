@@ -5,21 +5,17 @@ import pickle
 import subprocess
 import sys
 from functools import partial
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from tactgen.geometry.store.store import holdings
-from tactgen.geometry.store.values import source_digest
 from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
+from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import as_json, solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.classes import CLASSES, model_class, stage_code
+from tactgen.validation.models.classes import stage_code
 from tactgen.validation.models.model import Stages
-from tactgen.validation.scene import inputs
 from tactgen.validation.scene.scene import load_scene
 
 #: Solid and fields, small.
@@ -54,19 +50,6 @@ def answers(name, *overrides, announce=lambda _: None):
     for quantity in found["quantities"]:
         del quantity["seconds"]
     return found
-
-
-def test_declarations_are_whole():
-    """A result is kept by stages with sources; the list of models has a class for every row."""
-    assert set(CLASSES) == set(MODELS)
-    for stage in stage_reads():
-        model, _, own = stage.partition(".")
-        code = stage_code(stage)
-        assert bool(code) is (own in MODELS[model].kept)
-        assert model_class(model).name == model
-        if code:
-            assert len(source_digest(code)) == 64
-    assert all(set(row.kept) <= set(row.stages) for row in MODELS.values())
 
 
 @pytest.mark.usefixtures("own_store")
@@ -173,49 +156,3 @@ def test_one_scene_at_once_is_solved_once(own_store):
     assert sorted(computed) == sorted(set(computed))
     assert {"solid.static", "solid.modal", "solid.ports"} <= set(computed)
     assert holdings()["solid.static"].entries == 1
-
-
-def test_frequencies_of_other_supports_agree_with_the_beam():
-    """The kept modes on springs, by an independent model: what plane sections miss is 2 %."""
-    name, overrides = SCENES[1]
-    for stiffness in ("0.05", "0.24", "3"):
-        spring = f"support.rotational_stiffness={stiffness}N*m/rad"
-        scene, _ = load_scene(name, (*overrides, "models=solid,beam", spring))
-        found = solve(scene, None, ("short_circuit_frequencies",))
-        solid, beam = (found.get("short_circuit_frequencies", m) for m in ("solid", "beam"))
-        bends = np.array(solid.classes) == "bending_x"
-        assert solid.value[bends][0] == pytest.approx(beam.value[0], rel=0.02)
-
-
-@pytest.mark.parametrize("column", ["flux_density", "field", "slope_beyond"])
-def test_all_of_a_steels_curve_counts(monkeypatch, column):
-    """Two files under one name: what differs in either is another key."""
-    curve = {
-        "flux_density": np.array([0.0, 1.0]),
-        "field": np.array([0.0, 9.0]),
-        "slope_beyond": 2.0,
-    }
-    scene, keys = load_scene("reluctance")[0], []
-    for change in (0.0, 0.5):
-        one = {**curve, column: curve[column] + change}
-        monkeypatch.setattr(
-            inputs, "magnetisation_curve", lambda _, one=one: SimpleNamespace(**one)
-        )
-        keys.append(inputs.stage_keys(["network.map"], scene))
-    assert keys[0] != keys[1]
-
-
-@pytest.mark.parametrize("column", ["frequencies", "real", "imag"])
-def test_all_of_a_loads_table_counts(monkeypatch, column):
-    """Frequencies, and both parts of the impedance."""
-    table = {"frequencies": np.array([10.0, 20.0]), "real": np.ones(2), "imag": np.ones(2)}
-    scene, _ = load_scene("paper")
-    scene = scene.model_copy(update={"load": scene.load.model_copy(update={"kind": "table"})})
-    found = []
-    for change in (0.0, 0.5):
-        one = {**table, column: table[column] + change}
-        impedance = SimpleNamespace(real=one["real"], imag=one["imag"])
-        made = SimpleNamespace(frequencies=one["frequencies"], impedance=impedance)
-        monkeypatch.setattr(inputs, "load_table", lambda _, made=made: made)
-        found.append(inputs.values_read(scene, ["load"]))
-    assert found[0] != found[1]

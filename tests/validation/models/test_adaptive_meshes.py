@@ -1,22 +1,16 @@
 """Meshes refined for a goal: sizes from errors, slender elements, the loop itself."""
 
-from dataclasses import replace
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from tactgen.fem.piezo.tetrahedra_error import GoalError
-from tactgen.geometry.bimorph import tets
-from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
+from tactgen.geometry.cad.tessellation import tessellate
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh, smallest_dihedral_angles, tet_volumes, unique_edges
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild import mesher as ftetwild
-from tactgen.geometry.meshing.tetwild.conform import _free_axes, conform
+from tactgen.geometry.meshing.tetwild.conform import conform
 from tactgen.geometry.meshing.tetwild.mesher import (
     UNSTRETCHED,
-    Sizing,
     Stretching,
     limited_growth,
     sizing_along_z,
@@ -24,14 +18,7 @@ from tactgen.geometry.meshing.tetwild.mesher import (
     sizing_for,
 )
 from tactgen.geometry.store.values import fingerprint
-from tactgen.validation.models.bimorph import adaptive_meshes
-from tactgen.validation.models.bimorph.adaptive_meshes import (
-    AdaptedPair,
-    Solved,
-    _judged,
-    adapted_pair,
-)
-from tactgen.validation.models.model import SAFETY, two_mesh_factor
+from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -185,17 +172,6 @@ def test_flat_tetrahedron_that_nothing_can_move_is_refused(flat_on_an_edge, monk
         conform(*flat_on_an_edge, curved=True)
 
 
-def test_vertices_on_a_cylinder_stay():
-    """Only planes across an axis are slid along."""
-    free = _free_axes(
-        4, np.array([0, 1, 1, 2]), np.array([0, 0, 1, 2]),
-        [Plane((0.0, 0.0, 1.0), 1.0), Plane((1.0, 0.0, 0.0), 1.0), Cylinder(1.0)],
-    )  # fmt: skip
-    assert free.tolist() == [
-        [True, True, False], [False, True, False], [False, False, False], [True, True, True]
-    ]  # fmt: skip
-
-
 @pytest.mark.parametrize("side", [1.0, -1.0], ids=["outside", "inside"])
 def test_flat_tetrahedron_on_a_face_is_cured(box_in_a_box, side):
     """A sliver on a face of the solid is taken out of it or given room: nothing is lost.
@@ -246,89 +222,6 @@ def test_loop_meets_its_accuracy_and_the_bars_hold(pair):
             assert abs(value - known[name]) <= bar + 3e-5 * abs(value), name
 
 
-def solved_with(size, error, **errors):
-    """A mesh of so many unknowns that nobody made, with the errors that were estimated on it."""
-    names = ("tip_displacement", "tip_compliance", "capacitance", "bending_1", "bending_2")
-    goals = {n: GoalError(1.0, errors.get(n, error), np.zeros(0)) for n in names}
-    return Solved(None, SimpleNamespace(size=size, drop_factor=lambda: None), goals)
-
-
-def test_the_mesh_that_judges_is_the_last_that_is_far_enough():
-    """One goal that gained less than the rest does not send the judge back to the first mesh."""
-    first, second = solved_with(3_000, 1e-2), solved_with(10_000, 1e-3)
-    last = solved_with(30_000, 2e-4, bending_2=1e-3 / 1.6)
-    assert _judged([first, second, last]).coarse is second
-    nearer = solved_with(30_000, 2e-4, bending_2=1e-3 / 1.4)
-    assert _judged([first, second, nearer]).coarse is first
-
-
-def test_no_gain_beyond_what_a_mesh_is_aimed_at_is_believed():
-    """Bars per difference stop falling: of static numbers at a gain of 5, of modes before."""
-    coarse = solved_with(3_000, 1e-2)
-    static, modes = zip(
-        *(
-            (pair.static_factor, pair.mode_factors[0])
-            for gain in (2.0, 3.0, 5.0, 50.0)
-            for pair in [AdaptedPair(solved_with(60_000, 1e-2 / gain), coarse)]
-        ),
-        strict=True,
-    )
-    assert static == pytest.approx([SAFETY, SAFETY / 2.0, SAFETY / 4.0, SAFETY / 4.0])
-    assert modes == pytest.approx([SAFETY, SAFETY / 2.0, SAFETY / 2.3, SAFETY / 2.3])
-
-
-def test_a_mesh_like_the_last_one_ends_the_study(monkeypatch):
-    """Where the smallest elements are as small as they may be, another mesh brings nothing."""
-    errors = iter([1e-1, 3e-2, 2.9e-2, 1e-3])
-    monkeypatch.setattr(adaptive_meshes, "_meshed", lambda *_: None)
-    monkeypatch.setattr(adaptive_meshes, "_solved", lambda *_: made(next(errors)))
-    monkeypatch.setattr(adaptive_meshes, "_finer", lambda *_: made(next(errors)))
-
-    def made(error):
-        return replace(solved_with(3_000, error), mesh=SimpleNamespace(cells=range(10)))
-
-    pair = adapted_pair(load_scene("j1")[0], 1e-4)
-    assert pair.fine.error == 2.9e-2
-    assert next(errors) == 1e-3
-
-
-def test_only_the_meshes_of_the_bars_keep_their_factors(monkeypatch):
-    """Of many meshes those of the middle would hold a gigabyte each to the end."""
-    errors, dropped = iter([1e-1, 3e-2, 1e-2, 3e-3, 2.9e-3]), []
-
-    def made(*_):
-        error = next(errors)
-        system = SimpleNamespace(size=3_000, drop_factor=lambda: dropped.append(error))
-        return replace(
-            solved_with(3_000, error), mesh=SimpleNamespace(cells=range(10)), system=system
-        )
-
-    monkeypatch.setattr(adaptive_meshes, "_meshed", lambda *_: None)
-    monkeypatch.setattr(adaptive_meshes, "_solved", made)
-    monkeypatch.setattr(adaptive_meshes, "_finer", made)
-    pair = adapted_pair(load_scene("j1")[0], 1e-5)
-    assert (pair.coarse.error, pair.fine.error) == (1e-2, 2.9e-3)
-    assert set(dropped) == {1e-1, 3e-2, 3e-3}
-
-
-@pytest.mark.parametrize(("floor", "last"), [(0, 20_000), (90_000, 90_000)])
-def test_a_mesh_that_outgrows_its_limit_is_made_again_with_larger_sizes(monkeypatch, floor, last):
-    """In a foil's layers the mesher takes five times what sizes tell; it may take no fewer."""
-    made = []
-
-    def tetrahedralise(device, standing, regions, options, sizing, mesher):
-        cells = max(floor, round(108_000 / float(sizing.lengths[0]) ** 3))
-        made.append(cells)
-        return SimpleNamespace(cells=range(cells))
-
-    monkeypatch.setattr(tets, "tetrahedralise", tetrahedralise)
-    sizing = Sizing(np.zeros((1, 3)), np.ones(1))
-    mesh = adaptive_meshes._meshed(load_scene("j1")[0], None, sizing, 20_000)
-    assert len(mesh.cells) == pytest.approx(last, rel=1e-3)
-    assert made[0] == 108_000
-    assert len(made) <= 3
-
-
 def test_stopped_study_goes_on_from_the_cache(pair, monkeypatch):
     """The same study again needs no mesher and ends on the identical meshes."""
     monkeypatch.setattr(ftetwild, "_WORKER", "no mesher here")
@@ -347,11 +240,3 @@ def test_bars_of_the_generator_cover_finer_meshes():
     for name, value, bar in bars(loose):
         closer, own = better[name]
         assert abs(value - closer) <= bar + own, name
-
-
-def test_classes_that_are_no_goal_count_by_unknowns():
-    """3.375 times as many are two thirds of the size, at order two; as many are no gain at all."""
-    fine, coarse = solved_with(33_750, 1e-4), solved_with(10_000, 1e-2)
-    bending, others = AdaptedPair(fine, coarse).mode_factors
-    assert bending < others == pytest.approx(two_mesh_factor(1.5, 2.0), rel=1e-12)
-    assert np.isfinite(AdaptedPair(coarse, coarse).mode_factors).all()

@@ -4,7 +4,6 @@ import subprocess
 import sys
 from functools import cache
 
-import numpy as np
 import pytest
 
 from tactgen.tmm.generator.contact import contact_of, moving_rod
@@ -89,12 +88,6 @@ def test_keys_follow_the_load_of_the_contact_and_nothing_else():
     changed = keys("spring.preload=120mN")
     assert changed["tmm.modes"] != usual["tmm.modes"]
     assert changed["tmm.ports"] == usual["tmm.ports"]
-
-
-def test_without_current_nothing_magnetic_is_touched(monkeypatch):
-    """The network is not asked."""
-    monkeypatch.setattr("tactgen.tmm.reluctance.map_range.network_map", None)
-    assert np.isfinite(frequency(*UP))
 
 
 def test_without_current_nothing_magnetic_is_loaded():

@@ -8,7 +8,7 @@ import pytest
 from tactgen.geometry.bimorph import bricks as bimorph_bricks
 from tactgen.geometry.device.parameters import Device, Piezo
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.sections import energy_shear_correction, laminate_section
+from tactgen.tmm.beam.sections import energy_shear_correction
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.difference import (
     BEAM_ASSUMPTIONS,
@@ -137,16 +137,6 @@ def test_glue_has_no_laminate_theory_but_steps():
     assert all(math.isnan(step.predicted[DEFLECTION]) for step in found[2:])
 
 
-@pytest.mark.usefixtures("few")
-def test_steps_of_the_sprung_bimorph_are_those_of_its_own_solid():
-    """On springs the frequencies are the sprung ones, deflection and capacitance as clamped."""
-    scene = load_scene("paper", ["load.kind=none"])[0]
-    found = beam_to_solid(scene, lambda _: None, level=0)
-    assert found[0].values[FIRST_FREQUENCY] == pytest.approx(445.91, abs=0.01)
-    own = solid_values(SolidCase(scene, level=0))
-    assert found[-1].values == pytest.approx(own, rel=1e-9)
-
-
 def test_shim_alone_lowers_the_frequency():
     """Of job J1 a clamp of the shim alone takes a tenth of f1, of the paper's soft shim a fifth."""
     lost = []
@@ -246,25 +236,3 @@ def test_a_bimorph_shorter_than_thick_is_no_beam():
     (warning,) = (w for w in found.warnings if "thicknesses" in w)  # said once, not by each model
     assert "2.6 thicknesses" in warning
     assert f"{100 * end_share(scene):.0f} % off" in warning
-
-
-def test_layers_of_a_taper_or_with_glue_count_as_plain_ones():
-    """The band is about the layers; on a rod, where the joint decides, there is none."""
-    plain = paper()
-    taper = "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"
-    for more in (taper, "bimorph.glue_thickness=20 um"):
-        for name, band in expected_differences(paper(more)).items():
-            near = expected_differences(plain)[name]
-            assert (band.low, band.high) == pytest.approx((near.low, near.high), abs=2e-3)
-    assert expected_differences(load_scene("bimorph_on_rod")[0]) == {}
-
-
-def test_a_band_holds_no_difference_and_that_of_the_plate():
-    """From the strip to the plate, whichever is larger, with what the ends may do besides."""
-    scene, _ = load_scene("j1")
-    ends = end_share(scene)
-    strip = beam_values(scene)
-    plate = beam_values(scene, laminate_section(scene.device, scene.beam))
-    for name, band in expected_differences(scene).items():
-        both = sorted((0.0, strip[name] / plate[name] - 1.0))
-        assert (band.low, band.high) == pytest.approx((both[0] - ends, both[1] + ends))

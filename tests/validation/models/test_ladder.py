@@ -2,16 +2,14 @@
 
 import json
 
-import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.engine.comparison import FidelityLevel, _error, choose, ladder
+from tactgen.validation.engine.comparison import choose, ladder
 from tactgen.validation.engine.solve import record, recorded, solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import load_scene
 
 STATIC = ("static_tip_displacement",)
@@ -41,45 +39,6 @@ def test_what_no_model_meets_is_refused():
     with pytest.raises(InputError, match=r"accuracy = 1e-07 is met by no model: lumped does not"):
         choose((scene_with("1e-7"),), STATIC)
     assert MODELS["solid"].finest == solid._BRICK_BARS[-1]
-
-
-def test_errors_of_lists_and_responses():
-    """Of modes bending in x, of a response the worst frequency; too few modes are no answer."""
-
-    def quantity(value, bar, classes=None):
-        return Quantity(
-            name="q",
-            model="m",
-            value=np.array(value),
-            unit="Hz",
-            error=np.array(bar),
-            method="",
-            seconds=0.0,
-            frequency=None,
-            classes=classes,
-        )
-
-    exact = quantity([100.0, 150.0, 300.0], [1.0, 9.0, 3.0], ("bending_x", "torsion", "bending_x"))
-    two = quantity([102.0, 300.0], [0.5, 0.0], ("bending_x",) * 2)
-    form, numerical = _error(two, exact)
-    assert (form, numerical) == (pytest.approx(0.03), pytest.approx(0.005))
-    assert _error(quantity([102.0], [0.0], ("bending_x",)), exact)[0] == np.inf
-    wave = quantity([1.0 + 1.0j, np.nan], [0.0, 0.0])
-    assert _error(wave, quantity([1.0 + 1.1j, 2.0], [0.0, 0.0]))[0] == pytest.approx(
-        0.1 / abs(1.0 + 1.1j)
-    )
-    for nothing in (quantity(np.eye(2), np.eye(2)), quantity([0.0], [1.0])):
-        form, numerical = _error(nothing, nothing)
-        assert np.isnan(form)
-        assert numerical == 0.0
-
-
-def test_a_rung_says_what_is_known():
-    said = FidelityLevel("tmm", 0.04, 1e-12, None, False, "capacitance_free").sentence
-    assert said == (
-        "tmm does not meet it: model form 4 % (capacitance_free), numerical 1e-10 %, cost not "
-        "recorded yet"
-    )
 
 
 def test_costs_are_written_down(own_store):

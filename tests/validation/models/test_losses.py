@@ -92,14 +92,3 @@ def test_the_generators_own_resonance_is_damped():
     q = frequencies[size.argmax()] / (half[-1] - half[0])
     # a loss factor of 0.044 in tab and glue, which hold nearly all the energy, is Q = 23
     assert q == pytest.approx(22.0, rel=0.2)
-
-
-@pytest.mark.parametrize(
-    ("value", "said"), [("-0.1", "shim.loss_factor"), ("5", "shim.loss_factor"), ("0.1 mm", "unit")]
-)
-def test_refused_in_one_sentence(value, said):
-    """A loss factor is a number from 0 to 2."""
-    from tactgen.geometry.errors import InputError
-
-    with pytest.raises(InputError, match=said):
-        load_scene("paper", [f"shim.loss_factor={value}"])

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.coenergy_fit import fit, thinned
 from tactgen.tmm.reluctance.map_range import map_grid, network_map
-from tactgen.tmm.reluctance.network import DirectForce, network_samples
+from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.catalogue.models import map_model
 from tactgen.validation.engine.solve import make_plan, solve
-from tactgen.validation.models.classes import map_of
-from tactgen.validation.models.generator.small_signal import HalvedMap, rod_by_network
+from tactgen.validation.models.generator.small_signal import HalvedMap
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.scene import scene as scenes
 from tactgen.validation.scene.scene import load_scene
@@ -109,14 +107,3 @@ def test_slopes_that_agree_by_chance_count_as_those_around():
     counted, crossing = abs(moved - here), abs(there - here)
     assert crossing < 0.1 * np.abs(apart).max()
     assert 0.1 * np.abs(apart).max() < counted < 2.0 * np.abs(apart).max()
-
-
-def test_where_the_network_holds_no_rod_near_a_place_it_is_looked_for_anew():
-    """Told of a place at the other stop, it finds the one that the current's history leads to."""
-    scene = generator("tmm,network")
-    held = scene.rest[0]
-    right, found = (
-        rod_by_network(scene, DirectForce(scene.device, CELLS, map_of(scene).gap_limits), near)
-        for near in (held, replace(held, lift=-0.4 * scene.gap))
-    )
-    np.testing.assert_allclose(found.stiffness, right.stiffness, rtol=1e-9)

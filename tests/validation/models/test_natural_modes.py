@@ -5,30 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.piezo.bricks import assemble_bricks
-from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.validation.models.bimorph import natural_modes as lowest_modes
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.model import Modes
 from tactgen.validation.scene.scene import load_scene
-
-
-def test_classes_one_by_one_have_the_modes_that_they_have_side_by_side(monkeypatch):
-    """Of a system that counts as large none is beside another, and no number is another one."""
-    device = load_scene("paper")[0].device
-    system = assemble_bricks(device, bimorph_bricks(device, LEVELS[0]), lossy=False)
-    monkeypatch.setenv("TACTGEN_THREADS", "2")
-    together = lowest_modes.coarse_modes(system, 2)
-    monkeypatch.setattr(lowest_modes, "_MOST_TOGETHER", system.size - 1)
-    monkeypatch.setattr(lowest_modes, "side_by_side", None)
-    alone = lowest_modes.coarse_modes(system, 2)
-    assert set(alone.others) == {"bending_y", "torsion", "axial"}
-    for motion, found in together.others.items():
-        assert [m.kind for m in found] == [m.kind for m in alone.others[motion]]
-        # the factor's rounding depends on how many threads made it
-        assert [m.frequency for m in found] == pytest.approx(
-            [m.frequency for m in alone.others[motion]], rel=1e-9
-        )
 
 
 def test_where_others_are_lower_more_modes_are_asked_until_one_bends_in_x():

@@ -5,12 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.fem.magnetics import actuator_3d as actuator
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import make_plan
 from tactgen.validation.engine.warnings import number_warnings
-from tactgen.validation.models.model import Quantity, Stages
-from tactgen.validation.models.reluctance.field import Magnetic3dModel, _fine_enough
+from tactgen.validation.models.model import Quantity
+from tactgen.validation.models.reluctance.field import _fine_enough
 from tactgen.validation.scene.scene import load_scene
 
 GRIDS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
@@ -75,16 +74,3 @@ def test_what_makes_no_circuit_is_refused_before_anything_is_solved():
     with pytest.raises(InputError, match=r"brings sleeve\.collar_thickness = 2 mm to"):
         make_plan(scene, ("network", "axisymmetric"), ("magnetic_force",))
     make_plan(scene, ("axisymmetric",), ("magnetic_force",))
-
-
-@pytest.mark.parametrize(("support", "slot"), [("rod", True), ("clamped", False)])
-def test_cad_solids_of_the_normal_actuator_have_the_slot_of_a_bimorph_on_the_rod(
-    monkeypatch, support, slot
-):
-    """And the mesher as long as the scene gives it."""
-    monkeypatch.setattr(actuator, "solve_cad", lambda *given: given)
-    asked = [f"support.kind={support}", "mesh.kind=tetwild", "mesh.time_limit=7 s"]
-    scene = load_scene("bimorph_on_rod", [*asked, "models=magnetic3d"])[0]
-    device, current, gap, meshing = Magnetic3dModel(scene, Stages({}))._solved(0.05, 2e-4)
-    assert (device, current, gap) == (scene.device, 0.05, 2e-4)
-    assert (meshing.slot, meshing.time_limit) == (slot, 7.0)

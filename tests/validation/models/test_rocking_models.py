@@ -1,14 +1,10 @@
 """A rocking head under any model of the bimorph: the ports are all that harmonic balance knows."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
-from tactgen.tmm.harmonic_balance.balance import NoConvergence
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models import backbone
 from tactgen.validation.models.backbone import RESOLUTION, held_head
 from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.scene import load_scene
@@ -49,57 +45,6 @@ def test_the_solid_rocks_as_it_differs_on_springs():
     ratios = [of("solid") / of("tmm") for of in (rocking, linear)]
     # softening itself is worth two thousandths here, and goes with the moment
     assert abs(ratios[0]) == pytest.approx(abs(ratios[1]), rel=2e-3)
-
-
-def test_the_largest_peak_is_listed_first(monkeypatch):
-    """In whatever order the branch meets them."""
-    orbit = SimpleNamespace(frequency=100.0, harmonics=3)
-    branch = SimpleNamespace(orbits=[orbit], missing=0.0, ended="")
-    made = {"response_branch": branch, "folds": [], "peaks": (1.0, 3.0, 2.0), "speed": None,
-            "_stable": np.array([True])}  # fmt: skip
-    for name, value in made.items():
-        monkeypatch.setattr(backbone, name, lambda *_, value=value: value)
-    monkeypatch.setattr(backbone, "_peak", lambda *given: SimpleNamespace(velocity=given[-1]))
-    answered = SimpleNamespace(motion={"w_tip": np.array([0.0, 1.0])})
-    head = SimpleNamespace(oscillator=None, response=lambda orbit: answered)
-    found = backbone.response_curve(head, 1.0, (10.0, 100.0))
-    assert [peak.velocity for peak in found.peaks] == [3.0, 2.0, 1.0]
-
-
-@pytest.mark.parametrize("orbits", [1, 6, 7, 8, 20])
-def test_stability_is_found_from_few_counts(monkeypatch, orbits):
-    """Wherever a branch turns unstable: ends and strides are counted, and one gap."""
-    stride = backbone._STRIDE
-    for turn in range(orbits + 1):
-        asked = []
-
-        def count(_, orbit, turn=turn, asked=asked):
-            asked.append(orbit)
-            return 0 if orbit < turn else 1
-
-        monkeypatch.setattr(backbone, "unstable_exponents", count)
-        branch = SimpleNamespace(orbits=range(orbits))
-        found = backbone._stable(SimpleNamespace(oscillator=None), branch)
-        assert found.tolist() == [i < turn for i in range(orbits)]
-        assert len(asked) <= -(-orbits // stride) + 1 + stride - 1
-
-
-def test_a_peak_is_judged_on_a_finer_branch(monkeypatch):
-    """A tenth of what was missing, twice the harmonics; without that branch there is no bar."""
-    asked = []
-
-    def refined(_, __, resolution):
-        asked.append(resolution)
-        raise NoConvergence
-
-    monkeypatch.setattr(backbone, "resolved", refined)
-    steps = [SimpleNamespace(orbit=n, course=None) for n in range(9)]
-    at = SimpleNamespace(after=5, orbit=SimpleNamespace(harmonics=7))
-    head = SimpleNamespace(oscillator=None)
-    assert backbone._judge(head, SimpleNamespace(steps=steps), at) is None
-    (fine,) = asked
-    assert fine.missing == pytest.approx(0.1 * RESOLUTION.missing)
-    assert (fine.least, fine.most) == (14, 2 * RESOLUTION.most)
 
 
 @pytest.mark.parametrize("model", ["lumped", "tmm", "beam"])

@@ -33,16 +33,6 @@ def test_tab_of_a_beam_is_got_back():
     assert found.matrix[0, 1] == pytest.approx(found.matrix[1, 0], rel=1e-8)
 
 
-def test_centre_uncouples():
-    """At its centre, half-way down a tab, force turns nothing; there it is stiffest sideways."""
-    tab = tab_by_beam(scene(), 1.6e-3)
-    assert tab.centre == pytest.approx(0.8e-3, rel=1e-12)
-    there = tab.moved_up(-tab.centre)
-    assert abs(there.matrix[0, 1]) < 1e-12 * np.sqrt(there.matrix[0, 0] * there.matrix[1, 1])
-    assert there.lateral_stiffness == pytest.approx(tab.lateral_stiffness_at_centre, rel=1e-12)
-    assert tab.lateral_stiffness_at_centre > tab.lateral_stiffness
-
-
 @pytest.fixture(scope="module")
 def tabs():
     lengths = (0.0, 0.8e-3, 1.6e-3, 2.4e-3)
@@ -69,16 +59,6 @@ def test_solid_compliance_is_one(tabs):
         m = tab.matrix
         assert m[0, 1] == pytest.approx(m[1, 0], rel=1e-6)
         assert np.linalg.eigvalsh(m / np.sqrt(np.outer(np.diag(m), np.diag(m))))[0] > 0.0
-
-
-def test_whatever_holds_the_bimorph_the_tab_is_clamped(tabs):
-    """In the rod as on springs: the tab alone is meant."""
-    lengths, known = tabs
-    for kind in ("rod", "spring"):
-        other = scene(f"support.kind={kind}", "bimorph.tab_length=2.5 mm")
-        found = tab_by_bricks(other, lengths[:2], lambda _: None, level=0)
-        for one, same in zip(found, known, strict=False):
-            np.testing.assert_array_equal(one.matrix, same.matrix)
 
 
 def test_beam_on_a_support_is_the_whole():

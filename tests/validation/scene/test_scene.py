@@ -3,7 +3,6 @@
 import os
 import re
 
-import numpy as np
 import pytest
 
 from tactgen.geometry.device.steel_law import TEAM20
@@ -12,50 +11,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.files import built_in_scenes, parse_frequencies
 from tactgen.validation.scene.inputs import idle, scene_warnings
 from tactgen.validation.scene.parameter_list import parameter_rows, template
-from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
-
-CONTRACT = [
-    "bimorph.length",
-    "bimorph.width",
-    "bimorph.piezo_thickness",
-    "bimorph.shim_thickness",
-    "bimorph.tab_length",
-    "bimorph.wiring",
-    "piezo.material",
-    "piezo.s11",
-    "piezo.s55",
-    "piezo.d31",
-    "piezo.eps33",
-    "piezo.density",
-    "piezo.quality_factor",
-    "piezo.loss_tangent",
-    "shim.youngs_modulus",
-    "shim.shear_modulus",
-    "shim.poisson_ratio",
-    "shim.density",
-    "beam.shear_correction",
-    "support.kind",
-    "support.rotational_stiffness",
-    "support.lateral_stiffness",
-    "support.rotational_damping",
-    "support.rotational_inertia",
-    "load.kind",
-    "load.mass",
-    "load.stiffness",
-    "load.damping",
-    "drive.voltage",
-    "gap",
-    "mesh.kind",
-    "accuracy",
-    "models",
-    "quantities",
-]
-
-
-def test_contract_of_scene_keys():
-    """Other programs rely on these keys."""
-    assert set(CONTRACT) <= set(scene_keys())
-    assert {k.split(".")[0] for k in scene_keys()} >= {"rod", "coil", "sleeve"}
+from tactgen.validation.scene.scene import load_scene
 
 
 def test_built_in_scenes():
@@ -195,14 +151,6 @@ def test_bad_files_are_refused_in_one_sentence(tmp_path, content, words):
         load_scene(str(path))
     assert all(word in str(caught.value) for word in words), caught.value
     assert "\n" not in str(caught.value)
-
-
-def test_overrides_meet_a_broken_file(tmp_path):
-    """An override of a group that the file misuses is a refusal, too."""
-    path = tmp_path / "my.toml"
-    path.write_text("bimorph = 3\n", encoding="utf-8")
-    with pytest.raises(InputError, match="is a group"):
-        load_scene(str(path), ["bimorph.length=25mm"])
 
 
 def test_byte_order_mark_and_empty_groups_are_accepted(tmp_path):
@@ -405,14 +353,6 @@ def test_frequencies_are_read_strictly(given, words):
     assert all(word in str(caught.value) for word in ["frequency = ", *words]), caught.value
 
 
-def test_scene_is_frozen():
-    """Nothing changes a scene behind another stage's back."""
-    scene = Scene()
-    with pytest.raises(Exception, match="frozen"):
-        scene.drive = None
-    assert np.isclose(scene.drive.voltage, 50.0)
-
-
 @pytest.mark.parametrize(
     ("name", "overrides", "models"),
     [
@@ -477,24 +417,8 @@ def test_a_positive_d31_is_asked_about():
     assert "minus" not in str(caught.value)
 
 
-@pytest.mark.parametrize("written", ["pzt-5h", "PZT5H", "pzt 5H", "Pzt_5h"])
-def test_names_of_ceramics_are_folded(written):
-    """Case, hyphens and spaces do not matter; the scene has the library's name."""
-    scene, _ = load_scene("paper", [f"piezo.material={written}"])
-    assert scene.piezo.material == "PZT-5H"
-    assert scene == load_scene("paper", ["piezo.material=PZT-5H"])[0]
-
-
 def live(scene):
     return {row.key for row in parameter_rows(scene, {}) if not idle(scene, row.key)}
-
-
-def test_groups_that_no_model_of_the_scene_reads_have_no_effect():
-    """A bimorph alone knows no coil, no spring and no display."""
-    scene, _ = load_scene("prototype", ["models=tmm"])
-    assert {key.split(".")[0] for key in live(scene) if "." in key} == {
-        "beam", "bimorph", "drive", "limits", "load", "piezo", "shim", "support", "threshold",
-    }  # fmt: skip
 
 
 def test_a_current_brings_the_circuit_to_the_contact():
