@@ -145,6 +145,13 @@ def scale_to_si(name: str, text: str, unit: Unit, where: str) -> float:
 
     Raises InputError if the unit is missing or not one of that kind.
     """
+    if not unit.si:
+        if text not in ("", "1", "-"):
+            raise InputError(
+                f'{where}: column "{name}" has the unit {quoted(text)}, but a {unit.kind} has '
+                f'none; name the column "{name}"'
+            )
+        return 1.0
     example = unit.example.split(" ", 1)[-1]
     if not text:
         raise InputError(

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,16 +16,7 @@ import numpy as np
 from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers
-from tactgen.geometry.csv_tables import (
-    Column,
-    check_ascending,
-    check_widths,
-    csv_rows,
-    heading,
-    numbers,
-    plain_number,
-    scale_to_si,
-)
+from tactgen.geometry.csv_tables import csv_rows, heading, read_table
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import FREQUENCY, PHASE, Unit, quoted
@@ -106,71 +96,57 @@ def read_measured(path: str | Path) -> MeasuredCurve:
     Raises InputError in one sentence with file, line, column, value and remedy.
     """
     source = "".join(c if c.isprintable() else "?" for c in str(path))
-    remedy = f"give a CSV file with columns such as {_EXAMPLE}"
-    (number, names), *rows = csv_rows(path, source, remedy)
-    if not any(heading(cell).name in _known() for cell in names):
-        plain = all(plain_number(cell) is not None for cell in names)
+    (number, header), *_ = csv_rows(
+        path, source, f"give a CSV file with columns such as {_EXAMPLE}"
+    )
+    kind = _only_curve([heading(cell).name for cell in header], f"{source} line {number}")
+    data, lines = read_table(path, source, _units(kind), _EXAMPLE)
+    if not 2 <= len(lines) <= _MOST:
         raise InputError(
-            f"{source} line {number} holds {'numbers' if plain else 'other text'} where the "
-            f"column names should be; begin the file with a header such as {_EXAMPLE}, and lines "
-            "of remarks with #"
+            f"{source} holds {len(lines)} points; "
+            + (f"thin it to at most {_MOST}" if lines else "a curve needs at least 5")
         )
-    check_widths([(number, names), *rows], source)
-    columns = _columns(names, f"{source} line {number}")
-    if len(rows) < 2:
-        raise InputError(f"{source} holds {len(rows)} measured points; a curve needs at least 5")
-    if len(rows) > _MOST:
-        raise InputError(f"{source} holds {len(rows)} points; thin it to at most {_MOST}")
-    data = {name: numbers(rows, column, names, source) for name, column in columns.items()}
-    lines = [line for line, _ in rows]
-    check_ascending(data["frequency"], lines, source)
-    kind = next(c for c in measurable() if c in data or f"{c}_re" in data)
-    values, weight = _values(kind, data, lines, source), _weight(data, source)
-    return MeasuredCurve(source, kind, data["frequency"], values, data.get("uncertainty"), weight)
+    error, weight = data.get("uncertainty"), data.get("weight", np.ones(len(lines)))
+
+    def check(wrong: Bools, reason: str) -> None:
+        if wrong.any():
+            raise InputError(f"{source} line {lines[int(np.argmax(wrong))]}: {reason}")
+
+    if kind in data:
+        check(
+            data[kind] <= 0.0,
+            f"{kind} is not above 0 as a magnitude must be; remove the line, or give {kind}_re "
+            f"and {kind}_im",
+        )
+        phase = data.get(f"{kind}_phase")
+        values = data[kind] if phase is None else data[kind] * np.exp(1j * phase)
+    else:
+        values = data[f"{kind}_re"] + 1j * data[f"{kind}_im"]
+        check(values == 0.0, f"{kind} is 0 in both parts; remove the line")
+    if error is not None:
+        check(
+            error <= 0.0,
+            "the uncertainty is not above 0; give one standard deviation for every point, or "
+            "leave the column out",
+        )
+    check(weight < 0.0, "the weight is negative; give 0 to leave a point out")
+    if not weight.any():
+        raise InputError(f"{source}: all weights are 0; give the points that count a weight of 1")
+    return MeasuredCurve(source, kind, data["frequency"], np.asarray(values), error, weight)
 
 
-def _known() -> tuple[str, ...]:
-    """Names that a column may have."""
-    curves = (curve + part for curve in measurable() for part in _PARTS)
-    return ("frequency", *curves, "uncertainty", "weight")
-
-
-def _columns(names: list[str], where: str) -> dict[str, Column]:
-    """Place, factor to SI and unit of each column by its plain name."""
-    places: dict[str, int] = {}
-    stated: dict[str, str] = {}
-    for at, text in enumerate(names):
-        name, unit = heading(text)
-        if name not in _known():
-            raise InputError(
-                f"{where}: column {at + 1} {quoted(text)} is unknown{nearest(name, _known())}; "
-                f"name the columns like {_EXAMPLE} and remove those that are not needed"
-            )
-        if name in places:
-            raise InputError(f"{where}: column {quoted(text)} is there twice; keep one of them")
-        stated[name], places[name] = unit, at
-    kind = _only_curve(places, where)
-    units = {name: _unit(name, kind) for name in places}
-    return {
-        name: Column(at, _scale(name, stated[name], units[name], where), units[name])
-        for name, at in places.items()
-    }
-
-
-def _only_curve(names: Collection[str], where: str) -> str:
+def _only_curve(names: list[str], where: str) -> str:
     """Kind of the one curve that the columns hold completely."""
-    if "frequency" not in names:
-        raise InputError(f'{where}: there is no frequency column; add one named "frequency (Hz)"')
     kinds = [c for c in measurable() if any(c + part in names for part in _PARTS)]
-    if not kinds:
-        raise InputError(
-            f"{where}: there is no measured curve; add a column such as "
-            f'"velocity (mm/s)"; known are {", ".join(measurable())}'
+    if len(kinds) != 1:
+        both = f"{' and '.join(kinds)} are both there; keep one measured curve per file"
+        known = [c + part for c in measurable() for part in _PARTS]
+        close = next(filter(None, (nearest(name, known) for name in names)), "")
+        none = (
+            f"there is no measured curve{close}; begin the file with a header such as {_EXAMPLE}, "
+            f"and lines of remarks with #; known are {', '.join(measurable())}"
         )
-    if len(kinds) > 1:
-        raise InputError(
-            f"{where}: {' and '.join(kinds)} are both there; keep one measured curve per file"
-        )
+        raise InputError(f"{where}: {both if kinds else none}")
     kind = kinds[0]
     have = [part for part in _PARTS if kind + part in names]
     if set(have) not in ({""}, {"", "_phase"}, {"_re", "_im"}):
@@ -183,66 +159,16 @@ def _only_curve(names: Collection[str], where: str) -> str:
     return kind
 
 
-def _unit(name: str, kind: str) -> Unit:
-    fixed = {"frequency": FREQUENCY, "weight": _WEIGHT, f"{kind}_phase": PHASE}
-    if name in fixed:
-        return fixed[name]
+def _units(kind: str) -> dict[str, Unit]:
+    """Unit of each column beside a curve."""
     unit = measurable()[kind].curve
     assert unit is not None
     # one part of a complex number may be as small as it likes
-    return unit if name == kind else replace(unit, limits=(0.0, (unit.limits or (0.0, np.inf))[1]))
-
-
-def _scale(name: str, text: str, unit: Unit, where: str) -> float:
-    """Factor from the column's unit to SI."""
-    if unit.si:
-        return scale_to_si(name, text, unit, where)
-    if text not in ("", "1", "-"):
-        raise InputError(
-            f'{where}: column "{name}" has the unit {quoted(text)}; a weight has none, '
-            f'so name the column "{name}"'
-        )
-    return 1.0
-
-
-def _values(kind: str, data: dict[str, Floats], lines: list[int], source: str) -> Numbers:
-    """Curve (n,), complex if its phase is known; no value may vanish."""
-    if kind not in data:
-        values = data[f"{kind}_re"] + 1j * data[f"{kind}_im"]
-        if (values == 0.0).any():
-            line = lines[int(np.argmax(values == 0.0))]
-            raise InputError(f"{source} line {line}: {kind} is 0 in both parts; remove the line")
-        return np.asarray(values)
-    if (data[kind] <= 0.0).any():
-        first = int(np.argmax(data[kind] <= 0.0))
-        raise InputError(
-            f"{source} line {lines[first]}: {kind} {data[kind][first]:g} {measurable()[kind].unit} "
-            "is not above 0 as a magnitude must be; remove the line, or give "
-            f"{kind}_re and {kind}_im"
-        )
-    if f"{kind}_phase" not in data:
-        return data[kind]
-    return np.asarray(data[kind] * np.exp(1j * data[f"{kind}_phase"]))
-
-
-def _weight(data: dict[str, Floats], source: str) -> Floats:
-    def first_where(wrong: Bools) -> str:
-        return f"{float(data['frequency'][np.argmax(wrong)]):g} Hz"
-
-    error, weight = data.get("uncertainty"), data.get("weight", np.ones(data["frequency"].size))
-    if error is not None and (error <= 0.0).any():
-        raise InputError(
-            f"{source}: the uncertainty at {first_where(error <= 0.0)} is not above 0; give one "
-            "standard deviation for every point, or leave the column out"
-        )
-    if (weight < 0.0).any():
-        raise InputError(
-            f"{source}: the weight at {first_where(weight < 0.0)} is negative; give 0 to leave a "
-            "point out"
-        )
-    if not weight.any():
-        raise InputError(f"{source}: all weights are 0; give the points that count a weight of 1")
-    return weight
+    part = replace(unit, limits=(0.0, (unit.limits or (0.0, np.inf))[1]))
+    return {
+        "frequency": FREQUENCY, kind: unit, f"{kind}_phase": PHASE, f"{kind}_re": part,
+        f"{kind}_im": part, "uncertainty": part, "weight": _WEIGHT,
+    }  # fmt: skip
 
 
 #: Bounds where none are given: this factor below and above the start.
