@@ -86,20 +86,9 @@ class CurveModel:
             up[i] *= np.exp(_STEP)
             down[i] *= np.exp(-_STEP)
             above, below = self(up), self(down)
-            if np.array_equal(above, below):  # no effect: no rounding of the logarithm either
-                columns.append(np.zeros(above.shape, dtype=complex))
-            else:
-                columns.append(np.log(above / below) / (2.0 * _STEP))
+            # of the ratio's logarithm, and 0 to the last bit where there is no effect
+            columns.append((above - below) / (above + below) / _STEP)
         return np.stack(columns, axis=1)
-
-    def thinned(self, most: int) -> tuple[CurveModel, Ints]:
-        """Model at no more than `most` of its frequencies, and their positions."""
-        n = self.frequencies.size
-        at = np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(int))
-        f, port = self.frequencies[at], self.port
-        if port is not None:
-            port = replace(port, frequencies=f, stiffness=port.stiffness[at])
-        return replace(self, frequencies=f, port=port), at
 
 
 def curve_model(
@@ -201,7 +190,9 @@ def scan(model: CurveModel, start: Floats, low: Floats, high: Floats) -> Scan:
     grid = np.stack([g.ravel() for g in np.meshgrid(*axes, indexing="ij")], axis=1)
     nodes = np.tile(start, (len(grid) + 1, 1))
     nodes[1:, first] = grid  # the first node is the start itself
-    coarse, points = model.thinned(_SCAN_POINTS)
+    f = model.frequencies
+    points = np.unique(np.linspace(0, f.size - 1, min(f.size, _SCAN_POINTS)).round().astype(int))
+    coarse = curve_model(model.scene, model.quantity, f[points], model.keys)
     return Scan(points, nodes, np.stack([coarse(node) for node in nodes]))
 
 

@@ -6,19 +6,28 @@ the transfer-matrix model with a statement of what the curve determines.
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.names import nearest
+from tactgen.geometry.units import Unit, quoted
+from tactgen.tmm.beam.parametric import check_length_free
 from tactgen.validation.engine.solve import check_on_contact
 from tactgen.validation.engine.warnings import load_warnings
+from tactgen.validation.scene.files import one_line
 from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
-from tactgen.validation.scene.scene import Scene
-from tactgen.validation.scene.variation import value_of, with_values
+from tactgen.validation.scene.scene import Scene, scene_keys
+from tactgen.validation.scene.variation import SYMBOLS, value_of, with_values
 from tactgen.validation.studies.curve_fit import (
     CONFIDENCE,
     RANK,
@@ -31,33 +40,140 @@ from tactgen.validation.studies.curve_fit import (
     scan,
     statistics,
 )
-from tactgen.validation.studies.measured_data import (
-    FitParameter,
-    FittedParameter,
-    MeasuredCurve,
-    fit_parameter,
-)
+from tactgen.validation.studies.measured_data import MeasuredCurve
 
 #: Beyond this correlation the data do not separate two parameters.
 _INSEPARABLE = 0.99
 #: A parameter whose interval spans more than this factor is not determined by the data.
 VAGUE = 2.0
-#: Intervals narrower than this (of ln p) are those of an exact curve.
-_EXACT = 1e-9
+
+
+#: Bounds where none are given: this factor below and above the start.
+_REACH = 100.0
+_REMEDY = "write for example --fit c_s=0.2N*m/rad:0.05..2N*m/rad or --fit c_s"
+_LEADING_NUMBER = re.compile(r"[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE | re.ASCII)
+
+
+@dataclass(frozen=True)
+class FitParameter:
+    """One number of a scene that is fitted, SI units.
+
+    `start`, `low` and `high` have one sign and none is 0, for the fit runs over the
+    logarithm of the magnitude; ``|low| < |high|``.
+    """
+
+    key: str
+    unit: Unit
+    start: float
+    low: float
+    high: float
+
+    @property
+    def symbol(self) -> str:
+        """The paper's symbol, or the key."""
+        return next((s for s, key in SYMBOLS.items() if key == self.key), self.key)
+
+
+@dataclass(frozen=True)
+class FittedParameter:
+    """One fitted parameter, SI units.
+
+    `interval` is the 95 % confidence interval; `opened` names the ends of it (``low``, ``high``)
+    that are only bounds of the search, `edge` the bound that the value itself is at.
+    """
+
+    parameter: FitParameter
+    value: float
+    interval: tuple[float, float]
+    opened: tuple[str, ...]
+    edge: str
+
+    @property
+    def half_width(self) -> float:
+        """Half width of the interval of ln(value)."""
+        return abs(float(np.log(self.interval[1] / self.interval[0]))) / 2.0
+
+
+def fit_parameter(scene: Scene, text: str) -> FitParameter:
+    """Read ``NAME[=START][:LOW..HIGH]``; NAME is a scene key or a symbol of the paper.
+
+    The start is the scene's value unless given, the bounds a factor 100 either side of it.  A LOW
+    without a unit has that of HIGH.
+
+    Raises InputError if the name, a value or its unit cannot be used.
+    """
+    head, colon, bounds = text.partition(":")
+    name, equals, start_text = (part.strip() for part in head.partition("="))
+    low_text, dots, high_text = (part.strip() for part in bounds.partition(".."))
+    if not name or (equals and not start_text) or (colon and not (low_text and high_text and dots)):
+        raise InputError(
+            f"--fit {quoted(text)} is not of the form NAME[=START][:LOW..HIGH]; {_REMEDY}"
+        )
+    key = SYMBOLS.get(name, name)
+    unit = _unit_of_parameter(scene, key, name)
+    if key == "bimorph.length":
+        check_length_free(scene.bimorph)
+    start = _read(key, start_text, unit) if equals else float(value_of(scene, key))
+    if start == 0.0:
+        raise InputError(
+            f"{key} = {unit.show(0.0)} cannot be where a fit starts; give a value that is not 0, "
+            f'for example --fit "{name}={unit.example}"'
+        )
+    if colon:
+        if _LEADING_NUMBER.fullmatch(low_text):
+            low_text += _LEADING_NUMBER.sub("", high_text, count=1)
+        low, high = sorted((_read(key, end, unit) for end in (low_text, high_text)), key=abs)
+    else:
+        least, most = unit.limits or (0.0, math.inf)
+        low, high = (
+            math.copysign(min(max(abs(end), least), most), start)
+            for end in (start / _REACH, start * _REACH)
+        )
+    if low * start <= 0.0 or not abs(low) <= abs(start) <= abs(high) or abs(low) == abs(high):
+        raise InputError(
+            f"--fit {quoted(text)} starts {key} at {unit.show(start)}, outside its bounds "
+            f"{unit.show(low)} to {unit.show(high)}; give LOW and HIGH of one sign, not 0, with "
+            "the start between them"
+        )
+    return FitParameter(key, unit, start, low, high)
+
+
+def _read(key: str, text: str, unit: Unit) -> float:
+    """SI value as the scene would read it."""
+    reader: TypeAdapter[float] = TypeAdapter(Annotated[float, BeforeValidator(unit)])
+    try:
+        return reader.validate_python(text, context={"units_required": True})
+    except ValidationError as error:
+        reason = error.errors()[0]["ctx"]["error"]
+        raise InputError(one_line(f"--fit: {key} = {quoted(text)} {reason}")) from None
+
+
+def _unit_of_parameter(scene: Scene, key: str, name: str) -> Unit:
+    if key not in scene_keys():
+        raise InputError(
+            f"--fit {quoted(name)} is not a scene key{nearest(name, (*SYMBOLS, *scene_keys()))}; "
+            f"use {', '.join(SYMBOLS)} or a key that tactgen init FILE.toml writes"
+        )
+    group, _, last = key.rpartition(".")
+    holder: Any = value_of(scene, group) if group else scene
+    metadata = type(holder).model_fields[last].metadata
+    unit = next((m for m in metadata if isinstance(m, Unit)), None)
+    if unit is None or getattr(holder, last) is None:
+        raise InputError(
+            f"--fit {key} is not a number that can be fitted; use for example {', '.join(SYMBOLS)}"
+        )
+    return unit
 
 
 def findings(estimates: Sequence[FittedParameter], stats: Statistics) -> tuple[str, ...]:
     """Sentences on undetermined parameters, from the statistics of all."""
-    pairs = [
-        (j, i)
-        for i in range(len(estimates))
-        for j in range(i)
-        if abs(stats.correlation[i, j]) > _INSEPARABLE
-    ]
-    sentences = [_inseparable(estimates, stats, i, j) for i, j in pairs]
-    tied = {i for pair in pairs for i in pair}
+    sentences, tied = [], set()
+    for i, j in combinations(range(len(estimates)), 2):
+        if abs(stats.correlation[i, j]) > _INSEPARABLE:
+            sentences.append(_inseparable(estimates, stats, i, j))
+            tied |= {i, j}
     for i, e in enumerate(estimates):
-        if not e.edge or np.exp(min(2.0 * e.half_width, 300.0)) > VAGUE:
+        if not e.edge or _span(2.0 * e.half_width) > VAGUE:
             sentences.append(_undetermined(e))
         if e.edge and i not in tied:
             sentences.append(
@@ -65,27 +181,24 @@ def findings(estimates: Sequence[FittedParameter], stats: Statistics) -> tuple[s
                 f"bound {e.parameter.unit.show(e.value)}, where the data push it; widen the "
                 "bounds, or do not fit it"
             )
-    return tuple(sentence for sentence in sentences if sentence)
+    return tuple(filter(None, sentences))
 
 
 def _undetermined(e: FittedParameter) -> str:
     """Sentence on an undetermined parameter; "" if determined."""
-    name = e.parameter.symbol
+    name, span = e.parameter.symbol, _span(2.0 * e.half_width)
     low, high = (e.parameter.unit.show(float(f"{end:.3g}")) for end in e.interval)
-    span = float(np.exp(min(2.0 * e.half_width, 300.0)))
-    if len(e.opened) == 2:
-        text = f"the curve tells nothing about {name} between its bounds {low} and {high}"
-    elif e.opened:
-        limit = f"below {high}" if e.opened[0] == "low" else f"above {low}"
-        text = f"{name} is not determined by this curve, which says only that it is {limit}"
-    elif span > VAGUE:
-        text = (
-            f"{name} is practically not determined by this curve: its {100 * CONFIDENCE:g} % "
-            f"interval spans a factor of {_factor(span)}"
-        )
-    else:
+    if not e.opened and span <= VAGUE:
         return ""
-    return f"{text}; hold it at a known value, or measure at frequencies where it acts"
+    known = {
+        (): f"its {100 * CONFIDENCE:g} % interval spans a factor of {span:.2g}",
+        ("low",): f"it says only that it is below {high}",
+        ("high",): f"it says only that it is above {low}",
+    }.get(e.opened, f"it says nothing between the bounds {low} and {high}")
+    return (
+        f"{name} is not determined by this curve: {known}; hold it at a known value, or measure at "
+        "frequencies where it acts"
+    )
 
 
 def _inseparable(estimates: Sequence[FittedParameter], stats: Statistics, i: int, j: int) -> str:
@@ -93,7 +206,6 @@ def _inseparable(estimates: Sequence[FittedParameter], stats: Statistics, i: int
 
     Nothing if they fix none: then neither parameter is determined.
     """
-    correlation = f"(correlation {stats.correlation[i, j]:+.4f})"
     powers = np.linalg.svd(stats.root[:, [i, j]])[2][1]  # the direction of least variance
     if abs(powers[1]) > 5.0 * abs(powers[0]):
         i, j, powers = j, i, powers[::-1]
@@ -101,37 +213,27 @@ def _inseparable(estimates: Sequence[FittedParameter], stats: Statistics, i: int
     fixed = float(stats.quantile * np.linalg.norm(stats.root[:, [i, j]] @ powers))
     if fixed > np.log(VAGUE):
         return ""
-    a, b = (estimates[k].parameter.symbol for k in (i, j))
-    widths = [estimates[k].half_width for k in (i, j)]
-    if abs(powers[1]) < 0.1:
-        return (
-            f"{a} rests on {b} {correlation}: for a known {b} the curve fixes "
-            f"{a} {_spread(fixed)}, else only {_spread(widths[0])}"
-        )
+    a, b = sorted((i, j))
+    names = [e.parameter.symbol for e in estimates]
     exponent = f"{abs(powers[1]):.3g}"
-    product = f"{a} {'/' if powers[1] < 0.0 else '*'} {b if exponent == '1' else f'{b}^{exponent}'}"
-    if max(widths) < _EXACT:
-        return (
-            f"{a} and {b} are told apart only because this curve has no noise {correlation}: with "
-            f"noise it fixes {product}"
-        )
+    product = f"{names[i]} {'/' if powers[1] < 0.0 else '*'} {names[j]}"
     return (
-        f"{a} and {b} cannot be told apart {correlation}: the curve fixes {product} "
-        f"{_spread(fixed)}, but {a} alone only {_spread(widths[0])} and {b} {_spread(widths[1])}"
+        f"{names[a]} and {names[b]} cannot be told apart (correlation "
+        f"{stats.correlation[i, j]:+.4f}): the curve fixes {product}"
+        f"{'' if exponent == '1' else f'^{exponent}'} {_spread(fixed)}, but {names[a]} alone only "
+        f"{_spread(estimates[a].half_width)} and {names[b]} {_spread(estimates[b].half_width)}"
     )
 
 
 def _spread(half_width: float) -> str:
     """Relative interval, from the half width of the interval of its ln."""
-    if half_width < _EXACT:
-        return "to rounding"
     if half_width < 0.2:
         return f"to ±{100.0 * half_width:.2g} %"
-    return f"within a factor of {_factor(np.exp(min(half_width, 300.0)))}"
+    return f"within a factor of {_span(half_width):.2g}"
 
 
-def _factor(value: float) -> str:
-    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}" if value < 1000.0 else "over 1000"
+def _span(logarithm: float) -> float:
+    return float(np.exp(min(logarithm, 300.0)))
 
 
 #: What a velocity curve over the first resonance determines.
@@ -145,6 +247,7 @@ _LEAST_POINTS, _PER_PARAMETER = 5, 2
 #: Share of the curve left unexplained above which the model is called wrong, and below which
 #: residuals are rounding.
 _UNEXPLAINED, _ROUNDING = 0.2, 1e-8
+_TINY = np.finfo(float).tiny
 _OPPOSITE = {"low": "high", "high": "low"}
 
 
@@ -239,7 +342,6 @@ def identify(
     stats = statistics(jacobian[:, free], residuals, stated=stated)
     fitted_scene = with_values(start, dict(zip(model.keys, map(float, values), strict=True)))
     warnings += _doubts(misfit, stats, now, residuals) + _phase_hint(curve, scanned)
-    warnings += _inadmissible(fitted_scene)
     estimates = _estimates(best, parameters, values, edges, stats)
     correlation = np.full((len(parameters), len(parameters)), np.nan)
     correlation[np.ix_(free, free)] = stats.correlation
@@ -397,8 +499,10 @@ def _doubts(misfit: Misfit, stats: Statistics, now: Complex, residuals: Floats) 
             "check the units, that drive.voltage is the amplitude of the measurement, and the "
             "scene's dimensions"
         )
-    alike = neighbours_alike(residuals, 2 if curve.has_phase else 1)
-    if alike is not None and unexplained > _ROUNDING:
+    # of independent residuals 0 ± 1/√n; real parts, then imaginary ones
+    pieces = residuals.reshape(2 if curve.has_phase else 1, -1)
+    alike = float(np.sum(pieces[:, 1:] * pieces[:, :-1])) / max(np.sum(pieces**2), _TINY)
+    if alike > 4.0 / np.sqrt(residuals.size) and unexplained > _ROUNDING:
         doubts.append(
             f"neighbouring residuals are alike (correlation {alike:+.2f}), so the model is off by "
             "more than noise and the true intervals are wider than those stated"
@@ -413,20 +517,6 @@ def _doubts(misfit: Misfit, stats: Statistics, now: Complex, residuals: Floats) 
     return doubts
 
 
-def neighbours_alike(residuals: Floats, parts: int) -> float | None:
-    """Correlation of neighbouring residuals if noise alone would hardly give it.
-
-    `parts` equal pieces (real, imaginary) follow each other.  Independent residuals have
-    a correlation of 0 ± 1/√n; four times that is taken as proof.
-    """
-    pieces = residuals.reshape(parts, -1)
-    square = float(np.sum(pieces**2))
-    if square == 0.0:
-        return None
-    alike = float(np.sum(pieces[:, 1:] * pieces[:, :-1])) / square
-    return alike if alike > 4.0 / np.sqrt(residuals.size) else None
-
-
 def _phase_hint(curve: MeasuredCurve, scanned: Scan) -> list[str]:
     """Hint at another sign convention of the data that would fit far better."""
     if not curve.has_phase:
@@ -437,20 +527,13 @@ def _phase_hint(curve: MeasuredCurve, scanned: Scan) -> list[str]:
         return float(np.min(np.sum(np.abs(np.log(scanned.curves / values)) ** 2, axis=1)))
 
     hints = {
-        "the opposite sign (turn the phase by 180°)": -data,
-        "the opposite sign of the phase (the time factor here is exp(+j omega t))": data.conj(),
-        "both signs opposite (of the values and of the phase)": -data.conj(),
+        "the opposite sign (turn the phase by 180°)": cost(-data),
+        "the opposite sign of the phase (the time factor here is exp(+j omega t))": cost(
+            data.conj()
+        ),
+        "both signs opposite (of the values and of the phase)": cost(-data.conj()),
     }
-    name, other = min(((n, cost(v)) for n, v in hints.items()), key=lambda entry: entry[1])
-    if other < 0.25 * cost(data):
-        return [f"the data would fit far better with {name}; check how the phase was recorded"]
-    return []
-
-
-def _inadmissible(scene: Scene) -> list[str]:
-    """Reason why the fitted ceramic cannot exist, or ""."""
-    try:
-        scene.piezo.ceramic().check_admissible()
-    except InputError as error:
-        return [f"the fitted values are not possible: {error}"]
-    return []
+    name = min(hints, key=lambda name: hints[name])
+    if hints[name] >= 0.25 * cost(data):
+        return []
+    return [f"the data would fit far better with {name}; check how the phase was recorded"]

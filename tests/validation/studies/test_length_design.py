@@ -25,8 +25,8 @@ from tactgen.validation.studies.design import (
     lowest_margin,
 )
 from tactgen.validation.studies.design_statements import dependences, sentences
+from tactgen.validation.studies.identify import fit_parameter
 from tactgen.validation.studies.length_map import actuator, length_map, local_minima, tip_amplitude
-from tactgen.validation.studies.measured_data import fit_parameter
 
 BAND = (10.0, 1000.0)
 #: From well below to above the paper's lengths: m is decided by the band's end, then a minimum.
