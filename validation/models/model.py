@@ -271,7 +271,3 @@ class Model(ABC):
         """Result of one of the row's stages, computed the first time."""
         stored = stage in MODELS[self.name].kept
         return self.stages.run(f"{self.name}.{stage}", work, self.code() if stored else ())
-
-    def will_run(self, stage: str) -> bool:
-        """Whether one of the row's stages is in the plan."""
-        return f"{self.name}.{stage}" in self.stages.keys

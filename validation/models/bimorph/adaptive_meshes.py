@@ -9,9 +9,7 @@ where it was.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -186,12 +184,7 @@ def level_limits(scene: Scene) -> tuple[float, int]:
     return accuracy or scene.accuracy, most
 
 
-def adapted_pair(
-    scene: Scene,
-    accuracy: float,
-    most_elements: int = 20_000,
-    meanwhile: Callable[[SolidSystem], object] = lambda _: None,
-) -> AdaptedPair:
+def adapted_pair(scene: Scene, accuracy: float, most_elements: int = 20_000) -> AdaptedPair:
     """Refine until the goals' error bars are within `accuracy`, or a limit is reached.
 
     Parameters
@@ -202,9 +195,6 @@ def adapted_pair(
         Largest relative error bar wanted.
     most_elements : int
         About how many elements the finest mesh may have; then its error is what it is.
-    meanwhile : callable, optional
-        What is wanted of the solid on the mesh that judges the last one: called with every mesh
-        that may be that, while the mesher is busy with the next.
 
     Raises MeshError if a mesh cannot be made.
     """
@@ -213,7 +203,6 @@ def adapted_pair(
         solved = [_solved(scene, _meshed(scene, mesher, None, most_elements))]
         while len(solved) < _MOST_MESHES:
             last = solved[-1]
-            mesher.meanwhile = partial(meanwhile, last.system)
             allowed = accuracy / (SAFETY * last.error)
             solved.append(_finer(scene, mesher, last, allowed, most_elements))
             pair = _judged(solved)

@@ -9,6 +9,7 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -54,13 +55,8 @@ class MeshPair(ABC):
         """The lossless systems on them."""
 
     @property
-    def lacking(self) -> Callable[[Motion], EstimatorSpace] | None:
-        """Estimator space of the finer mesh by class of motion, where it is known."""
-        return None
-
-    @property
-    def hierarchical_error_lossy(self) -> Callable[[], EstimatorSpace] | None:
-        """The same with losses, of bending in x."""
+    def lacking(self) -> Callable[..., EstimatorSpace] | None:
+        """Estimator space of the finer mesh by class of motion (and `lossy`), where it is known."""
         return None
 
     @property
@@ -182,12 +178,13 @@ class TwoMeshModel(BimorphModel):
         """Solid on the finer (0) or the coarser mesh (1), reduced to its ports."""
         from tactgen.fem.piezo.reduction_files import reduced_solid
 
+        lacking = None if which else self.mesh_pair.lacking
         return reduced_solid(
             self.scene.device,
             self.meshes()[which],
             self.frequencies,
             tolerance=1e-3 * self.scene.accuracy,
-            lacking=None if which else self.mesh_pair.hierarchical_error_lossy,
+            lacking=lacking and partial(lacking, "bending_x", lossy=True),
         )
 
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
@@ -267,7 +264,7 @@ class TwoMeshModel(BimorphModel):
 
         def work() -> SolidModes:
             pair, systems = self.mesh_pair, self.systems()
-            coarse = self.coarse_modes(systems[1])
+            coarse = coarse_modes(systems[1], self.scene.modes)
             return SolidModes(
                 fine_modes(systems[0], coarse, self.scene.modes, pair.lacking),
                 coarse,
@@ -280,10 +277,6 @@ class TwoMeshModel(BimorphModel):
             )
 
         return self.run("modal", work)
-
-    def coarse_modes(self, system: SolidSystem) -> MeshModes:
-        """Modal data for any support, on the coarser mesh."""
-        return coarse_modes(system, self.scene.modes)
 
     def _lowest(self, *, open_circuit: bool) -> tuple[list[BareMode], list[BareMode]]:
         modal = self._modal()

@@ -4,29 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING
 
-from tactgen.fem.piezo.modal_model import Motion
 from tactgen.geometry.bimorph.bricks import LEVELS, Bricks, bimorph_bricks
-from tactgen.geometry.device.checks import check_bonded, check_constant_section
+from tactgen.geometry.device.checks import check_bonded, check_constant_section, check_plain_layers
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.structured_tets import whole_mesh
 from tactgen.validation.models.bimorph.mesh_pair import MeshPair, TwoMeshModel
-from tactgen.validation.models.model import SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES
+from tactgen.validation.models.model import SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES, Stages
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
-from tactgen.geometry.device.checks import check_plain_layers
-from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.structured_tets import whole_mesh
-from tactgen.validation.models.bimorph.natural_modes import MeshModes
-from tactgen.validation.models.model import Stages
-
-if TYPE_CHECKING:
-    from tactgen.fem.piezo.system import SolidSystem
-    from tactgen.validation.models.bimorph.adaptive_meshes import AdaptedPair
 
 
 #: Relative error bar of static deflection, capacitances and first frequencies that each level
@@ -89,18 +81,12 @@ class BrickPair(MeshPair):
         return fine, coarse
 
     @cached_property
-    def lacking(self) -> Callable[[Motion], EstimatorSpace]:
-        """Estimator space of each class of motion."""
+    def lacking(self) -> Callable[..., EstimatorSpace]:
+        """Estimator space of each class of motion, also with losses."""
         from tactgen.fem.piezo.brick_error import BrickEstimator
 
-        return cache(BrickEstimator(self.device, self.bricks[0]).of)
-
-    @property
-    def hierarchical_error_lossy(self) -> Callable[[], EstimatorSpace]:
-        """The same with losses, of bending in x: for the response."""
-        from tactgen.fem.piezo.brick_error import BrickEstimator
-
-        return lambda: BrickEstimator(self.device, self.bricks[0], lossy=True).of("bending_x")
+        estimator = cache(partial(BrickEstimator, self.device, self.bricks[0]))
+        return cache(lambda motion, lossy=False: estimator(lossy=lossy).of(motion))
 
     @property
     def static_factor(self) -> float:
@@ -146,28 +132,12 @@ class CadModel(TwoMeshModel):
         """Refuse scenes beyond the CAD solids: profiles, bare ends, glue between layers."""
         check_plain_layers(scene.device)
 
-    def __init__(self, scene: Scene, stages: Stages) -> None:
-        super().__init__(scene, stages)
-        self._ahead: list[tuple[SolidSystem, MeshModes]] = []
-
-    def make_pair(self) -> AdaptedPair:
+    def make_pair(self) -> MeshPair:
         """Last mesh of the refinement, and an earlier one to judge it by."""
         # an answer from the store needs none of what makes meshes
         from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
 
-        pair = adapted_pair(self.scene, *level_limits(self.scene), self._look_ahead)
-        # the systems of all other meshes are let go
-        self._ahead = [found for found in self._ahead if found[0] is pair.coarse.system]
-        return pair
-
-    def coarse_modes(self, system: SolidSystem) -> MeshModes:
-        """Modal data on the coarser mesh, cached."""
-        ahead = (modes for of, modes in self._ahead if of is system)
-        return next(ahead, None) or super().coarse_modes(system)
-
-    def _look_ahead(self, system: SolidSystem) -> None:
-        if self.will_run("modal"):
-            self._ahead.append((system, super().coarse_modes(system)))
+        return adapted_pair(self.scene, *level_limits(self.scene))
 
 
 def mesh_pair(scene: Scene) -> MeshPair:
@@ -175,13 +145,11 @@ def mesh_pair(scene: Scene) -> MeshPair:
 
     Raises InputError if neither bricks nor tetrahedra know the scene's bimorph.
     """
-    if scene.support.kind == "rod" or ("cad" in scene.models and "solid" not in scene.models):
-        from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair, level_limits
-
-        CadModel.check(scene)
-        return adapted_pair(scene, *level_limits(scene))
-    SolidModel.check(scene)
-    return brick_pair(scene)
+    on_rod = scene.support.kind == "rod"
+    by_cad = on_rod or ("cad" in scene.models and "solid" not in scene.models)
+    model: type[TwoMeshModel] = CadModel if by_cad else SolidModel
+    model.check(scene)
+    return model(scene, Stages({})).make_pair()
 
 
 def cells_of(mesh: Mesh | Bricks) -> Mesh:
