@@ -101,9 +101,15 @@ def explained(error: Exception, scene: str) -> str | None:
     """Sentence for an error that a user can act on, None for a mistake of ours."""
     if isinstance(error, InputError):
         return str(error)
-    short = _of_memory(error) or _of_a_full_disk(error)
-    if short:
-        return short
+    if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
+        return f"there is not enough memory for this; {_MORE}"
+    if isinstance(error, ImportError) and not (error.name or "").startswith("tactgen"):
+        return (
+            f"a library cannot be loaded ({error}); if memory is short, {_MORE}; else install "
+            "tactgen's packages again (make setup)"
+        )
+    if isinstance(error, SystemError):  # a library's: it failed without making an error of it
+        return f"a library failed ({error}), as it does where memory is short; {_MORE}"
     if isinstance(error, OSError):
         reason = (error.strerror or str(error)).lower()
         if error.filename is not None:
@@ -120,32 +126,3 @@ def explained(error: Exception, scene: str) -> str | None:
             "--set models="
         )
     return None
-
-
-def _of_memory(error: Exception) -> str:
-    """Sentence for an error from too little memory, "" for others."""
-    if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
-        return f"there is not enough memory for this; {_MORE}"
-    if isinstance(error, ImportError) and not (error.name or "").startswith("tactgen"):
-        return (
-            f"a library cannot be loaded ({error}); if memory is short, {_MORE}; else install "
-            "tactgen's packages again (make setup)"
-        )
-    if isinstance(error, SystemError):  # a library's: it failed without making an error of it
-        return f"a library failed ({error}), as it does where memory is short; {_MORE}"
-    return ""
-
-
-def _of_a_full_disk(error: Exception) -> str:
-    """Sentence for a compiled module that Python left cut short, "" for all else.
-
-    Where the disk is full it writes what goes in, takes that for the whole, and reads it ever
-    after.
-    """
-    at = error.__traceback__
-    while at is not None and at.tb_next is not None:
-        at = at.tb_next
-    if at is None or at.tb_frame.f_code.co_name != "_compile_bytecode":
-        return ""
-    path = at.tb_frame.f_locals["bytecode_path"]
-    return f"{path} is cut short, as a full disk leaves it; remove it and run this again"

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -27,64 +25,49 @@ _USUAL = ("bending_x", "decays")
 _ORDINALS = ("first", "second")
 
 
-@dataclass(frozen=True)
-class _Part:
-    """Rows of one actuator: title and models, then label and cells; those all 0."""
-
-    rows: tuple[tuple[str, ...], ...]
-    idle: tuple[str, ...]
-
-
 def print_overview(solution: Solution) -> None:
     """Print the main quantities, one row each, and how to see the others.
 
     Where a scene is about several of bimorph, normal actuator and machine, each has a part.
     """
-    parts = [part for actuator in _TITLES if (part := _part(actuator, solution)).rows]
-    labels = max(len(row[0]) for part in parts for row in part.rows)
-    for number, part in enumerate(parts):
-        head, *body = part.rows
-        _print_rows([head if len(parts) > 1 else ("", *head[1:]), *body], labels)
-        if part.idle:
-            why = "by symmetry, or without voltage, current, coupling or load"
-            print(f"0 {why}: {', '.join(part.idle)}")
-        if number < len(parts) - 1:
-            print()
+    parts = {a: rows for a in _TITLES if len(rows := _part(a, solution)) > 1}
+    labels = max(len(row[0]) for rows in parts.values() for row in rows)
+    for actuator, rows in parts.items():
+        if len(parts) == 1:
+            rows[0][0] = ""
+        widths = [labels, *(max(map(len, column)) for column in list(zip(*rows, strict=True))[1:])]
+        for label, *cells in rows:
+            padded = (cell.rjust(width) for cell, width in zip(cells, widths[1:], strict=True))
+            print("  ".join([label.ljust(labels), *padded]).rstrip())
+        if idle := ", ".join(QUANTITIES[n].label for n in _idle(actuator, solution)):
+            print(f"0 by symmetry, or without voltage, current, coupling or load: {idle}")
+        print()
     print(
-        f"\n± is the numerical error, left out below {100 * _FINE:g} %.  More: --quantity all or "
+        f"± is the numerical error, left out below {100 * _FINE:g} %.  More: --quantity all or "
         "NAME for every value,\n--json for all frequencies, tactgen report for why models differ"
     )
 
 
-def _print_rows(rows: Sequence[tuple[str, ...]], labels: int) -> None:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for label, *cells in rows:
-        padded = (c.rjust(width) for c, width in zip(cells, widths[1:], strict=True))
-        print("  ".join([label.ljust(labels), *padded]).rstrip())
-
-
-def _part(actuator: Actuator, solution: Solution) -> _Part:
-    """Rows about an actuator; none if none of its quantities is asked for."""
-    asked = [
-        q
-        for q in solution.quantities
-        # those that are no matrix
-        if QUANTITIES[q.name].actuator == actuator and q.value.ndim < 2
-    ]
+def _part(actuator: Actuator, solution: Solution) -> list[list[str]]:
+    """Title and models of an actuator, then label and cells of its quantities."""
+    asked = _asked(actuator, solution)
     models = ranked({q.model for q in asked})
-    names = list(dict.fromkeys(q.name for q in asked))
-    idle = [n for n in names if all(_is_nothing(q) for q in solution.by_model(n).values())]
-    rows = [row for n in names if n not in idle for row in _rows(n, solution, models)]
-    head = [(_TITLES[actuator], *models)] if asked else []
-    return _Part(
-        (*head, *((label, *cells) for label, cells in rows)),
-        tuple(QUANTITIES[n].label for n in idle),
-    )
+    names = dict.fromkeys(q.name for q in asked)
+    idle = _idle(actuator, solution)
+    rows = [row for name in names if name not in idle for row in _rows(name, solution, models)]
+    return [[_TITLES[actuator], *models], *([label, *cells] for label, cells in rows)]
 
 
-def _is_nothing(q: Quantity) -> bool:
-    """Whether a response is 0 at every frequency."""
-    return q.frequency is not None and not q.value.any()
+def _asked(actuator: Actuator, solution: Solution) -> list[Quantity]:
+    """Quantities of an actuator that are no matrix."""
+    found = solution.quantities
+    return [q for q in found if QUANTITIES[q.name].actuator == actuator and q.value.ndim < 2]
+
+
+def _idle(actuator: Actuator, solution: Solution) -> list[str]:
+    """Responses that are 0 at every frequency by every model."""
+    moved = {q.name for q in solution.quantities if q.frequency is None or q.value.any()}
+    return [n for n in dict.fromkeys(q.name for q in _asked(actuator, solution)) if n not in moved]
 
 
 def _rows(name: str, solution: Solution, models: list[str]) -> list[tuple[str, list[str]]]:

@@ -9,7 +9,7 @@ import os
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -90,15 +90,9 @@ _COUNTED = re.compile(r"(?P<before>.*?)(?P<number>\d+) of (?P<all>\d+)(?P<after>
 
 
 class Clock:
-    """Progress line: activity, elapsed time, and time left of a counted list.
+    """Progress line: activity, elapsed time, and time left of a counted list."""
 
-    `stages` are those of a plan, in order: which of them it is stands beside its name.
-    """
-
-    def __init__(
-        self, stages: Sequence[str] = (), now: Callable[[], float] = time.monotonic
-    ) -> None:
-        self._stages = list(stages)
+    def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
         self._now, self._start = now, now()
         self._row: tuple[str, int, float] | None = None
 
@@ -109,24 +103,17 @@ class Clock:
 
     def words(self, text: str) -> str:
         """Text with times; of equal steps ("gap 3 of 9") also about how long to go."""
-        stage = ""
-        if text in self._stages:
-            stage = f" (stage {self._stages.index(text) + 1} of {len(self._stages)})"
-        return f"{text}{stage}, {_time(self.elapsed)}{self._left(text)}"
-
-    def _left(self, text: str) -> str:
-        found = _COUNTED.fullmatch(text)
-        # stages differ in cost by orders of magnitude: their number says nothing of the time
+        words, found = f"{text}, {_time(self.elapsed)}", _COUNTED.fullmatch(text)
         if found is None:
             self._row = None
-            return ""
-        number, all_ = int(found["number"]), int(found["all"])
+            return words
+        number = int(found["number"])
         if self._row is None or self._row[0] != found["before"] or number <= self._row[1]:
             self._row = found["before"], number, self._now()
-            return ""
+            return words
         _, first, since = self._row
-        rest = (self._now() - since) / (number - first) * (all_ - number + 1)
-        return f", about {_time(rest)} left"
+        rest = (self._now() - since) / (number - first) * (int(found["all"]) - number + 1)
+        return f"{words}, about {_time(rest)} left"
 
 
 def _time(seconds: float) -> str:
@@ -135,9 +122,9 @@ def _time(seconds: float) -> str:
 
 
 @contextmanager
-def announcer(stages: Sequence[str] = ()) -> Iterator[Callable[[str], None]]:
+def announcer() -> Iterator[Callable[[str], None]]:
     """Yield a function that shows progress on stderr."""
-    clock = Clock(stages)
+    clock = Clock()
     console = _rewritten()
     if console is None:
         yield _in_lines(clock)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
@@ -12,14 +12,8 @@ from tactgen.validation.command_line.streams import say
 
 if TYPE_CHECKING:
     from tactgen.geometry.units import Unit
-    from tactgen.validation.scene.scene import Scene
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
     from tactgen.validation.engine.comparison import Choice
     from tactgen.validation.scene.scene import Scene
-
 
 #: What argparse hands out for adding commands (its type is private).
 Commands = Any

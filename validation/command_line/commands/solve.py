@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     warn(scene_warnings(scene, origins))
     scene, choice = under_contract(scene, origins)
     checked = check_request(scene, scene.models, scene.quantities)
-    with announcer(list(checked[0].keys)) as announce:
+    with announcer() as announce:
         solution = solve(scene, announce=announce, checked=checked)
     for sentence in choice.sentences if choice is not None else ():
         say(sentence)
