@@ -212,7 +212,7 @@ LENGTHS = ["whatif", "prototype", "--vary", "bimorph.length=14mm:16mm:2"]
             ["magnetic_force", "lumped do not give", "--model"],
         ),
         (
-            ["whatif", "paper", "--vary", "load.mass=loguniform(0mg,5mg)", "--sample", "4"],
+            ["whatif", "paper", "--vary", "load.mass=0mg:5mg:log", "--sample", "4"],
             ["load.mass", "must begin above 0"],
         ),
         (["export", "paper", "--machine", "m.npz"], ["--machine", "set support.kind=contact"]),

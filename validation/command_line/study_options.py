@@ -28,7 +28,7 @@ with --sample N also:
   KEY=START:STOP[:log]       drawn from the range
   KEY                        drawn from the tolerance that the scene states, or else assumes;
                              without --vary, of all the keys of which the scene states one
-  KEY=normal(MEAN,DEVIATION) and uniform(LOW,HIGH), lognormal(MEDIAN,SHARE), loguniform(LOW,HIGH);
+  KEY=normal(MEAN,DEVIATION) and lognormal(MEDIAN,SHARE);
                              a deviation may be a share of the mean, such as 5%
 """
 

@@ -15,8 +15,8 @@ from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.studies.whatif.aims import THRESHOLD, Aim, at_threshold, parse_aim
+from tactgen.validation.studies.whatif.axes import scene_field
 from tactgen.validation.studies.whatif.definition import Statement
-from tactgen.validation.studies.whatif.key_values import scene_field
 from tactgen.validation.studies.whatif.study import Study
 
 #: 97.5 % quantile of the normal distribution.
@@ -192,14 +192,18 @@ def _line(study: Study, found: Verdict, one: Judged) -> str:
     return f"{at} ({one.models}): {', '.join(shown(aim, *margin) for aim, margin in each)}"
 
 
+def takes_prefix(aim: Aim) -> bool:
+    """Whether an aim's unit is one of a quantity: base units take no prefix."""
+    return aim.unit in {row.unit for row in QUANTITIES.values()}
+
+
 def shown(aim: Aim, margin: float, bar: float) -> str:
     """Goal's value, or a condition's margin, with its bar and unit."""
     value = aim.sign * margin if aim.kind == "goal" else margin
-    unit = aim.unit
-    if unit in {row.unit for row in QUANTITIES.values()}:
-        text = with_error(value, bar, unit)
-    else:  # base units take no prefix
-        text = f"{with_error(value, bar, '1')} {unit}"
+    if takes_prefix(aim):
+        text = with_error(value, bar, aim.unit)
+    else:
+        text = f"{with_error(value, bar, '1')} {aim.unit}"
     return text if aim.kind == "goal" else f"margin {text}"
 
 

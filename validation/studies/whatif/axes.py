@@ -1,7 +1,8 @@
 """Axes of a study: which scene key takes which values, as a user writes them.
 
-``KEY=START:STOP:N[:log]`` and ``KEY=a,b,c`` are steps; ``KEY=START:STOP`` and
-``KEY=normal(MEAN,DEVIATION)`` are drawn from.  Values are checked here as a scene checks them.
+``KEY=START:STOP:N[:log]`` and ``KEY=a,b,c`` are steps; ``KEY=START:STOP[:log]``,
+``KEY=normal(MEAN,DEVIATION)`` and ``KEY=lognormal(MEDIAN,SHARE)`` are drawn from.  Values are
+checked here as a scene checks them.
 """
 
 from __future__ import annotations
@@ -10,28 +11,111 @@ import re
 import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from functools import cache, cached_property
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
 
+from tactgen.geometry import units as u
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.units import quoted
-from tactgen.validation.scene.scene import check_key
-from tactgen.validation.studies.whatif.key_values import SceneField, scene_field
+from tactgen.geometry.units import Unit, WholeNumber, quoted
+from tactgen.validation.scene.files import parse_frequencies, sentence
+from tactgen.validation.scene.scene import Scene, check_key
+from tactgen.validation.scene.tolerances import unit_of
 
-#: Distributions by name, with what their two numbers are.
-DISTRIBUTIONS = {
-    "normal": ("mean", "standard deviation"),
-    "lognormal": ("median", "standard deviation of its logarithm"),
-    "uniform": ("low", "high"),
-    "loguniform": ("low", "high"),
-}
+#: Most values of one axis, and most points of one study.
+MOST = 1_000_000
+#: Keys that say what is asked, not what the device is.
+_ASKED = {"name": "", "description": "", "models": "--model", "quantities": "--quantity"}
+_EXAMPLE = "--vary bimorph.length=14mm:22mm:5"
+_CALL = re.compile(r"([a-z]+)\s*\(([^()]*)\)")
+
+
+@dataclass(frozen=True)
+class SceneField:
+    """Reader of the values of one scene key."""
+
+    key: str  #: The scene key
+    info: FieldInfo  #: Its declaration
+    scale: Unit | None  #: Its unit, if it is a number on a scale
+
+    @property
+    def unit(self) -> str:
+        """SI unit of its numbers, empty if there is none."""
+        return self.scale.si if self.scale else ""
+
+    @property
+    def whole(self) -> bool:
+        """Whether its values are whole numbers."""
+        return any(
+            isinstance(part, WholeNumber)
+            for validator in self.info.metadata
+            for part in (validator, getattr(validator, "func", None))
+        )
+
+    @property
+    def numeric(self) -> bool:
+        """Whether its values are numbers."""
+        return self.scale is not None or self.whole
+
+    @property
+    def separator(self) -> str:
+        """What parts two of its values, one of which may hold commas."""
+        return ";" if self.key.endswith("_profile") else ","
+
+    def read(self, text: str) -> Any:
+        """Value as SI number, whole number or choice; InputError if it cannot be one."""
+        text = text.strip()
+        try:
+            if self.key == "frequency":
+                return parse_frequencies([text])[0]
+            if self.separator == ";":  # what it must fit, the length, is known at the point only
+                return text
+            found = self._adapter.validate_python(text, context={"units_required": True})
+        except ValidationError as error:
+            cause = error.errors()[0].get("ctx", {}).get("error")
+            words = str(cause or sentence(error)).removeprefix(f" = {quoted(text)} ")
+            raise InputError(f"--vary {self.key}: {quoted(text)} {words}") from None
+        except ValueError as error:
+            raise InputError(f"--vary {self.key}: {quoted(text)} {error}") from None
+        return found if self.numeric else text
+
+    def show(self, value: Any) -> str:
+        """Value as people write it."""
+        return self.scale.show(value) if self.scale and value is not None else str(value)
+
+    @cached_property
+    def _adapter(self) -> TypeAdapter[Any]:
+        kind: Any = self.info.annotation
+        for part in self.info.metadata:
+            kind = Annotated[kind, part]
+        return TypeAdapter(kind)
+
+
+@cache
+def scene_field(key: str) -> SceneField:
+    """Field of a scene key that exists."""
+    owner: Any = Scene
+    *groups, name = key.split(".")
+    for group in groups:
+        owner = owner.model_fields[group].annotation
+    info: FieldInfo = owner.model_fields[name]
+    return SceneField(key, info, u.FREQUENCY if key == "frequency" else unit_of(info))
+
+
+def as_stated(key: str, value: Any) -> Any:
+    """Value of an axis as a scene takes it: numbers as SI, whatever asks for units."""
+    if key == "frequency":
+        return [value]
+    return u.SI(value) if isinstance(value, float) else value
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """A distribution of one number (SI units); `first` and `second` as in DISTRIBUTIONS."""
+    """Distribution of one number (SI): its ends, or its middle and deviation."""
 
     kind: str
     first: float
@@ -54,14 +138,6 @@ class Distribution:
                 return np.asarray(np.exp(random.uniform(*ends, count)))
             case _:
                 return np.asarray(random.uniform(self.first, self.second, count))
-
-
-#: Most values of one axis, and most points of one study.
-MOST = 1_000_000
-#: Keys that say what is asked, not what the device is.
-_ASKED = {"name": "", "description": "", "models": "--model", "quantities": "--quantity"}
-_EXAMPLE = "--vary bimorph.length=14mm:22mm:5"
-_CALL = re.compile(r"\s*([a-z]+)\s*\(([^()]*)\)\s*")
 
 
 @dataclass(frozen=True)
@@ -97,11 +173,16 @@ def parse_axes(texts: Sequence[str], *, sampled: bool) -> tuple[Axis, ...]:
     """
     if not texts:
         raise InputError(f"nothing is varied; write for example {_EXAMPLE}")
-    axes = tuple(_axis(text, sampled=sampled) for text in texts)
+    axes = tuple(map(_axis, texts))
     keys = [axis.key for axis in axes]
-    for key in keys:
-        if keys.count(key) > 1:
-            raise InputError(f"--vary {key} is stated {keys.count(key)} times; join its values")
+    for axis in axes:
+        if keys.count(axis.key) > 1:
+            raise InputError(f"--vary {axis.key} is stated several times; join its values")
+        if axis.drawn and not sampled:
+            raise InputError(
+                f"--vary {axis.key} = {quoted(axis.text)} does not say at how many values; add for "
+                "example --sample 16, or to a range a number of values, as START:STOP:5"
+            )
     if sampled and not any(axis.drawn for axis in axes):
         raise InputError(
             "--sample is given, but no axis can be drawn from; write for example "
@@ -110,106 +191,82 @@ def parse_axes(texts: Sequence[str], *, sampled: bool) -> tuple[Axis, ...]:
     return axes
 
 
-def _axis(text: str, *, sampled: bool) -> Axis:
-    key, equals, stated = (part.strip() for part in text.partition("="))
-    if not (key and equals and stated):
+def _axis(text: str) -> Axis:
+    key, _, stated = (part.strip() for part in text.partition("="))
+    if not (key and stated):
         raise InputError(f"--vary {quoted(text)} is not KEY=VALUES; write for example {_EXAMPLE}")
     check_key(key)
     if key in _ASKED:
         instead = f"; use {_ASKED[key]}, which may be repeated" if _ASKED[key] else ""
         raise InputError(f"--vary {key} is no property of the device{instead}; vary another key")
     field = scene_field(key)
-    call = _CALL.fullmatch(stated)
-    if call:
-        return _distributed(field, stated, call[1], call[2], sampled=sampled)
-    if field.numeric and ":" in stated:
-        return _range(field, stated, sampled=sampled)
-    parts = stated.split(";" if field.has_commas else ",")
-    values = [_value(field, part) for part in parts]
-    for value in values:
-        if values.count(value) > 1:
-            raise InputError(f"--vary {key} = {quoted(stated)} names {field.show(value)} twice; "
-                             "name each value once")  # fmt: skip
-    return Axis(key, stated, field.unit, tuple(values))
+    values: list[Any] = []
+    drawn = None
+    if call := _CALL.fullmatch(stated):
+        drawn = _distribution(field, stated, *call.groups())
+    elif field.numeric and ":" in stated:
+        values, drawn = _range(field, stated)
+    else:
+        values = [field.read(part) for part in stated.split(field.separator)]
+        if len(set(values)) < len(values):
+            raise InputError(f"--vary {key} = {quoted(stated)} names a value twice; name each once")
+    return Axis(key, stated, field.unit, tuple(values), drawn)
 
 
-def _value(field: SceneField, text: str) -> Any:
-    try:
-        return field.read(text.strip())
-    except ValueError as error:
-        raise InputError(f"--vary {field.key}: {quoted(text.strip())} {error}") from None
-
-
-def _range(field: SceneField, text: str, *, sampled: bool) -> Axis:
+def _range(field: SceneField, text: str) -> tuple[list[Any], Distribution | None]:
+    """Values of a range with their number, distribution of one without."""
     where = f"--vary {field.key} = {quoted(text)}"
     parts = [part.strip() for part in text.split(":")]
-    logarithmic = parts[-1] in ("log", "lin") and parts.pop() == "log"
-    if len(parts) not in (2, 3):
+    logarithmic = parts[-1] == "log"
+    ends, count = parts[:2], parts[2 : len(parts) - logarithmic]
+    if len(count) > 1:
         raise InputError(f"{where} is not START:STOP:N or START:STOP:N:log; write for example "
                          f"{_EXAMPLE}")  # fmt: skip
-    start, stop = _value(field, parts[0]), _value(field, parts[1])
+    start, stop = map(field.read, ends)
     if not start < stop:
-        what = "is empty" if start == stop else "runs backwards"
-        raise InputError(f"{where} {what}: it must begin below where it ends; write the smaller "
-                         "value first, or one value alone")  # fmt: skip
+        raise InputError(f"{where} is empty or runs backwards; write the smaller value first, or "
+                         "one value alone")  # fmt: skip
     if logarithmic and start <= 0.0:
-        raise InputError(f"{where} cannot be spaced logarithmically from {field.show(start)}; "
-                         "begin above 0")  # fmt: skip
-    if len(parts) == 2:
-        if not sampled:
-            raise InputError(f"{where} does not say at how many values; write "
-                             f"{field.key}={parts[0]}:{parts[1]}:5, or add --sample N")  # fmt: skip
-        kind: Literal["uniform", "loguniform"] = "loguniform" if logarithmic else "uniform"
-        return Axis(field.key, text, field.unit, (), Distribution(kind, start, stop))
-    count = int(parts[2]) if re.fullmatch(r"[0-9]{1,9}", parts[2], re.ASCII) else 0
-    if not 2 <= count <= MOST:
-        raise InputError(f"{where} asks for {quoted(parts[2])} values; give a whole number from 2 "
+        raise InputError(f"{where} cannot be spaced logarithmically; it must begin above 0")
+    if not count:
+        return [], Distribution("loguniform" if logarithmic else "uniform", start, stop)
+    size = int(count[0]) if re.fullmatch(r"[0-9]{1,9}", count[0], re.ASCII) else 0
+    if not 2 <= size <= MOST:
+        raise InputError(f"{where} asks for {quoted(count[0])} values; give a whole number from 2 "
                          f"to {MOST}")  # fmt: skip
     spaced = np.geomspace if logarithmic else np.linspace
     # the ends are what was written; twelve digits between, so that a finer axis meets a coarser
     # one, and a list, in the same numbers
-    values = [float(f"{value:.12g}") for value in spaced(start, stop, count)]
-    return Axis(field.key, text, field.unit,
-                tuple(field.checked(v, where) for v in (start, *values[1:-1], stop)))  # fmt: skip
+    values = [start, *(float(f"{value:.12g}") for value in spaced(start, stop, size)[1:-1]), stop]
+    if field.whole:
+        if any(abs(value - round(value)) > 1e-9 for value in values):
+            raise InputError(f"{where} has values between whole numbers, but {field.key} is a "
+                             "whole number; choose as many as there are in the range")  # fmt: skip
+        values = [round(value) for value in values]
+    return values, None
 
 
-def _distributed(field: SceneField, text: str, name: str, arguments: str, *, sampled: bool) -> Axis:
+def _distribution(field: SceneField, text: str, name: str, arguments: str) -> Distribution:
     where = f"--vary {field.key} = {quoted(text)}"
-    known = ", ".join(f"{kind}({', '.join(names)})" for kind, names in DISTRIBUTIONS.items())
     parts = [part.strip() for part in arguments.split(",")]
-    if name not in DISTRIBUTIONS or len(parts) != 2:
-        raise InputError(f"{where} is no distribution; known are {known}")
-    if not field.numeric or field.whole:
+    if name not in ("normal", "lognormal") or len(parts) != 2:
+        raise InputError(f"{where} is no distribution; known are normal(mean, standard deviation), "
+                         "lognormal(median, share), and ranges as START:STOP[:log]")  # fmt: skip
+    if field.scale is None:
         raise InputError(f"{where} cannot be drawn: {field.key} is not a number on a scale; name "
                          "its values, parted by commas")  # fmt: skip
-    if not sampled:
-        raise InputError(f"{where} does not say how many are drawn; add for example --sample 16")
-    first = _value(field, parts[0])
-    if name in ("uniform", "loguniform"):
-        second = _value(field, parts[1])
-    else:
-        second = _deviation(field, parts[1], first, relative=name == "lognormal")
-    if name in ("uniform", "loguniform") and not first < second:
-        raise InputError(f"{where} is empty or runs backwards; write the smaller value first")
-    if name in ("lognormal", "loguniform") and first <= 0.0:
+    middle, relative = field.read(parts[0]), name == "lognormal"
+    if relative and middle <= 0.0:
         raise InputError(f"{where} must begin above 0")
-    return Axis(field.key, text, field.unit, (), Distribution(name, first, second))
-
-
-def _deviation(field: SceneField, text: str, mean: float, *, relative: bool) -> float:
-    """Standard deviation: in the key's unit, or as a share such as ``5 %``."""
-    where = f"--vary {field.key}: the standard deviation {quoted(text)}"
-    share = re.fullmatch(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e-?[0-9]+)?)\s*(%?)", text)
     try:
-        if share and (share[2] or relative or not field.unit):
-            number = float(share[1]) * (0.01 if share[2] else 1.0)
-            found = number if relative else number * abs(mean) if share[2] else number
+        if parts[1].endswith("%"):
+            deviation = float(parts[1][:-1]) * 0.01 * (1.0 if relative else abs(middle))
         elif relative:
             raise ValueError("must be a share of the median, such as 5 %")
         else:
-            found = field.parse(text)
+            deviation = field.scale.parse(parts[1])
+        if not 0.0 < deviation < np.inf:
+            raise ValueError("must be above 0; write for example 2%")
     except ValueError as error:
-        raise InputError(f"{where} {error}") from None
-    if not found > 0.0:
-        raise InputError(f"{where} must be above 0; write for example 2%")
-    return found
+        raise InputError(f"{where}: the standard deviation {quoted(parts[1])} {error}") from None
+    return Distribution(name, middle, deviation)

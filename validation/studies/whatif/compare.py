@@ -16,9 +16,9 @@ from tactgen.geometry.formats import percent, with_error
 from tactgen.validation.engine.answers import COLUMNS, quantity_rows
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene, checked_scene, load_scene, scene_values
+from tactgen.validation.studies.whatif.axes import scene_field
 from tactgen.validation.studies.whatif.defaults import chosen
 from tactgen.validation.studies.whatif.definition import FILE, Statement, read_statement
-from tactgen.validation.studies.whatif.key_values import scene_field
 from tactgen.validation.studies.whatif.output_files import TABLE
 
 #: Longest list of frequencies that is shown whole.

@@ -20,8 +20,8 @@ from tactgen.validation.engine.comparison import Choice, choose
 from tactgen.validation.scene.files import assign, choices
 from tactgen.validation.scene.parameter_list import ranges
 from tactgen.validation.scene.scene import Scene, check_key, checked_scene
+from tactgen.validation.studies.whatif.axes import as_stated, scene_field
 from tactgen.validation.studies.whatif.definition import Statement
-from tactgen.validation.studies.whatif.key_values import as_stated, scene_field
 
 #: Quick, and exact within their theories: of what the first gives it, of the rest the second.
 _USUAL = ("tmm", "network")
@@ -93,30 +93,44 @@ def with_tolerances(
 
     Raises InputError if nothing is known of a key's range, or nothing is drawn.
     """
-    alone = [text for text in vary if "=" not in text and text.strip()]
+    alone = [text.strip() for text in vary if "=" not in text and text.strip()]
     if (vary and not alone) or not (vary or sampled):
         return tuple(vary), []
-    for text in alone:
-        check_key(text.strip())
-    scene = checked_scene(values)
+    for key in alone:
+        check_key(key)
+    scene, notes = checked_scene(values), []
     known = {key: spread for key, spread in ranges(scene).items() if spread.low < spread.high}
-    left: list[str] = []
     if not vary:
-        stated = [key for key in scene.tolerances if key in known]
-        refused = {key: _refusal(values, key, known[key]) for key in stated}
-        alone = [key for key in stated if not refused[key]]
-        left = [f"{key} is not drawn: {why}" for key, why in refused.items() if why]
-        vary = alone
+        for key in (key for key in scene.tolerances if key in known):
+            refused = _refusal(values, key, known[key])
+            if refused:
+                notes.append(f"{key} is not drawn: {refused}")
+            else:
+                alone.append(key)
         if not alone:
             raise InputError(
                 "--sample is given, but nothing is varied and the scene states no tolerance; write "
                 'one, such as --set "bimorph.width=2.10 ± 0.05 mm", or --vary KEY'
             )
-    drawn = {text: _known(text.strip(), known, sampled=sampled) for text in alone}
-    return (
-        tuple(_axis(text.strip(), drawn[text]) if text in drawn else text for text in vary),
-        [_line(text.strip(), spread) for text, spread in drawn.items()] + left,
-    )
+        vary = alone
+    drawn = {}
+    for key in alone:
+        if not sampled:
+            raise InputError(
+                f"--vary {quoted(key)} names no values; write --vary {key}=VALUES, or add --sample "
+                "16 to draw from its tolerance"
+            )
+        if key not in known:
+            raise InputError(
+                f"--vary {quoted(key)} names no values, and the scene states no tolerance of it; "
+                f"write --vary {key}=VALUES, or a tolerance in the scene"
+            )
+        spread, field = known[key], scene_field(key)
+        low, high = (f"{end!r} {field.unit}".strip() for end in (spread.low, spread.high))
+        drawn[key] = f"{key}={low}:{high}"
+        low, high = field.show(spread.low), field.show(spread.high)
+        notes.append(f"{key} is drawn from {low} to {high} ({spread.reason})")
+    return tuple(drawn.get(text.strip(), text) for text in vary), notes
 
 
 def _refusal(values: dict[str, Any], key: str, spread: Spread) -> str:
@@ -129,32 +143,6 @@ def _refusal(values: dict[str, Any], key: str, spread: Spread) -> str:
         except InputError as error:
             return str(error)
     return ""
-
-
-def _known(key: str, known: dict[str, Spread], *, sampled: bool) -> Spread:
-    if key not in known:
-        raise InputError(
-            f"--vary {quoted(key)} names no values, and the scene states no tolerance of it; write "
-            f"--vary {key}=VALUES, or a tolerance in the scene"
-        )
-    if not sampled:
-        raise InputError(
-            f"--vary {quoted(key)} names no values; write --vary {key}=VALUES, or add --sample 16 "
-            "to draw from its tolerance"
-        )
-    return known[key]
-
-
-def _axis(key: str, spread: Spread) -> str:
-    unit = scene_field(key).unit
-    low, high = (f"{end!r} {unit}".strip() for end in (spread.low, spread.high))
-    return f"{key}={low}:{high}"
-
-
-def _line(key: str, spread: Spread) -> str:
-    field = scene_field(key)
-    low, high = field.show(spread.low), field.show(spread.high)
-    return f"{key} is drawn from {low} to {high} ({spread.reason})"
 
 
 def asks_accuracy(statement: Statement) -> bool:
@@ -191,18 +179,13 @@ def judged_points(statement: Statement) -> list[dict[str, Any]]:
     Of an axis of choices every one, of what is drawn the least and the largest of the samples.
     What a model leaves out grows or falls along an axis, so that it is largest at an end.
     """
-    shape = statement.shape
-    middle = {dimension: size // 2 for dimension, size in shape.items()}
+    middle = {dimension: size // 2 for dimension, size in statement.shape.items()}
     places = [middle]
     for dimension, values in statement.columns.values():
         if any(isinstance(value, str) for value in values):
             ends = list(range(len(values)))
         else:
-            ends = [min(range(len(values)), key=values.__getitem__),
-                    max(range(len(values)), key=values.__getitem__)]  # fmt: skip
+            ends = [values.index(min(values)), values.index(max(values))]
         places += [{**middle, dimension: end} for end in ends]
     different = {tuple(place.values()): place for place in places}
-    return [
-        {key: values[place[dimension]] for key, (dimension, values) in statement.columns.items()}
-        for place in different.values()
-    ]
+    return [statement.point(place) for place in different.values()]

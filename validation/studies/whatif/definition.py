@@ -5,8 +5,9 @@ from __future__ import annotations
 import copy
 import itertools
 import json
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -16,8 +17,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.files import assign
-from tactgen.validation.studies.whatif.axes import MOST, Axis, parse_axes
-from tactgen.validation.studies.whatif.key_values import as_stated
+from tactgen.validation.studies.whatif.axes import MOST, Axis, as_stated, parse_axes
 
 #: Version of the file; another one is refused.
 FORMAT = 1
@@ -31,12 +31,13 @@ ZIPPED, DRAWN = "point", "sample"
 class Statement:
     """Definition of a study: a scene, axes, models and quantities."""
 
-    scene: str  #: The scene's name
-    values: dict[str, Any]  #: Its values as they are written, with all overrides
-    vary: tuple[str, ...]  #: The axes as they are written
+    scene: str = ""  #: The scene's name
+    #: Its values as they are written, with all overrides
+    values: dict[str, Any] = field(default_factory=dict)
+    vary: tuple[str, ...] = ()  #: The axes as they are written
     #: By name
-    models: tuple[str, ...]
-    quantities: tuple[str, ...]
+    models: tuple[str, ...] = ()
+    quantities: tuple[str, ...] = ()
     zipped: bool = False  #: Whether stepped axes go hand in hand instead of being combined
     #: How many samples are drawn (0: none), and from which seed
     samples: int = 0
@@ -53,25 +54,22 @@ class Statement:
     def columns(self) -> dict[str, tuple[str, tuple[Any, ...]]]:
         """Of each axis by key: the dimension that it lies along, and its values.
 
-        Raises InputError if axes that go hand in hand differ in length, or there are too many
-        points.
+        Raises InputError if axes that go hand in hand differ in length.
         """
-        stepped = [axis for axis in self.axes if axis.drawn is None]
-        if self.zipped:
-            sizes = {axis.key: len(axis.values) for axis in stepped}
-            if len(set(sizes.values())) > 1:
-                listed = ", ".join(f"{key} has {size}" for key, size in sizes.items())
-                raise InputError(
-                    f"--zip takes axes of equal length, but {listed}; give each as many values, "
-                    "or leave --zip out"
-                )
         found = {}
         for axis in self.axes:
             if axis.drawn is not None:
                 drawn = axis.drawn.draw(self.samples, self.seed, axis.key)
-                found[axis.key] = (DRAWN, tuple(float(value) for value in drawn))
+                found[axis.key] = DRAWN, tuple(map(float, drawn))
             else:
-                found[axis.key] = (ZIPPED if self.zipped else axis.key, axis.values)
+                found[axis.key] = ZIPPED if self.zipped else axis.key, axis.values
+        sizes = {key: len(values) for key, (along, values) in found.items() if along == ZIPPED}
+        if len(set(sizes.values())) > 1:
+            listed = ", ".join(f"{key} has {size}" for key, size in sizes.items())
+            raise InputError(
+                f"--zip takes axes of equal length, but {listed}; give each as many values, or "
+                "leave --zip out"
+            )
         return found
 
     @cached_property
@@ -81,27 +79,25 @@ class Statement:
         Raises InputError if they make too many points.
         """
         found = {dimension: len(values) for dimension, values in self.columns.values()}
-        count = 1
-        for size in found.values():
-            count *= size
-        if count > MOST:
-            raise InputError(f"the axes make {count} points; ask for at most {MOST}")
+        if math.prod(found.values()) > MOST:
+            raise InputError(
+                f"the axes make {math.prod(found.values())} points; ask for at most {MOST}"
+            )
         return found
 
     @property
     def size(self) -> int:
         """Number of points."""
-        count = 1
-        for size in self.shape.values():
-            count *= size
-        return count
+        return math.prod(self.shape.values())
+
+    def point(self, at: dict[str, int]) -> dict[str, Any]:
+        """Values of all axes at a place of each dimension."""
+        return {key: values[at[dimension]] for key, (dimension, values) in self.columns.items()}
 
     def points(self) -> Iterator[dict[str, Any]]:
         """Yield the values of all axes at each point; the last dimension runs fastest."""
-        dimensions = list(self.shape)
-        for index in itertools.product(*(range(size) for size in self.shape.values())):
-            at = dict(zip(dimensions, index, strict=True))
-            yield {key: values[at[dimension]] for key, (dimension, values) in self.columns.items()}
+        for index in itertools.product(*map(range, self.shape.values())):
+            yield self.point(dict(zip(self.shape, index, strict=True)))
 
     def scene_at(self, point: dict[str, Any]) -> dict[str, Any]:
         """Values of the scene at a point, as they would be written."""
@@ -126,32 +122,27 @@ def read_statement(folder: Path) -> Statement:
     path = folder / FILE
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
+        stated: dict[str, Any] = {f.name: content.get(f.name) for f in fields(Statement)}
+        stated_format = content.get("format")
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise InputError(
             f"{folder} holds no study that can be read ({FILE}: {reason}); name a folder that "
             "tactgen whatif --out has written"
         ) from None
-    except ValueError:
+    except (ValueError, AttributeError):
+        raise _damaged(path) from None
+    if stated_format != FORMAT:
         raise InputError(
-            f"{path} is damaged (it is not JSON); state the study again with --vary, its points "
-            "are kept"
-        ) from None
-    if not isinstance(content, dict) or content.get("format") != FORMAT:
-        stated = content.get("format") if isinstance(content, dict) else None
-        raise InputError(
-            f"{path} has format = {quoted(stated)}, and this version reads {FORMAT}; state the "
-            "study again with --vary in another folder"
+            f"{path} has format = {quoted(stated_format)}, and this version reads {FORMAT}; state "
+            "the study again with --vary in another folder"
         )
-    known = {f.name for f in fields(Statement)}
-    try:
-        stated = {key: _frozen(value) for key, value in content.items() if key in known}
-        return Statement(**stated)
-    except TypeError as error:
-        raise InputError(
-            f"{path} is damaged ({error}); state the study again with --vary"
-        ) from None
+    if None in stated.values():
+        raise _damaged(path)
+    for key, value in stated.items():
+        stated[key] = tuple(value) if isinstance(value, list) else value
+    return Statement(**stated)
 
 
-def _frozen(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+def _damaged(path: Path) -> InputError:
+    return InputError(f"{path} is damaged; state the study again with --vary, its points are kept")

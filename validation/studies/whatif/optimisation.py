@@ -23,8 +23,8 @@ from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.solve import check_models
 from tactgen.validation.studies.whatif.aim_evaluation import Judged, felt_at, judged, shown
 from tactgen.validation.studies.whatif.aims import Aim
+from tactgen.validation.studies.whatif.axes import scene_field
 from tactgen.validation.studies.whatif.definition import Statement
-from tactgen.validation.studies.whatif.key_values import scene_field
 from tactgen.validation.studies.whatif.study import StudySolver
 
 #: Share of a range that counts as its end.

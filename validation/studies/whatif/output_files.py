@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,9 +13,9 @@ import numpy as np
 
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.engine import answers
-from tactgen.validation.engine.answers import Answer, representative
+from tactgen.validation.engine.answers import Representative, representative
+from tactgen.validation.studies.whatif.axes import scene_field
 from tactgen.validation.studies.whatif.definition import FORMAT
-from tactgen.validation.studies.whatif.key_values import scene_field
 from tactgen.validation.studies.whatif.point_answers import code_of
 from tactgen.validation.studies.whatif.study import Study
 
@@ -93,38 +93,39 @@ _SHOWN = 60
 
 def table_lines(study: Study) -> list[str]:
     """Table's lines; of modes the first, of a response its largest magnitude."""
-    quantities = study.statement.quantities
-    axes = study.statement.axes
+    quantities, axes = study.statement.quantities, study.statement.axes
+    lines = [[*(axis.key for axis in axes), "model", *(heading(study, q) for q in quantities)]]
     rows = list(study.rows)
     picked = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _SHOWN)).astype(int))
-    lines = [[*(axis.key for axis in axes), "model", *(heading(study, q) for q in quantities)]]
-    for number in picked:
-        point, model, answer = rows[number]
+    for point, model, answer in (rows[number] for number in picked):
         at = [scene_field(key).show(value) for key, value in point.items()]
-        lines.append([*at, model, *_cells(model, answer, quantities)])
-    widths = [max(len(line[n]) for line in lines) for n in range(len(lines[0]))]
-    found = [
-        "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True))
-        for line in lines
-    ]
+        shown = {q.name: representative(q).text for q in answer.quantities}
+        missing = {name: answer.status if gives(model, name) else "-" for name in quantities}
+        lines.append([*at, model, *({**missing, **shown}[name] for name in quantities)])
+    found = aligned(lines, str.rjust)
     if len(picked) < len(rows):
         found.append(f"{len(picked)} of {len(rows)} lines are shown; --out STUDY writes all")
     return found
 
 
+def aligned(
+    rows: Sequence[Sequence[str]], side: Callable[[str, int], str] = str.ljust
+) -> list[str]:
+    """Lines of a table whose columns are of one width."""
+    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+    return ["  ".join(map(side, row, widths)).rstrip() for row in rows]
+
+
+def column(study: Study, model: str, name: str) -> list[Representative | None]:
+    """Number that stands for a quantity at each point; None where there is none."""
+    return [
+        next((representative(q) for q in answers[model].quantities if q.name == name), None)
+        for answers in study.answers
+    ]
+
+
 def heading(study: Study, name: str) -> str:
     """Heading of a quantity: name and representative."""
-    for _, _, answer in study.rows:
-        for q in answer.quantities:
-            if q.name == name:
-                return ", ".join(part for part in (name, representative(q).what) if part)
-    return name
-
-
-def _cells(model: str, answer: Answer, quantities: tuple[str, ...]) -> list[str]:
-    by_name = {q.name: q for q in answer.quantities}
-    return [
-        representative(by_name[name]).text if name in by_name
-        else answer.status if gives(model, name) else "-"
-        for name in quantities
-    ]  # fmt: skip
+    columns = (column(study, model, name) for model in study.statement.models)
+    what = next((shown.what for each in columns for shown in each if shown), "")
+    return f"{name}, {what}" if what else name

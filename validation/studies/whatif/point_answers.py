@@ -21,8 +21,8 @@ from tactgen.validation.scene.files import choices, one_line
 from tactgen.validation.scene.inputs import values_read
 from tactgen.validation.scene.scene import Scene, checked_scene
 from tactgen.validation.scene.variation import ScenesNearby
+from tactgen.validation.studies.whatif.axes import as_stated
 from tactgen.validation.studies.whatif.definition import Statement
-from tactgen.validation.studies.whatif.key_values import as_stated
 
 
 @dataclass(frozen=True)

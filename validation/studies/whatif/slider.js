@@ -1,12 +1,10 @@
-// Sliders over a study's axes: values with bars at the nearest baked point, and a curve with a band.
+// Sliders over a study's axes: values with bars at each point, and a curve with a band.
 (function () {
   const data = JSON.parse(document.getElementById("study-data").textContent);
   const box = document.getElementById("sliders"), answers = document.getElementById("answers");
   const chosen = document.getElementById("quantity"), curve = document.getElementById("curve");
-  // a slider stops at the points of the finest grid, so that one key goes from one to the next
-  const stops = data.axes.map((a, n) => a.numeric && data.grids.map((g) => g.axes[n])
-    .reduce((best, own) => (own.length > best.length ? own : best)).slice().sort((x, y) => x - y));
-  const now = data.axes.map((a, n) => (a.numeric ? stops[n][Math.floor(stops[n].length / 2)] : 0));
+  const stops = data.axes.map((a) => a.numeric && a.values.slice().sort((x, y) => x - y));
+  const now = data.axes.map((a, n) => (a.numeric ? a.values.indexOf(stops[n][Math.floor(stops[n].length / 2)]) : 0));
   const colours = ["#0072b2", "#d55e00", "#009e73", "#e69f00", "#56b4e9", "#1d2733"];
 
   const prefixes = { "-15": "f", "-12": "p", "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G" };
@@ -16,23 +14,8 @@
     return [10 ** -e, prefixes[e] + unit];
   }
   const digits = (value, most) => String(Number(value.toPrecision(most)));  // 15, and not 15.000
-  function withBar(value, bar, unit) {
-    if (value === null) return "no value";
-    const [factor, named] = scaled(value, unit);
-    if (!bar) return (value * factor).toPrecision(6) + " " + named;
-    if (bar < 1e-7 * Math.abs(value))
-      return (value * factor).toPrecision(7) + " " + named + " (±" + (bar / Math.abs(value)).toExponential(0) + " relative)";
-    const decimals = Math.max(0, Math.min(12, 1 - Math.floor(Math.log10(bar * factor))));
-    return (value * factor).toFixed(decimals) + " ± " + (bar * factor).toFixed(decimals) + " " + named;
-  }
-  function nearest(values, at) {
-    let best = 0;
-    values.forEach((v, i) => { if (Math.abs(v - at) < Math.abs(values[best] - at)) best = i; });
-    return best;
-  }
-  // places along each axis of a model's grid, and the flat place of them; the last axis runs fastest
-  const places = (grid) => data.axes.map((a, n) => (a.numeric ? nearest(grid.axes[n], now[n]) : now[n]));
-  const flat = (grid, at) => at.reduce((sum, place, n) => sum * grid.axes[n].length + place, 0);
+  // flat place of a point; the last axis runs fastest
+  const flat = (at) => at.reduce((sum, place, n) => sum * data.axes[n].values.length + place, 0);
 
   data.axes.forEach((axis, n) => {
     const line = document.createElement("p"), label = document.createElement("label");
@@ -40,12 +23,12 @@
     if (axis.numeric) {
       const input = document.createElement("input"), shown = document.createElement("output");
       Object.assign(input, { type: "range", min: 0, max: stops[n].length - 1, id: "slider-" + n });
-      input.value = stops[n].indexOf(now[n]);
+      input.value = stops[n].indexOf(axis.values[now[n]]);
       const say = () => {
-        const [factor, unit] = scaled(now[n], axis.unit), text = digits(now[n] * factor, 5) + " " + unit;
+        const value = axis.values[now[n]], [factor, unit] = scaled(value, axis.unit), text = digits(value * factor, 5) + " " + unit;
         shown.textContent = " " + text; input.setAttribute("aria-valuetext", text);
       };
-      input.addEventListener("input", () => { now[n] = stops[n][input.value]; say(); draw(); });
+      input.addEventListener("input", () => { now[n] = axis.values.indexOf(stops[n][input.value]); say(); draw(); });
       say(); label.append(input, shown);
     } else {
       const select = document.createElement("select");
@@ -62,25 +45,22 @@
     const cell = (row, tag, text) => { const c = document.createElement(tag); c.textContent = text; row.append(c); };
     answers.replaceChildren();
     const head = answers.insertRow();
-    ["quantity", ...data.grids.map((g) => g.model)].forEach((text) => cell(head, "th", text));
+    ["quantity", ...data.models.map((m) => m.model)].forEach((text) => cell(head, "th", text));
     data.quantities.forEach((q) => {
       const row = answers.insertRow();
       cell(row, "td", q.label);
-      data.grids.forEach((grid) => {
-        const of = grid.numbers[q.name], k = flat(grid, places(grid));
-        cell(row, "td", of ? withBar(of.value[k], of.bar[k], q.unit) : "-");
-      });
+      data.models.forEach((m) => cell(row, "td", q.name in m.numbers ? m.numbers[q.name].text[flat(now)] : "-"));
     });
     plot(data.quantities[Number(chosen.value) || 0]);
   }
 
   function plot(q) {
     const along = data.axes.findIndex((a) => a.numeric), width = 900, height = 320, left = 90, bottom = 46;
-    const lines = data.grids.filter((g) => g.numbers[q.name]).map((grid) => {
-      const at = places(grid), of = grid.numbers[q.name];
-      return { model: grid.model, points: grid.axes[along].map((x, i) => {
-        const k = flat(grid, at.map((place, n) => (n === along ? i : place)));
-        return { x: x, y: of.value[k], bar: of.bar[k] || 0, here: i === at[along] };
+    const lines = data.models.filter((m) => m.numbers[q.name]).map((m) => {
+      const of = m.numbers[q.name];
+      return { model: m.model, points: data.axes[along].values.map((x, i) => {
+        const k = flat(now.map((place, n) => (n === along ? i : place)));
+        return { x: x, y: of.value[k], bar: of.bar[k] || 0, here: i === now[along] };
       }).filter((p) => p.y !== null).sort((p, q) => p.x - q.x) };
     }).filter((line) => line.points.length);
     const every = lines.flatMap((line) => line.points);

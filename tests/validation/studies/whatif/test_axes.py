@@ -42,13 +42,11 @@ def test_ranges_and_lists_are_in_si():
         ("bimorph.length=", "is not KEY=VALUES"),
         ("bimorph.length=14:22mm:5", "has no unit"),
         ("bimorph.length=14V:22V:5", "which is not a length"),
-        ("bimorph.length=22mm:14mm:5", "runs backwards"),
-        ("bimorph.length=22mm:22mm:5", "is empty"),
-        ("bimorph.length=14mm:22mm", "add --sample N"),
+        ("bimorph.length=22mm:14mm:5", "is empty or runs backwards"),
         ("bimorph.length=14mm:22mm:0", "whole number from 2"),
         ("bimorph.length=14mm:22mm:1", "whole number from 2"),
         ("bimorph.length=14mm:22mm:5:cubic", "is not START:STOP:N"),
-        ("bimorph.length=14mm,14mm", "names 14 mm twice"),
+        ("bimorph.length=14mm,14mm", "names a value twice"),
         ("bimorph.length=-4mm,14mm", "must be greater than 0 mm"),
         ("drive.voltage=0V:5V:3:log", "begin above 0"),
         ("mesh.level=2:5:3", "mesh.level is a whole number"),
@@ -56,6 +54,7 @@ def test_ranges_and_lists_are_in_si():
         ("models=tmm,solid", "use --model"),
         ("bimorph=1,2", "is a group"),
         ("gap=normal(200um,10um)", "add for example --sample 16"),
+        ("bimorph.length=14mm:22mm", "add for example --sample 16"),
         ("gap=gauss(200um,10um)", "is no distribution; known are normal(mean"),
         ("load.kind=normal(1,2)", "not a number on a scale"),
     ],
@@ -75,8 +74,6 @@ def test_what_cannot_be_an_axis_is_refused(text, words):
         ("gap=normal(200um,-1um)", '"-1um" must be above 0; write for example 2%'),
         ("gap=normal(200um,-2%)", '"-2%" must be above 0; write for example 2%'),
         ("gap=lognormal(200um,0%)", '"0%" must be above 0; write for example 2%'),
-        ("gap=normal(200um,1.2.3%)", "cannot be read as a length"),
-        ("gap=uniform(220um,180um)", "runs backwards"),
         ("gap=lognormal(200um,10um)", "share of the median"),
         ("gap=200um,210um", "no axis can be drawn from"),
     ],
@@ -144,7 +141,7 @@ def test_axes_are_combined_or_taken_hand_in_hand():
         list(statement(lengths, "gap=10um:30um:3", zipped=True).points())
     with pytest.raises(InputError, match=r"make 10000000000 points"):
         _ = statement("gap=10um:30um:100000", "bimorph.length=10mm:20mm:100000").size
-    with pytest.raises(InputError, match=r"stated 2 times"):
+    with pytest.raises(InputError, match=r"stated several times"):
         _ = statement(lengths, lengths).axes
 
 
@@ -169,7 +166,7 @@ def test_samples_grow_and_do_not_depend_on_one_another():
 
 @pytest.mark.parametrize(
     ("kind", "low", "middle", "high"),
-    [("uniform(1mm,3mm)", 1e-3, 2e-3, 3e-3), ("loguniform(1mm,4mm)", 1e-3, 2e-3, 4e-3),
+    [("1mm:3mm", 1e-3, 2e-3, 3e-3), ("1mm:4mm:log", 1e-3, 2e-3, 4e-3),
      ("lognormal(2mm,10%)", 0.0, 2e-3, 1.0)],
 )  # fmt: skip
 def test_distributions_have_their_medians_and_ends(kind, low, middle, high):

@@ -6,19 +6,12 @@ import re
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.bricks import BrickMeshing
-from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import output_files as text_table
-from tactgen.validation.studies.whatif import page as pages
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.page import write_page
 from tactgen.validation.studies.whatif.study import run_study
 
-QUICK = (
-    BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
-    BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
-)
 STATIC = ("static_tip_displacement",)
 
 
@@ -37,10 +30,10 @@ def test_the_pages_numbers_are_the_studys(tmp_path):
         tmp_path, "bimorph.length=14mm:16mm:3", "load.kind=none,finger",
         models=("tmm", "lumped"), quantities=(*STATIC, "tip_displacement"),
     )  # fmt: skip
-    tmm, lumped = data["grids"]
-    assert (tmm["model"], lumped["model"]) == ("tmm", "lumped")
-    assert tmm["axes"] == [[0.014, 0.015, 0.016], ["none", "finger"]]
-    for grid in data["grids"]:
+    assert [grid["model"] for grid in data["models"]] == ["tmm", "lumped"]
+    assert [of["values"] for of in data["axes"]] == [[0.014, 0.015, 0.016], ["none", "finger"]]
+    assert set(data["models"][1]["numbers"]) <= {*STATIC, "tip_displacement"}
+    for grid in data["models"]:
         for name in grid["numbers"]:
             said = [
                 np.abs(q.value).ravel()[0]
@@ -48,52 +41,9 @@ def test_the_pages_numbers_are_the_studys(tmp_path):
                 for q in answers[grid["model"]].quantities if q.name == name
             ]  # fmt: skip
             np.testing.assert_allclose(grid["numbers"][name]["value"], said)
-    assert "own 6 points" in page
     assert not re.findall(
         r"""(?:src|href)=["'](?!#|data:)|<link|url\((?!#)|import\(|fetch\(""", page
     )
-
-
-def test_a_surrogate_gives_a_finer_grid(tmp_path, monkeypatch, own_store):
-    monkeypatch.setattr(solid, "LEVELS", QUICK)
-    study, page, data = written(tmp_path, "bimorph.length=14mm:18mm:11", models=("solid",))
-    (grid,) = data["grids"]
-    assert len(grid["axes"][0]) == 201
-    assert "solid: 201 points interpolated between solutions" in page
-    coarse = [float(answers["solid"].quantities[0].value) for answers in study.answers]
-    fine = grid["numbers"][STATIC[0]]
-    np.testing.assert_allclose(fine["value"][::20], coarse, rtol=1e-9)
-    # no noise: the curve is a smooth one to far less than its bar
-    places = np.linspace(-1.0, 1.0, 201)
-    smooth = np.polynomial.Chebyshev.fit(places, fine["value"], 8)(places)
-    assert (np.abs(smooth - fine["value"]) < 0.1 * np.array(fine["bar"])).all()
-
-
-@pytest.mark.parametrize(
-    ("vary", "models", "finer"),
-    [
-        (("bimorph.length=14mm:18mm:9", "load.kind=none,finger"), "solid",
-         ("bimorph.length=0.014 m:0.018 m:201", "load.kind=none,finger")),
-        (("bimorph.length=14mm:18mm:9", "bimorph.width=2.1mm,1mm"), "solid",
-         ("bimorph.length=0.014 m:0.018 m:31", "bimorph.width=0.001 m:0.0021 m:31")),
-        (("bimorph.length=14mm:18mm:9",), "tmm", None),  # it is quick
-        (("bimorph.length=14mm,18mm", "bimorph.width=1mm,2mm", "gap=1mm,2mm"),
-         "solid", None),  # too many
-    ],
-)  # fmt: skip
-def test_the_finer_grid_runs_between_the_ends_of_each_axis(vary, models, finer):
-    values, _ = scene_values("prototype", [])
-    found = pages._finer(Statement("prototype", values, vary, ("tmm", "solid"), STATIC), models)
-    assert (found and (found.models, found.vary)) == (finer and ((models,), finer))
-
-
-def test_what_a_model_does_not_give_is_not_on_its_grid(tmp_path):
-    """The bimorph's models know no magnetic force, those of the force no bimorph."""
-    values, _ = scene_values("prototype", [])
-    both = Statement("prototype", values, ("gap=0.1mm,0.2mm",), ("tmm", "network"),
-                     (*STATIC, "magnetic_force"))  # fmt: skip
-    found = [set(pages._grid(both, model, [])["numbers"]) for model in both.models]
-    assert found == [set(STATIC), {"magnetic_force"}]
 
 
 def test_a_study_over_words_has_no_picture_and_says_why(tmp_path):
@@ -145,7 +95,7 @@ def test_sliders_and_choices_change_what_is_shown(tmp_path, driven):
         tmp_path, "bimorph.length=16mm,14mm,15mm", "load.kind=none,finger",
         models=("tmm", "lumped"), quantities=(*STATIC, "tip_displacement"),
     )  # fmt: skip
-    values = data["grids"][0]["numbers"][STATIC[0]]["value"]
+    values = data["models"][0]["numbers"][STATIC[0]]["value"]
     without = [value if place != 3 else None for place, value in enumerate(values)]
     found = driven(
         page.replace(json.dumps(values), json.dumps(without), 1),
@@ -159,7 +109,6 @@ def test_sliders_and_choices_change_what_is_shown(tmp_path, driven):
     )
     assert found["stops"] == 3
     # 14 mm under the finger, by tmm
-    assert found["none"]["cells"][1] == "no value"
     assert [len(found[at]["marks"]) for at in ("none", "finger")] == [1, 2]
     assert found["none"]["marks"] == found["shortest"]["marks"][:1]
     said = [found[at]["said"] for at in ("shortest", "first", "longest")]

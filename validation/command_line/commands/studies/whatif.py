@@ -20,7 +20,7 @@ from tactgen.validation.command_line.study_options import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from tactgen.validation.engine.comparison import Choice
     from tactgen.validation.studies.whatif.aim_evaluation import Verdict
@@ -117,7 +117,7 @@ def run(options: argparse.Namespace) -> int:
         found = verdict(study, aims) if aims else None
         if folder is not None:
             announce("writing")
-            _write(folder, study, found, announce)
+            _write(folder, study, found)
         if options.plot:
             announce("drawing")
             _draw(Path(options.plot), study)
@@ -178,16 +178,14 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
     return stated(options, before)
 
 
-def _write(
-    folder: Path, study: Study, found: Verdict | None, announce: Callable[[str], None]
-) -> None:
+def _write(folder: Path, study: Study, found: Verdict | None) -> None:
     from tactgen.validation.studies.whatif.output_files import write_netcdf, write_tidy
     from tactgen.validation.studies.whatif.page import write_page
 
     write_tidy(folder, study)
     write_netcdf(folder, study)
     if any(answer.status == "ok" for _, _, answer in study.rows):
-        write_page(folder, study, found, announce)
+        write_page(folder, study, found)
 
 
 def _show(
