@@ -10,15 +10,16 @@ lengths.
 
 from __future__ import annotations
 
+import ast
 import operator
 import re
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted, unit_registry
@@ -26,17 +27,18 @@ from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdC
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.models.model import Quantity
 
-_TOKEN = re.compile(
-    r"\s*(?:(?P<number>\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+)|(?P<name>[A-Za-z_]\w*)"
-    r"|(?P<sign><=|>=|[-+*/(),<>%]))"
-)
-_COMPARISONS: dict[str, float] = {">=": 1.0, ">": 1.0, "<=": -1.0, "<": -1.0}
+#: A number, perhaps with a unit.
+_NUMBER = re.compile(r"(?<![\w.])(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+)(?:\s*(%|[^\W\d]\w*))?")
+_OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
+}  # fmt: skip
+_COMPARISONS: dict[type[ast.cmpop], float] = {
+    ast.GtE: 1.0, ast.Gt: 1.0, ast.LtE: -1.0, ast.Lt: -1.0,
+}  # fmt: skip
 _GOALS = {"maximise": 1.0, "maximize": 1.0, "minimise": -1.0, "minimize": -1.0}
 _EXAMPLE = 'write for example "min_over(tip_displacement / threshold) >= 1"'
 #: The name of the detection threshold.
 THRESHOLD = "threshold"
-#: Deepest nesting of parentheses and signs.
-_DEEPEST = 50
 
 #: Dividing by a quantity that is 0 at a point leaves that point without a value: no warning.
 _UNSPOKEN = np.errstate(divide="ignore", invalid="ignore")
@@ -109,16 +111,7 @@ class Aim:
     def unit(self) -> str:
         """SI unit of the margin: as a quantity has it, else of base units; 1 for a pure number."""
         ones = {
-            name: Quantity(
-                name=name,
-                model="",
-                value=np.ones(1),
-                unit=QUANTITIES[name].unit,
-                error=np.zeros(1),
-                method="",
-                seconds=0.0,
-            )
-            for name in self.quantities
+            name: _quantity(name, np.ones(1), QUANTITIES[name].unit) for name in self.quantities
         }
         found = self.left(at_threshold(ones, DISPLAY_THRESHOLD))
         if found.dimensionless:
@@ -147,165 +140,83 @@ def parse_aim(text: str) -> Aim:
 
     Raises InputError if it is not of the grammar.
     """
-    return _Parser(text).aim()
-
-
-class _Parser:
-    """Recursive descent: aim, sum, product, factor."""
-
-    def __init__(self, text: str) -> None:
-        self.text = text
-        self.tokens = self._split(text)
-        self.place = self.depth = 0
-        self.quantities: dict[str, None] = {}
-        #: How many names have values of their own at each point: quantities and the threshold.
-        self.named = 0
-
-    def aim(self) -> Aim:
-        goal = _GOALS.get(self._peek()[1])
-        if goal is not None:
-            self.place += 1
-        left = self._sum()
-        right: Node | None = None
-        sign = goal or 0.0
-        if goal is None:
-            sign = _COMPARISONS.get(self._peek()[1], 0.0)
-            if not sign:
-                raise self._refused("has no comparison", "add >= or <= and a value, or begin with "
-                                    "maximise or minimise")  # fmt: skip
-            self.place += 1
-            right = self._sum()
-        if self._peek()[1]:
-            raise self._refused(f"goes on with {quoted(self._peek()[1])} where it should end")
-        if not self.quantities:
-            raise self._refused("names no quantity")
-        kind: Literal["condition", "goal"] = "condition" if goal is None else "goal"
-        return Aim(self.text, kind, sign, tuple(self.quantities), left, right)
-
-    def _split(self, text: str) -> list[tuple[str, str]]:
-        found, place = [], 0
-        while text[place:].strip():
-            match = _TOKEN.match(text, place)
-            if match is None:
-                self.tokens = []
-                raise self._refused(
-                    f"has {quoted(text[place:].strip()[0])}, which is no part of it"
-                )
-            found.append((str(match.lastgroup), match[str(match.lastgroup)]))
-            place = match.end()
-        return found
-
-    def _peek(self) -> tuple[str, str]:
-        return self.tokens[self.place] if self.place < len(self.tokens) else ("end", "")
-
-    def _take(self, sign: str) -> bool:
-        if self._peek() == ("sign", sign):
-            self.place += 1
-            return True
-        return False
-
-    def _refused(self, what: str, remedy: str = _EXAMPLE) -> InputError:
-        return InputError(f"the aim {quoted(self.text)} {what}; {remedy}")
-
-    def _sum(self) -> Node:
-        found = self._product()
-        while self._peek()[1] in ("+", "-"):
-            join = operator.add if self._peek()[1] == "+" else operator.sub
-            self.place += 1
-            found = _joined(join, found, self._product())
-        return found
-
-    def _product(self) -> Node:
-        found = self._factor()
-        while self._peek()[1] in ("*", "/"):
-            if self._take("*"):
-                found = _joined(operator.mul, found, self._factor())
-            else:
-                found = _joined(operator.truediv, found, self._divisor())
-        return found
-
-    def _divisor(self) -> Node:
-        """Divisor; refused if it is 0 at every point."""
-        import pint
-
-        self.place += 1
-        before = self.named
-        found = self._factor()
-        with suppress(pint.DimensionalityError):  # which the margin explains
-            if self.named == before and not found({}).magnitude:
-                raise self._refused("divides by 0", "write another value there")
-        return found
-
-    def _factor(self) -> Node:
-        self.depth += 1
-        if self.depth > _DEEPEST:
-            raise self._refused("is nested too deeply")
-        found = self._inner_factor()
-        self.depth -= 1
-        return found
-
-    def _inner_factor(self) -> Node:
-        kind, token = self._peek()
-        if self._take("-"):
-            return _applied(operator.neg, self._factor())
-        if self._take("("):
-            inner = self._sum()
-            self._close()
-            return inner
-        self.place += 1
-        if kind == "number":
-            return self._number(float(token))
-        if kind == "name":
-            return self._named(token)
-        raise self._refused(
-            f"has {quoted(token)} where a value is wanted" if token else "is not whole"
+    first, _, goal = text.strip().partition(" ")
+    sign = _GOALS.get(first, 0.0)
+    names: dict[str, None] = {}
+    right: Node | None = None
+    try:
+        # Python's grammar but for units, which are written as an index: 2 um as 2["um"]
+        source = _NUMBER.sub(
+            lambda m: f'{m[1]}["{m[2]}"]' if m[2] else m[1], goal if sign else text
         )
+        match ast.parse(source.strip(), mode="eval").body:
+            case ast.Compare(left=left, ops=[compared], comparators=[other]) if (
+                not sign and type(compared) in _COMPARISONS
+            ):
+                value, right = _node(left, names), _node(other, names)
+                kind: Literal["condition", "goal"] = "condition"
+                sign = _COMPARISONS[type(compared)]
+            case tree if sign:
+                value, kind = _node(tree, names), "goal"
+            case _:
+                raise InputError("has no comparison; add >= or <= and a value, or begin with "
+                                 "maximise or minimise")  # fmt: skip
+        if not names:
+            raise InputError(f"names no quantity; {_EXAMPLE}")
+    except InputError as error:
+        raise InputError(f"the aim {quoted(text)} {error}") from None
+    except (SyntaxError, ValueError, OverflowError, RecursionError, MemoryError):
+        raise InputError(f"the aim {quoted(text)} is no arithmetic; {_EXAMPLE}") from None
+    return Aim(text, kind, sign, tuple(names), value, right)
 
-    def _close(self) -> None:
-        if not self._take(")"):
-            raise self._refused("has a parenthesis that is not closed")
 
-    def _number(self, value: float) -> Node:
-        """Number, with the unit that follows it if one does, such as 2 um or 5 %."""
-        unit = 1.0 * unit_registry().dimensionless
-        if self._take("%"):
-            unit = 0.01 * unit
-        elif self._peek()[0] == "name":
-            name = self._peek()[1]
-            self.place += 1
-            try:
-                unit = 1.0 * unit_registry().parse_units(name)
-            except Exception:  # noqa: BLE001  (pint raises whatever Python's tokenizer does)
-                raise self._refused(f"has the unknown unit {quoted(name)}") from None
-        return lambda _: value * unit
-
-    def _named(self, name: str) -> Node:
-        if self._take("("):
+def _node(tree: ast.expr, names: dict[str, None]) -> Node:
+    """Evaluation of arithmetic; `names` gathers the quantities in it."""
+    match tree:
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
+            join, before, after = _OPERATORS[type(op)], _node(left, names), _node(right, names)
+            return lambda known: join(before(known), after(known))
+        case ast.UnaryOp(op=ast.USub(), operand=inner):
+            negated = _node(inner, names)
+            return lambda known: -negated(known)
+        case ast.Call(func=ast.Name(id=name), args=[inner], keywords=[]):
             if name not in _FUNCTIONS:
-                raise self._refused(f"calls {quoted(name)}{nearest(name, _FUNCTIONS)}",
-                                    f"known are {', '.join(_FUNCTIONS)}")  # fmt: skip
-            inner = self._sum()
-            self._close()
-            return _applied(_FUNCTIONS[name], inner)
-        self.named += 1
-        if name == THRESHOLD:
-            return _threshold
-        if name not in QUANTITIES:
-            known_names = (*QUANTITIES, THRESHOLD)
-            raise self._refused(f"names {quoted(name)}{nearest(name, known_names)}",
-                                "name a quantity of tactgen solve, or threshold")  # fmt: skip
-        if QUANTITIES[name].unit == "SI":
-            raise self._refused(f"names {name}, whose entries have no common unit")
-        self.quantities[name] = None
-        return lambda known: _value(known[name])
+                raise InputError(f"calls {quoted(name)}{nearest(name, _FUNCTIONS)}; known are "
+                                 f"{', '.join(_FUNCTIONS)}")  # fmt: skip
+            argument = _node(inner, names)
+            return lambda known: _FUNCTIONS[name](argument(known))
+        case ast.Subscript(
+            value=ast.Constant(value=int() | float() as number), slice=ast.Constant(value=str(unit))
+        ):
+            size = np.float64(number) * _unit(unit)
+            return lambda _: size
+        case ast.Constant(value=int() | float() as number):
+            plain = np.float64(number) * unit_registry().dimensionless
+            return lambda _: plain
+        case ast.Name(id=name):
+            return _named(name, names)
+    raise InputError(f"has a part that is no arithmetic of quantities; {_EXAMPLE}")
 
 
-def _joined(join: Callable[[Any, Any], Any], left: Node, right: Node) -> Node:
-    return lambda known: join(left(known), right(known))
+def _unit(name: str) -> Any:
+    if name == "%":
+        return 0.01 * unit_registry().dimensionless
+    try:
+        return 1.0 * unit_registry().parse_units(name)
+    except Exception:  # noqa: BLE001  (pint raises whatever Python's tokenizer does)
+        raise InputError(f"has the unknown unit {quoted(name)}; {_EXAMPLE}") from None
 
 
-def _applied(function: Callable[[Any], Any], inner: Node) -> Node:
-    return lambda known: function(inner(known))
+def _named(name: str, names: dict[str, None]) -> Node:
+    if name == THRESHOLD:
+        return lambda known: _value(known[THRESHOLD])
+    if name not in QUANTITIES:
+        raise InputError(f"names {quoted(name)}{nearest(name, (*QUANTITIES, THRESHOLD))}; name a "
+                         "quantity of tactgen solve, or threshold")  # fmt: skip
+    if QUANTITIES[name].unit == "SI":
+        raise InputError(f"names {name}, whose entries have no common unit; {_EXAMPLE}")
+    names[name] = None
+    return lambda known: _value(known[name])
 
 
 def _value(q: Quantity) -> Any:
@@ -321,21 +232,10 @@ def at_threshold(known: dict[str, Quantity], curve: ThresholdCurve) -> dict[str,
         (q.frequency for q in known.values() if q.frequency is not None), ()
     )
     level = curve.at(np.array(frequencies))
-    here = Quantity(
-        name=THRESHOLD,
-        model="",
-        value=level,
-        unit="m",
-        error=np.zeros(level.shape),
-        method="",
-        seconds=0.0,
-        frequency=frequencies,
+    return {**known, THRESHOLD: _quantity(THRESHOLD, level, "m")}
+
+
+def _quantity(name: str, value: Floats, unit: str) -> Quantity:
+    return Quantity(
+        name=name, model="", value=value, unit=unit, error=np.zeros(value.shape), method=""
     )
-    return {**known, THRESHOLD: here}
-
-
-def _threshold(known: dict[str, Quantity]) -> Any:
-    """Detection threshold, the paper's unless another is known; nan where unknown."""
-    if THRESHOLD not in known:
-        known = at_threshold(known, DISPLAY_THRESHOLD)
-    return _value(known[THRESHOLD])

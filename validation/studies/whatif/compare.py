@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,16 +19,20 @@ from tactgen.validation.scene.scene import Scene, checked_scene, load_scene, sce
 from tactgen.validation.studies.whatif.axes import scene_field
 from tactgen.validation.studies.whatif.defaults import chosen
 from tactgen.validation.studies.whatif.definition import FILE, Statement, read_statement
-from tactgen.validation.studies.whatif.output_files import TABLE
+from tactgen.validation.studies.whatif.output_files import TABLE, aligned
 
 #: Longest list of frequencies that is shown whole.
 _LISTED = 6
 
 
+#: Values of a study's axes by the headings of their columns.
+Point = tuple[tuple[str, str], ...]
+
+
 class Key(NamedTuple):
     """Identity of a number: point, quantity, model, frequency (Hz), index."""
 
-    point: tuple[tuple[str, str], ...]
+    point: Point
     quantity: str
     model: str
     frequency: str
@@ -51,9 +55,8 @@ class Side:
     name: str  #: As it was given
     inputs: dict[str, str]  #: Scene keys with their values, and of a study its axes
     numbers: dict[Key, Number]  #: By what they are
-    missing: dict[Key, str]  #: Answers that are missing, and why
+    missing: int  #: How many questions have no answer
     scene: Scene  #: The scene; of a study without its axes
-    axes: tuple[str, ...]  #: Headings of the axes' columns
 
 
 def read_sides(
@@ -93,73 +96,61 @@ def _scene(
     from tactgen.validation.engine.solve import solve
 
     values, _ = scene_values(name, overrides)
-    which = chosen(values, models, quantities, Statement("", {}, (), (), ()))
+    which = chosen(values, models, quantities, Statement())
     scene, origins = load_scene(name, [*overrides, f"models={','.join(which[0])}"])
     announce(f"scene {name}")
     solution = solve(scene, *which, announce)
     rows = (row for q in solution.quantities for row in quantity_rows(q))
     numbers, missing = _numbered(
-        ["" if cell is None else str(cell) for cell in row] for row in rows
+        ((), ["" if cell is None else str(cell) for cell in row]) for row in rows
     )
-    return Side(name, _inputs(scene, origins), numbers, missing, scene, ())
+    return Side(name, _inputs(scene, origins), numbers, missing, scene)
 
 
 def _study(folder: Path) -> Side:
     statement = read_statement(folder)
     scene = checked_scene({**statement.values, "models": list(statement.models)})
-    path = folder / TABLE
+    path, axes = folder / TABLE, len(statement.axes)
     try:
         with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-        head, axes = rows[0], len(statement.axes)
+            head, *rows = csv.reader(file)
         if tuple(head[axes:]) != COLUMNS:
             raise ValueError("other columns")
         numbers, missing = _numbered(
-            (tuple(zip(head[:axes], row[:axes], strict=True)), *row[axes:]) for row in rows[1:]
+            (tuple(zip(head[:axes], row[:axes], strict=True)), row[axes:]) for row in rows
         )
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError(
-            f"{path} cannot be read ({reason}); finish the study with tactgen whatif --resume "
-            f"--out {folder}"
-        ) from None
-    except (ValueError, IndexError, csv.Error) as error:
+    except (OSError, ValueError, csv.Error) as error:
         raise InputError(
             f"{path} is not the table of a study ({error}); write it again with tactgen whatif "
             f"--resume --out {folder}"
         ) from None
-    varied = {f"axis {axis.key}": axis.text for axis in statement.axes}
-    inputs = {k: v for k, v in _inputs(scene, {}).items() if f"axis {k}" not in varied}
-    return Side(str(folder), inputs | varied, numbers, missing, scene, tuple(head[:axes]))
+    inputs = _inputs(scene, {})
+    for axis in statement.axes:
+        inputs.pop(axis.key, None)
+        inputs[f"axis {axis.key}"] = axis.text
+    return Side(str(folder), inputs, numbers, missing, scene)
 
 
 def _inputs(scene: Scene, origins: dict[str, str]) -> dict[str, str]:
     rows = parameter_rows(scene, origins)
     found = {row.key: row.written for row in rows if row.key not in ("name", "description")}
-    for key in ("models", "quantities"):
-        names = getattr(scene, key)
-        if len(names) > _LISTED:
-            found[key] = f"{', '.join(names[:2])} and {len(names) - 2} more"
-    stated = scene.frequency
-    if len(stated) > _LISTED:
-        ends = f"{stated[0]:g}, {stated[1]:g} … {stated[-1]:g} Hz"  # the second tells the spacing
-        found["frequency"] = f"{len(stated)} values: {ends}"
+    for key in ("models", "quantities", "frequency"):
+        stated = getattr(scene, key)
+        if len(stated) > _LISTED:
+            found[key] = f"{stated[0]}, {stated[1]} … {stated[-1]} ({len(stated)} values)"
     return found
 
 
-def _numbered(rows: Iterable[Sequence[object]]) -> tuple[dict[Key, Number], dict[Key, str]]:
-    """Numbers and missing answers from rows of the tidy table."""
+def _numbered(rows: Iterable[tuple[Point, Sequence[str]]]) -> tuple[dict[Key, Number], int]:
+    """Numbers from rows of the tidy table by their points, and how many have none."""
     numbers: dict[Key, Number] = {}
-    missing: dict[Key, str] = {}
-    for row in rows:
-        point: tuple[tuple[str, str], ...] = ()
-        if row and isinstance(row[0], tuple):
-            point, row = row[0], row[1:]
-        cells = dict(zip(COLUMNS, (str(cell) for cell in row), strict=True))
-        key = Key(point, cells["quantity"], cells["model"], cells["frequency"], cells["index"])
-        if cells["value"] == "":
-            missing[key] = cells["reason"]
+    missing = 0
+    for point, row in rows:
+        cells = dict(zip(COLUMNS, row, strict=True))
+        if not cells["value"]:
+            missing += 1
             continue
+        key = Key(point, cells["quantity"], cells["model"], cells["frequency"], cells["index"])
         value = complex(float(cells["value"]), float(cells["value_im"] or 0.0))
         numbers[key] = Number(value, float(cells["uncertainty"] or "nan"), cells["unit"])
     return numbers, missing
@@ -167,15 +158,6 @@ def _numbered(rows: Iterable[Sequence[object]]) -> tuple[dict[Key, Number], dict
 
 #: Rounding of numbers that are written and read, and of one order of summation for another.
 _ROUNDING = 1e-13
-
-
-@dataclass(frozen=True)
-class InputDifference:
-    """A key with its value on both sides; empty where one has none."""
-
-    key: str
-    first: str
-    second: str
 
 
 @dataclass(frozen=True)
@@ -206,38 +188,48 @@ class AnswerDifference:
         of = "" if self.count == 1 else f" at {self.beyond} of {self.count} values"
         return f"beyond the bars{of}"
 
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Its line of a table, under ANSWERS."""
+        alone = [f"{n} only in {side}" for n, side in zip(self.only, "AB", strict=True) if n]
+        return (
+            self.quantity, self.model, place(self.key), _shown(self.first), _shown(self.second),
+            percent(self.relative), self.verdict + (f" ({', '.join(alone)})" if alone else ""),
+        )  # fmt: skip
 
-def input_differences(first: Side, second: Side) -> list[InputDifference]:
-    """Keys whose values differ, in the order of the scene."""
+
+#: Headings of the tables of inputs and of answers.
+INPUTS = ("key", "A", "B")
+ANSWERS = ("quantity", "model", "at", "A", "B", "change", "bars")
+
+
+def input_differences(first: Side, second: Side) -> list[tuple[str, str, str]]:
+    """Keys whose values differ with both, in the order of the scene; - where one has none."""
     keys = dict.fromkeys((*first.inputs, *second.inputs))
-    found = [InputDifference(k, first.inputs.get(k, ""), second.inputs.get(k, "")) for k in keys]
-    return [each for each in found if each.first != each.second]
+    found = [(k, first.inputs.get(k, "") or "-", second.inputs.get(k, "") or "-") for k in keys]
+    return [each for each in found if each[1] != each[2]]
 
 
 def answer_differences(first: Side, second: Side) -> list[AnswerDifference]:
     """Largest difference of every quantity and model that both have."""
-    return list(_differences(first, second))
-
-
-def _differences(first: Side, second: Side) -> Iterator[AnswerDifference]:
     groups: dict[tuple[str, str], list[Key]] = {}
     for key in dict.fromkeys((*first.numbers, *second.numbers)):
         groups.setdefault((key.quantity, key.model), []).append(key)
+    found = []
     for (quantity, model), keys in groups.items():
         both = [key for key in keys if key in first.numbers and key in second.numbers]
         only = (
             sum(key not in second.numbers for key in keys),
             sum(key not in first.numbers for key in keys),
         )
-        if not both:
-            continue
-        pairs = [(first.numbers[key], second.numbers[key]) for key in both]
-        beyond = [_beyond(*pair) for pair in pairs]
-        weight = [(out, abs(_relative(*pair))) for out, pair in zip(beyond, pairs, strict=True)]
-        worst = max(range(len(both)), key=weight.__getitem__)
-        yield AnswerDifference(
-            quantity, model, len(both), sum(beyond), only, both[worst], *pairs[worst]
-        )
+        if both:
+            pairs = {key: (first.numbers[key], second.numbers[key]) for key in both}
+            beyond = {key: _beyond(*pair) for key, pair in pairs.items()}
+            worst = max(both, key=lambda key: (beyond[key], abs(_relative(*pairs[key]))))
+            found.append(AnswerDifference(
+                quantity, model, len(both), sum(beyond.values()), only, worst, *pairs[worst]
+            ))  # fmt: skip
+    return found
 
 
 def _beyond(first: Number, second: Number) -> bool:
@@ -272,50 +264,47 @@ NOTHING_SHARED = (
 
 
 def lines(
-    sides: tuple[Side, ...], inputs: list[InputDifference], answers: list[AnswerDifference]
+    sides: tuple[Side, ...], inputs: list[tuple[str, str, str]], answers: list[AnswerDifference]
 ) -> list[str]:
     """Lines of the comparison, input first."""
     first, second = sides
     found = [f"A: {first.name}", f"B: {second.name}", ""]
-    found.append("input that differs:" if inputs else "the input is the same")
-    table = [("key", "A", "B"), *((i.key, i.first or "-", i.second or "-") for i in inputs)]
-    found += _aligned(table) if inputs else []
-    lacking = [(side.name, len(side.missing)) for side in sides if side.missing]
-    unanswered = [f"{name} has no answer to {count} questions" for name, count in lacking]
-    if not answers:
-        return [*found, "", NOTHING_SHARED, *unanswered]
-    found += ["", "answers, where they differ most:"]
-    rows = [("quantity", "model", "at", "A", "B", "change", "")]
-    rows += [
-        (d.quantity, d.model, place(d.key), format_number(d.first), format_number(d.second),
-            percent(d.relative),
-         d.verdict + _only(d))
-        for d in answers
-    ]  # fmt: skip
-    return [*found, *_aligned(rows), *unanswered]
+    if inputs:
+        found += ["input that differs:", *aligned([INPUTS, *inputs])]
+    else:
+        found.append("the input is the same")
+    if answers:
+        rows = [ANSWERS, *(d.cells for d in answers)]
+        found += ["", "answers, where they differ most:", *aligned(rows)]
+    else:
+        found += ["", NOTHING_SHARED]
+    return found + [f"{s.name} has no answer to {s.missing} questions" for s in sides if s.missing]
 
 
 def place(key: Key) -> str:
     """Where a number is: the point, frequency, index."""
-    parts = [_coordinate(heading.partition(" (")[0], value) for heading, value in key.point]
-    parts += [f"{_short(key.frequency)} Hz"] if key.frequency else []
+    parts = []
+    for heading, value in key.point:
+        field = scene_field(heading.partition(" (")[0])
+        parts.append(f"{field.key} {field.show(float(value)) if field.numeric else value}")
+    parts += [f"{float(key.frequency):.6g} Hz"] if key.frequency else []
     parts += [f"no. {key.number}"] if key.number else []
     return ", ".join(parts)
 
 
-def format_number(number: Number) -> str:
+def _shown(number: Number) -> str:
     """Number with its bar; of complex ones the magnitude."""
     value = number.value.real if number.value.imag == 0.0 else abs(number.value)
     return with_error(value, number.error, number.unit)
 
 
 def as_values(
-    sides: tuple[Side, ...], inputs: list[InputDifference], answers: list[AnswerDifference]
+    sides: tuple[Side, ...], inputs: list[tuple[str, str, str]], answers: list[AnswerDifference]
 ) -> dict[str, Any]:
     """Comparison as plain JSON values, SI units."""
     return {
         "a": sides[0].name, "b": sides[1].name,
-        "inputs": [{"key": i.key, "a": i.first, "b": i.second} for i in inputs],
+        "inputs": [{"key": key, "a": a, "b": b} for key, a, b in inputs],
         "answers": [
             {"quantity": d.quantity, "model": d.model, "values": d.count,
              "beyond_bars": d.beyond, "only": list(d.only), "at": place(d.key),
@@ -324,26 +313,8 @@ def as_values(
              "unit": d.first.unit, "change": _known(d.relative), "verdict": d.verdict}
             for d in answers
         ],
-        "missing": [len(side.missing) for side in sides],
+        "missing": [side.missing for side in sides],
     }  # fmt: skip
-
-
-def _only(d: AnswerDifference) -> str:
-    words = [f"{n} only in {side}" for n, side in zip(d.only, "AB", strict=True) if n]
-    return f" ({', '.join(words)})" if words else ""
-
-
-def _coordinate(key: str, value: str) -> str:
-    """Axis' key with its value as people write it."""
-    field = scene_field(key)
-    return f"{key} {field.show(float(value)) if field.numeric else value}"
-
-
-def _short(number: str) -> str:
-    try:
-        return f"{float(number):.6g}"
-    except ValueError:
-        return number
 
 
 def _pair(value: complex) -> Any:
@@ -354,12 +325,3 @@ def _pair(value: complex) -> Any:
 
 def _known(value: float) -> float | None:
     return value if abs(value) < float("inf") else None
-
-
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    widths = [max(len(row[n]) for row in rows) for n in range(len(rows[0]))]
-    return [
-        "  "
-        + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]

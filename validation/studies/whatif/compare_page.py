@@ -11,18 +11,17 @@ import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
-from tactgen.geometry.formats import percent, prefixed
+from tactgen.geometry.formats import prefixed
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import BLUE, ORANGE, panels, plain_numbers, svg
 from tactgen.validation.show.page import inline, plain_page, table
 from tactgen.validation.studies.whatif.compare import (
+    ANSWERS,
+    INPUTS,
     NOTHING_SHARED,
     AnswerDifference,
-    InputDifference,
     Key,
     Side,
-    format_number,
-    place,
 )
 
 #: File of the page.
@@ -36,24 +35,17 @@ _TALLEST = 26.0
 def write_page(
     folder: Path,
     sides: tuple[Side, ...],
-    inputs: list[InputDifference],
+    inputs: list[tuple[str, str, str]],
     answers: list[AnswerDifference],
     solids: Callable[[Scene], dict[str, Any]],
 ) -> Path:
     """Write the page, whole or not at all; `solids` gives the CAD solids of a scene by name."""
     first, second = sides
     parts = [f"<p>A is {html.escape(first.name)}, B is {html.escape(second.name)}.</p>"]
-    parts.append("<h2>Input that differs</h2>")
-    parts.append(
-        table(("key", "A", "B"), [(i.key, i.first or "-", i.second or "-") for i in inputs])
-        if inputs else "<p>None.</p>"
-    )  # fmt: skip
+    parts += ["<h2>Input that differs</h2>", table(INPUTS, inputs) if inputs else "<p>None.</p>"]
     parts.append("<h2>Answers, where they differ most</h2>")
-    parts.append(table(
-        ("quantity", "model", "at", "A", "B", "change", "bars"),
-        [(d.quantity, d.model, place(d.key), format_number(d.first), format_number(d.second),
-          percent(d.relative), d.verdict) for d in answers],
-    ) if answers else f"<p>{NOTHING_SHARED}.</p>")  # fmt: skip
+    rows = [d.cells for d in answers]
+    parts.append(table(ANSWERS, rows) if rows else f"<p>{NOTHING_SHARED}.</p>")
     parts.append(
         "<p>A change is covered if it is no larger than both error bars together. The bars are "
         "numerical: how far a number is from the same model solved exactly.</p>"
@@ -68,33 +60,32 @@ def write_page(
 
 def _curves(sides: tuple[Side, ...]) -> str:
     """Curves over frequency, or over the first numeric axis; nothing if there are none."""
-    found: dict[str, dict[tuple[str, ...], list[list[tuple[float, float]]]]] = {}
-    units: dict[str, str] = {}
+    found: dict[str, dict[str, tuple[list[tuple[float, float]], ...]]] = {}
+    labels: dict[str, tuple[str, str]] = {}
     for number, side in enumerate(sides):
         for key, value in side.numbers.items():
-            abscissa = _abscissa(key)
-            if abscissa is None or (np.isnan(value.value) and not key.frequency):
-                continue
-            units[key.quantity] = value.unit
-            lines = found.setdefault(key.quantity, {}).setdefault(_curve(key), [[], []])
-            lines[number].append((abscissa, abs(value.value)))
-    found = {q: {c: v for c, v in by.items() if max(map(len, v)) > 1} for q, by in found.items()}
-    found = {q: by for q, by in found.items() if by}
+            place = _place(key)
+            if place is not None and (key.frequency or not np.isnan(value.value)):
+                along, x, curve = place
+                labels[key.quantity] = along, value.unit
+                both = found.setdefault(key.quantity, {}).setdefault(curve, ([], []))
+                both[number].append((x, abs(value.value)))
+    found = {q: {c: v for c, v in of.items() if max(map(len, v)) > 1} for q, of in found.items()}
+    found = {q: of for q, of in found.items() if of}
     if not found:
         return ""
     figure, grid = panels(8.0, 3.0 * len(found), nrows=len(found), squeeze=False)
     for axis, (quantity, curves) in zip(grid[:, 0], found.items(), strict=True):
         sizes = np.array([y for both in curves.values() for line in both for _, y in line])
-        scale, unit = prefixed(float(sizes.max()), units[quantity])
-        for label, both in list(curves.items())[:_CURVES]:
-            for points, colour, name, style in zip(
-                both, (BLUE, ORANGE), "AB", ("-", "--"), strict=True
-            ):
+        along, unit = labels[quantity]
+        scale, unit = prefixed(float(sizes.max()), unit)
+        for curve, both in list(curves.items())[:_CURVES]:
+            for points, colour, name in zip(both, (BLUE, ORANGE), "AB", strict=True):
                 line = np.array(sorted(points)).reshape(-1, 2)
-                axis.plot(line[:, 0], scale * line[:, 1], style, color=colour, linewidth=1.2,
-                          label=" ".join((name, *label)))  # fmt: skip
+                axis.plot(line[:, 0], scale * line[:, 1], "--" if name == "B" else "-",
+                          color=colour, linewidth=1.2, label=f"{name} {curve}")  # fmt: skip
         axis.set_ylabel(f"{quantity.replace('_', ' ')} ({unit})")
-        axis.set_xlabel(_along(sides, quantity))
+        axis.set_xlabel(along)
         if sizes.min() > 0.0 and sizes.max() > 30.0 * sizes.min():
             axis.set_yscale("log")
             plain_numbers(axis.yaxis)
@@ -102,48 +93,32 @@ def _curves(sides: tuple[Side, ...]) -> str:
     return svg(figure)
 
 
-def _along(sides: tuple[Side, ...], quantity: str) -> str:
-    """Abscissa of a quantity's curves: frequency, or the first numeric axis."""
-    for key in (key for side in sides for key in side.numbers if key.quantity == quantity):
-        if key.frequency:
-            return "frequency (Hz)"
-        numeric = _numeric(key)
-        if numeric is not None:
-            return key.point[numeric][0]
-    return ""
-
-
-def _abscissa(key: Key) -> float | None:
+def _place(key: Key) -> tuple[str, float, str] | None:
+    """Heading and value of a number's abscissa, and its curve: model, index, all other axes."""
+    rest = dict(key.point)
     if key.frequency:
-        return float(key.frequency)
-    numeric = _numeric(key)
-    return None if numeric is None else float(key.point[numeric][1])
-
-
-def _curve(key: Key) -> tuple[str, ...]:
-    """Identity of a curve: model, index, and all axes but the abscissa."""
-    rest = list(key.point)
-    numeric = None if key.frequency else _numeric(key)
-    if numeric is not None:
-        del rest[numeric]
+        along, x = "frequency (Hz)", float(key.frequency)
+    else:
+        numeric = [heading for heading, value in key.point if _is_number(value)]
+        if not numeric:
+            return None
+        along = numeric[0]
+        x = float(rest.pop(along))
     index = (f"no. {key.number}",) if key.number else ()
-    return (key.model, *index, *(value for _, value in rest))
+    return along, x, " ".join((key.model, *index, *rest.values()))
 
 
-def _numeric(key: Key) -> int | None:
-    """First numeric axis of a point."""
-    for axis, (_, value) in enumerate(key.point):
-        try:
-            float(value)
-        except ValueError:
-            continue
-        return axis
-    return None
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _devices(
     sides: tuple[Side, ...],
-    inputs: list[InputDifference],
+    inputs: list[tuple[str, str, str]],
     solids: Callable[[Scene], dict[str, Any]],
 ) -> list[str]:
     """Pictures of both devices, if a dimension of them differs and they can be drawn.
@@ -153,13 +128,13 @@ def _devices(
     from tactgen.validation.show.pictures import solids_pictures
 
     shapes = ("bimorph.", "rod.", "coil.", "sleeve.", "support.kind", "gap", "glue.")
-    if not any(i.key.startswith(shapes) for i in inputs):
+    if not any(key.startswith(shapes) for key, *_ in inputs):
         return []
     try:
         pictures = solids_pictures([solids(side.scene) for side in sides])
     except InputError as error:  # profiles have no CAD solids; a library may be missing
         return [f"<p>No picture of the devices: {html.escape(str(error))}</p>"]
-    heights = [_pixels_high(png) for png in pictures]
+    heights = [int.from_bytes(png[20:24], "big") for png in pictures]  # as a PNG states it
     figures = "".join(
         f'<figure><img alt="device {name}" src="{inline(png)}" '
         f'style="height:{_TALLEST * height / max(heights):.2f}rem">'
@@ -167,8 +142,3 @@ def _devices(
         for png, height, name, side in zip(pictures, heights, "AB", sides, strict=True)
     )
     return ["<h2>Devices, at one scale</h2>", f'<div class="pair">{figures}</div>']
-
-
-def _pixels_high(png: bytes) -> int:
-    """Picture's height, which a PNG states in bytes 20 to 23."""
-    return int.from_bytes(png[20:24], "big")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import scene_values
@@ -20,7 +21,7 @@ from tactgen.validation.studies.whatif.aim_evaluation import (
     verdict,
     yield_interval,
 )
-from tactgen.validation.studies.whatif.aims import parse_aim
+from tactgen.validation.studies.whatif.aims import at_threshold, parse_aim
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import run_study
 
@@ -44,7 +45,9 @@ TIP = quantity(
     "tip_displacement", [4e-6, 3e-6j, -5e-6, 1.0], "m", 1e-7, (10.0, 250.0, 1000.0, 2000.0)
 )
 MODES = quantity("short_circuit_frequencies", [400.0, 900.0], "Hz", 2.0)
-KNOWN = {"tip_displacement": TIP, "short_circuit_frequencies": MODES}
+KNOWN = at_threshold(
+    {"tip_displacement": TIP, "short_circuit_frequencies": MODES}, DISPLAY_THRESHOLD
+)
 
 
 @pytest.mark.parametrize(
@@ -80,21 +83,21 @@ def test_an_aim_carries_the_error_bars():
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "is not whole"),
+        ("", "is no arithmetic"),
         ("tip_displacement", "has no comparison"),
         ("min_over(tip_displacment) > 1 um", 'did you mean "tip_displacement"'),
         ("minover(tip_displacement) > 1 um", 'did you mean "min_over"'),
-        ("min_over(tip_displacement > 1 um", "not closed"),
-        ("min_over(tip_displacement) > 1 um)", "where it should end"),
+        ("min_over(tip_displacement > 1 um", "is no arithmetic"),
+        ("min_over(tip_displacement) > 1 um)", "is no arithmetic"),
         ("min_over(tip_displacement) > 1 parrot", 'unknown unit "parrot"'),
         ("min_over(tip_displacement) > __import__", 'names "__import__"'),
-        ("tip_displacement[0] > 1 um", 'has "[", which is no part of it'),
+        ("tip_displacement[0] > 1 um", "has a part that is no arithmetic"),
         ("1 > 2", "names no quantity"),
         ("first(dynamic_stiffness) > 1", "no common unit"),
-        ("min_over(tip_displacement / threshold) >= 1/0", "divides by 0; write another value"),
-        ("first(tip_displacement) / 0 >= 1 um", "divides by 0; write another value"),
-        ("first(tip_displacement) / (2 um - 2 um) >= 1", "divides by 0; write another value"),
-        ("(" * 60 + "tip_displacement" + ")" * 60 + " > 1 um", "nested too deeply"),
+        ("first(tip_displacement) ** 2 >= 1", "has a part that is no arithmetic"),
+        ("(" * 999 + "tip_displacement" + ")" * 999 + " > 1 um", "is no arithmetic"),
+        ("-" * 9999 + "tip_displacement > 1 um", "is no arithmetic"),
+        (f"tip_displacement > 1{400 * '0'}", "is no arithmetic"),
     ],
 )
 def test_what_is_no_aim_is_refused(text, words):
@@ -234,38 +237,17 @@ def test_a_verdict_as_plain_values():
 
 
 def test_what_a_verdict_says():
-    """How many meet the conditions, and the best of them; nothing more where none does."""
+    """How many meet the conditions, of samples with an interval, and the best of them."""
     condition = parse_aim("first(short_circuit_frequencies) > 0.5 kHz")
-    goal, other = (
-        parse_aim(f"minimise {name}") for name in ("capacitance_free", "capacitance_blocked")
-    )
-    points = [Judged(n, "tmm", ((10.0 * n, 0.5),)) for n in range(7)]
+    points = tuple(Judged(n, "tmm", ((10.0 * n, 0.5),)) for n in range(7))
     study = SimpleNamespace(
-        points=[{"gap": 1e-4 * n} for n in range(7)], statement=SimpleNamespace(samples=0)
+        points=[{"gap": 1e-4 * n} for n in range(7)], statement=SimpleNamespace(samples=7)
     )
-
-    def said(aims, met, undecided=(), best=()):
-        return sentences(study, Verdict(aims, tuple(points), tuple(met), tuple(undecided), best))
-
-    none = "0 of 7 points meet first(short_circuit_frequencies) > 0.5 kHz"
-    assert said((condition,), ()) == [none]
-    close = said((condition,), (), points[:1])
-    assert close[0] == none
-    assert close[1].startswith("1 of them all are nearer to the edge")
-    found = said((condition,), points[1:], best=tuple(points[:0:-1]))
-    assert found[1] == "farthest inside first(short_circuit_frequencies) > 0.5 kHz:"
-    assert len(found) == 2 + 5
-    assert found[2] == "  gap = 0.6 mm (tmm): margin 60.00 ± 0.50 Hz"
-    assert said((goal,), points, best=tuple(points))[0] == "best:"
-    both = said((goal, other), points, best=tuple(
-        Judged(n, "tmm", ((-1e-9, 1e-12), (-2e-9, 1e-12))) for n in range(6)))  # fmt: skip
-    assert both[0].startswith("6 points cannot be bettered in both minimise capacitance_free and")
-    assert len(both) == 1 + 6  # the whole front
-    empty = Verdict((condition,), (), (), (), ())
-    (only,) = sentences(study, empty)
-    assert only.startswith("no point can be judged: ")
-    study.statement.samples = 7
-    share = said((condition,), points[:1])[0]
+    found = sentences(study, Verdict((condition,), points, points[6:], points[:1], points[6:]))
     low, high = (100.0 * end for end in yield_interval(1, 7))
-    assert share.endswith(f": a yield of 14.3 % (95 % interval {low:.3g} to {high:.3g} %, "
-                          "from the count alone)")  # fmt: skip
+    assert found[0].startswith("1 of 7 points meet first(short_circuit_frequencies) > 0.5 kHz")
+    assert f"{low:.3g} to {high:.3g} %" in found[0]
+    assert "nearer to the edge" in found[1]
+    assert "gap = 0.6 mm (tmm): margin 60.00 ± 0.50 Hz" in found[-1]
+    (only,) = sentences(study, Verdict((condition,), (), (), (), ()))
+    assert only.startswith("no point can be judged: ")

@@ -2,7 +2,6 @@
 
 import json
 import re
-from types import SimpleNamespace
 
 import pytest
 
@@ -32,7 +31,7 @@ HEAD = ",".join(["gap (m)", *COLUMNS])
 
 def side(name, **numbers):
     held = {KEY._replace(number=n): v for n, v in numbers.items()}
-    return Side(name, {}, held, {}, SCENE, ())
+    return Side(name, {}, held, 0, SCENE)
 
 
 @pytest.mark.parametrize(
@@ -81,7 +80,7 @@ def test_curves_run_along_the_first_axis_of_numbers(
         for n, point in enumerate(points)
         for frequency in frequencies
     }
-    page._curves((Side("a", {}, held, {}, SCENE, ()), Side("b", {}, held, {}, SCENE, ())))
+    page._curves((Side("a", {}, held, 0, SCENE), Side("b", {}, held, 0, SCENE)))
     (axis,) = drawn[0].axes
     assert axis.get_xlabel() == along
     assert [line.get_label() for line in axis.lines[::2]] == [f"A tmm {which}" for which in curves]
@@ -139,7 +138,6 @@ def test_two_scenes_without_a_common_answer(capsys, tmp_path):
     rows = {line.split()[0]: line.split()[1:] for line in out.splitlines() if line.strip()}
     assert rows["models"] == ["tmm", "network"]
     assert rows["quantities"][-2:] == ["magnetic_force,", "coenergy"]
-    assert " and 18 more " in out
 
 
 def test_a_browser_has_no_complaint(capsys, tmp_path, driven):
@@ -200,7 +198,7 @@ def test_devices_have_one_scale(capsys, tmp_path, driven):
 @pytest.mark.parametrize(
     ("table", "words"),
     [
-        (None, "cannot be read (no such file or directory); finish the study"),
+        (None, "is not the table of a study ([Errno 2]"),
         ("", "is not the table of a study"),
         ("length,quantity\n", "is not the table of a study (other columns)"),
         (f"{HEAD}\n1,gap,tmm,,,1 mm,,,m,ok,\n", "is not the table of a study (could not convert"),
@@ -225,22 +223,11 @@ def test_what_has_no_number_is_null_and_has_no_axis():
     (found,) = answer_differences(nothing, side("b", x=Number(1.0 + 2.0j, 0.0, "F")))
     (values,) = as_values((nothing, nothing), [], [found])["answers"]
     assert (values["a"], values["b"], values["uncertainty_a"]) == (None, [1.0, 2.0], None)
-    assert page._along((nothing,), KEY.quantity) == ""
-
-
-def test_a_comparison_as_plain_values():
-    """Who is compared, and what; nothing is lost."""
-    sides = tuple(SimpleNamespace(name=name, missing=("x",) * n) for n, name in enumerate("pq"))
-    change = SimpleNamespace(key="gap", first="1 mm", second="2 mm")
-    assert as_values(sides, [change], []) == {
-        "a": "p", "b": "q", "inputs": [{"key": "gap", "a": "1 mm", "b": "2 mm"}], "answers": [],
-        "missing": [0, 1],
-    }  # fmt: skip
 
 
 def test_pictures_of_devices_have_one_scale(monkeypatch):
     """The larger is as high as a picture may be; where none can be made, it is said why."""
-    inputs = [SimpleNamespace(key="bimorph.length")]
+    inputs = [("bimorph.length", "1 mm", "2 mm")]
     sides = (side("long"), side("short"))
     made = [bytes(20) + height.to_bytes(4, "big") for height in (100, 70)]
     monkeypatch.setattr(pictures, "solids_pictures", lambda _: made)
@@ -248,7 +235,7 @@ def test_pictures_of_devices_have_one_scale(monkeypatch):
     heights = [float(height) for height in re.findall(r"height:([\d.]+)rem", said)]
     assert heights == pytest.approx([page._TALLEST, 0.7 * page._TALLEST], abs=5e-3)
     assert re.findall(r"<figcaption>(.*?)</figcaption>", said) == ["A: long", "B: short"]
-    assert page._devices(sides, [SimpleNamespace(key="drive.voltage")], lambda _: {}) == []
+    assert page._devices(sides, [("drive.voltage", "1 V", "2 V")], lambda _: {}) == []
 
     def none(_):
         raise InputError("no solids of <these>")

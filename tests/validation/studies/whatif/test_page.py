@@ -8,11 +8,12 @@ import pytest
 
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import output_files as text_table
+from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.page import write_page
 from tactgen.validation.studies.whatif.study import run_study
 
-STATIC = ("static_tip_displacement",)
+STATIC, MODES = ("static_tip_displacement",), "short_circuit_frequencies"
 
 
 def written(folder, *vary, models=("tmm",), quantities=STATIC, **more):
@@ -73,6 +74,16 @@ def test_samples_have_no_sliders_but_a_picture(tmp_path):
     _, page, data = written(tmp_path, "bimorph.length=normal(14mm,1%)", samples=4)
     assert data is None
     assert "<svg" in page
+
+
+def test_the_page_begins_with_what_the_aims_say(tmp_path):
+    """Words and picture stand before the sliders."""
+    study, _, _ = written(tmp_path, "bimorph.length=14mm:22mm:5", quantities=(*STATIC, MODES))
+    aim = f"first({MODES}) >= 500 Hz"
+    found = verdict(study, parse_aims([aim]))
+    page = write_page(tmp_path, study, found).read_text(encoding="utf-8")
+    said = f"{len(found.met)} of 5 points meet {aim}".replace(">", "&gt;")
+    assert page.index("<h2>Aims</h2>") < page.index(said) < page.index("<h2>Slide</h2>")
 
 
 #: Notes a page's answers, curve and what is said of both.
