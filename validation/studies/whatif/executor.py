@@ -111,36 +111,31 @@ def execute(
     if not jobs:
         return
     batches, done = schedule(jobs), 0
+    asked = {job.number: job.asked for job in jobs}
 
     def stage(text: str) -> None:
         announce(f"{done} of {len(jobs)} answers: {text}")
 
     announce(f"0 of {len(jobs)} answers")
-    quick = all(MODELS[job.asked.model].quick for job in jobs)
+    quick = all(MODELS[question.model].quick for question in asked.values())
     processes = min(processes or (1 if quick else len(os.sched_getaffinity(0))), len(batches))
-    if scheduler:
-        found = _on_cluster(batches, scheduler, retry=retry)
-    elif processes > 1:
-        with _Processes(processes, retry) as pool:
-            yield from _counted(_pooled(batches, pool), len(jobs), announce)
-        return
-    else:
-        found = (
-            (job.number, answer(job.asked, job.values, stage, _earlier, retry=retry))
-            for batch in batches for job in batch.jobs
-        )  # fmt: skip
-    for number, given in found:
-        done += 1
-        announce(f"{done} of {len(jobs)} answers")
-        yield number, given
-
-
-def _counted(
-    found: Iterator[tuple[int, Answer]], total: int, announce: Callable[[str], None]
-) -> Iterator[tuple[int, Answer]]:
-    for done, each in enumerate(found, start=1):
-        announce(f"{done} of {total} answers")
-        yield each
+    with contextlib.ExitStack() as stack:
+        if scheduler:
+            models = tuple(dict.fromkeys(question.model for question in asked.values()))
+            found = _pooled(batches, stack.enter_context(_connected(scheduler, models)))
+        elif processes > 1:
+            found = _pooled(batches, stack.enter_context(_Processes(processes, retry)))
+        else:
+            found = (
+                (job.number, answer(job.asked, job.values, stage, _earlier, retry=retry))
+                for batch in batches for job in batch.jobs
+            )  # fmt: skip
+        for number, given in found:
+            done += 1
+            announce(f"{done} of {len(jobs)} answers")
+            if scheduler or given.status == "failed":  # whoever solved it kept nothing, or died
+                given = keep(asked[number], given, retry=retry)
+            yield number, given
 
 
 def _pooled(batches: Sequence[Batch], pool: Any) -> Iterator[tuple[int, Answer]]:
@@ -163,7 +158,7 @@ def _pooled(batches: Sequence[Batch], pool: Any) -> Iterator[tuple[int, Answer]]
             if answers is None and place >= 0:
                 suspects += jobs
             elif answers is None:
-                yield jobs[0].number, pool.died(jobs[0])
+                yield jobs[0].number, Answer("failed", pool.death)
             else:
                 yield from zip((job.number for job in jobs), answers, strict=True)
 
@@ -171,61 +166,36 @@ def _pooled(batches: Sequence[Batch], pool: Any) -> Iterator[tuple[int, Answer]]
 # -- processes of this machine ------------------------------------------------------------------
 
 
-class Workers:
-    """A pool whose processes end when this one does, or when the block is left by an error."""
-
-    def __init__(self, processes: int) -> None:
-        import multiprocessing
-
-        context = multiprocessing.get_context("spawn")
-        theirs, self.mine = context.Pipe(duplex=False)
-        self.theirs = theirs
-        self.executor = ProcessPoolExecutor(
-            processes, context, initializer=_begin, initargs=(theirs, os.getpid())
-        )
-
-    def __enter__(self) -> ProcessPoolExecutor:
-        return self.executor
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is not None:
-            self.mine.close()  # the processes see it, and end amid their work
-        self.executor.shutdown(wait=True, cancel_futures=True)
-        self.mine.close()
-        self.theirs.close()
-
-
-def _begin(line: Connection, parent: int) -> None:
-    """Prepare a worker: one solver thread, and an end when the line to the parent is cut."""
-    import signal
-
-    os.environ["TACTGEN_THREADS"] = "1"
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent is told as well, and ends this one
-
-    def watch() -> None:
-        try:
-            line.recv()
-        except (EOFError, OSError):
-            os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
-    if os.getppid() != parent:  # it died before the watch began
-        os._exit(1)
-
-
 class _Processes:
-    """Processes that store their answers; when one dies the others are started anew."""
+    """Processes that keep their answers, and end when this one does or an error leaves the block.
+
+    When one dies the others are started anew.
+    """
+
+    death = (
+        "the process that solved it was ended from outside, which is what happens when memory runs "
+        "out; take fewer --jobs or a coarser mesh"
+    )
 
     def __init__(self, processes: int, retry: bool) -> None:
         self.most, self._processes, self._retry = 2 * processes, processes, retry
 
     def __enter__(self) -> _Processes:
-        self._workers = Workers(self._processes)
-        self._pool = self._workers.__enter__()
+        import multiprocessing
+
+        context = multiprocessing.get_context("spawn")
+        self._theirs, self._mine = context.Pipe(duplex=False)
+        self._pool = ProcessPoolExecutor(
+            self._processes, context, initializer=_begin, initargs=(self._theirs, os.getpid())
+        )
         return self
 
-    def __exit__(self, *error: Any) -> None:
-        self._workers.__exit__(*error)
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None:
+            self._mine.close()  # the processes see it, and end amid their work
+        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._mine.close()
+        self._theirs.close()
 
     def submit(self, jobs: Sequence[Job]) -> Future[list[Answer]]:
         try:
@@ -244,13 +214,23 @@ class _Processes:
         except BrokenProcessPool:
             return None
 
-    def died(self, job: Job) -> Answer:
-        given = Answer(
-            "failed",
-            "the process that solved it was ended from outside, which is what happens when "
-            "memory runs out; take fewer --jobs or a coarser mesh",
-        )
-        return keep(job.asked, given, retry=self._retry)
+
+def _begin(line: Connection, parent: int) -> None:
+    """Prepare a worker: one solver thread, and an end when the line to the parent is cut."""
+    import signal
+
+    os.environ["TACTGEN_THREADS"] = "1"
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent is told as well, and ends this one
+
+    def watch() -> None:
+        try:
+            line.recv()
+        except (EOFError, OSError):
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+    if os.getppid() != parent:  # it died before the watch began
+        os._exit(1)
 
 
 def _in_process(jobs: Sequence[Job], retry: bool) -> list[Answer]:
@@ -307,21 +287,9 @@ def check_workers(own: Build, workers: Mapping[str, Build | Exception]) -> None:
         )
 
 
-def _on_cluster(
-    batches: Sequence[Batch], address: str, *, retry: bool
-) -> Iterator[tuple[int, Answer]]:
-    asked = {job.number: job.asked for batch in batches for job in batch.jobs}
-    models = tuple(dict.fromkeys(question.model for question in asked.values()))
-    with _connected(address) as client:
-        own = build(models)
-        check_workers(own, client.run(build, models, on_error="return"))
-        for number, given in _pooled(batches, _Cluster(client, models, own)):
-            yield number, keep(asked[number], given, retry=retry)
-
-
 @contextlib.contextmanager
-def _connected(address: str) -> Iterator[Any]:
-    """Give the client of a scheduler that has workers; InputError otherwise."""
+def _connected(address: str, models: Sequence[str]) -> Iterator[_Cluster]:
+    """Give the workers of a scheduler; InputError if there are none of use."""
     try:
         from distributed import Client
     except ImportError:
@@ -344,7 +312,9 @@ def _connected(address: str) -> Iterator[Any]:
                 f"the scheduler at {address} has no worker after {PATIENCE:g} s; start some with "
                 f"dask worker {address} --nthreads 1"
             ) from None
-        yield client
+        own = build(models)
+        check_workers(own, client.run(build, models, on_error="return"))
+        yield _Cluster(client, models, own)
     finally:
         client.close(timeout=PATIENCE)
 
@@ -353,6 +323,10 @@ class _Cluster:
     """The workers of a cluster, which keep nothing."""
 
     most = 1_000_000
+    death = (
+        "every worker of the cluster that solved it was ended from outside, which is what happens "
+        "when memory runs out; give the workers more of it or take a coarser mesh"
+    )
 
     def __init__(self, client: Any, models: Sequence[str], own: Build) -> None:
         self._client, self._models, self._own = client, models, own
@@ -389,13 +363,6 @@ class _Cluster:
         check_workers(self._own, {"that joined the cluster": theirs})
         found: list[Answer] = answers
         return found
-
-    def died(self, _: Job) -> Answer:
-        return Answer(
-            "failed",
-            "every worker of the cluster that solved it was ended from outside, which is what "
-            "happens when memory runs out; give the workers more of it or take a coarser mesh",
-        )
 
 
 def _in_cluster(jobs: Sequence[Job], models: Sequence[str]) -> tuple[Build, list[Answer]]:
