@@ -1,28 +1,22 @@
-"""Questions of a study's points, and their cached answers.
-
-Of points that differ in nothing that a model reads, one is asked.
-"""
+"""Questions to models, and their cached answers."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import cached_result, stored_result
 from tactgen.geometry.store.values import source_digest
-from tactgen.validation.catalogue.models import MODELS, gives, models_of, reading
+from tactgen.validation.catalogue.models import MODELS, gives, reading
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import Solution, make_plan, solve
 from tactgen.validation.models.classes import model_class
-from tactgen.validation.scene.files import choices, one_line
+from tactgen.validation.scene.files import one_line
 from tactgen.validation.scene.inputs import values_read
 from tactgen.validation.scene.scene import Scene, checked_scene
-from tactgen.validation.scene.variation import ScenesNearby
-from tactgen.validation.studies.whatif.axes import as_stated
-from tactgen.validation.studies.whatif.definition import Statement
 
 
 @dataclass(frozen=True)
@@ -107,18 +101,6 @@ def keep(asked: Question, found: Answer, *, retry: bool = False) -> Answer:
     )
 
 
-def refuse_if_no_scene(points: int, found: Collection[Answer]) -> None:
-    """Refuse a study, with the first reason, if all that its points have found is refusals.
-
-    Raises InputError if no point makes a scene.
-    """
-    if all(each.status == "refused" for each in found):
-        said = "the only point makes no scene"
-        if points > 1:
-            said = f"none of the {points} points makes a scene"
-        raise InputError(f"{said}: {next(iter(found)).reason}")
-
-
 def reason(error: Exception) -> str:
     """Reason of a failure, in one sentence."""
     if isinstance(error, InputError):
@@ -142,61 +124,3 @@ def _made_of(model: str) -> tuple[str, ...]:
 
 def _serving(retry: bool) -> Callable[[Answer], bool]:
     return lambda found: found.status == "ok" or not retry
-
-
-@dataclass
-class Questions:
-    """Distinct questions of points and models."""
-
-    nearby: Mapping[str, ScenesNearby]
-    quantities: tuple[str, ...]
-    #: By point and model the number of the question, or why it is refused
-    at: dict[tuple[int, str], int | Answer] = field(default_factory=dict)
-    different: dict[int, Question] = field(default_factory=dict)  #: By number
-    #: The scene that each is asked at, as it would be written
-    values: dict[int, dict[str, Any]] = field(default_factory=dict)
-    _numbers: dict[str, int] = field(default_factory=dict)
-
-    def add(self, point: Mapping[str, Any], model: str) -> int | Answer:
-        """Number of a point's question to a model, or the refusal."""
-        stated = {key: as_stated(key, value) for key, value in point.items()}
-        try:
-            scene = self.nearby[model].scene(stated)
-            asked = question(scene, model, self.quantities)
-        except InputError as error:
-            return Answer("refused", reason(error))
-        number = self._numbers.setdefault(repr((asked.model, asked.inputs)), len(self._numbers))
-        if number not in self.different:
-            self.different[number] = asked
-            self.values[number] = self.nearby[model].values(stated)
-        return number
-
-    def add_points(
-        self,
-        points: Iterable[tuple[int, Mapping[str, Any], str]],
-        announce: Callable[[str], None] = lambda _: None,
-    ) -> None:
-        """Add the questions of points, each with its place and a model."""
-        for count, (number, point, model) in enumerate(points):
-            if count % 100 == 0:
-                announce(f"points checked: {count}")
-            self.at[number, model] = self.add(point, model)
-
-
-def scenes_nearby(statement: Statement) -> dict[str, ScenesNearby]:
-    """By model the scenes that its points are asked at.
-
-    Beside a model of the bimorph stand those of the normal actuator that the scene names: they
-    say whose map pulls at the rod.
-    """
-    stated = statement.values.get("models")
-    named = choices(stated, tuple(MODELS), "model", "models") if stated else ()
-    maps = [name for name in models_of("reluctance") if name in named]
-    asked = {
-        model: [model, *maps] if MODELS[model].actuator == "bimorph" else [model]
-        for model in statement.models
-    }
-    return {
-        model: ScenesNearby({**statement.values, "models": models, "quantities": ["all"]})
-        for model, models in asked.items()
-    }

@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import check_models, make_plan, stage_prospects, total
 from tactgen.validation.engine.surrogate import Ranges, Surrogate
+from tactgen.validation.scene.files import choices
 from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.scene.variation import ScenesNearby
+from tactgen.validation.studies.whatif.axes import as_stated
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.executor import Job, execute
 from tactgen.validation.studies.whatif.interpolation import Part, find_parts
-from tactgen.validation.studies.whatif.point_answers import (
-    Questions,
-    recall,
-    refuse_if_no_scene,
-    scenes_nearby,
-)
+from tactgen.validation.studies.whatif.point_answers import Question, question, reason, recall
 
+#: A point's number with a model's name, and what was asked there: a question's number or a refusal.
+_Place = tuple[int, str]
+_Asked = int | Answer
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 #: Of sentences that differ in their numbers, the first is told.
 _OTHERS = " (other numbers at other points)"
@@ -66,16 +67,9 @@ class Study:
         Sentences that differ in their numbers alone are one.
         """
         found: dict[str, list[str]] = {}
-        unbounded = [a.key for a in self.statement.axes if a.drawn and a.drawn.kind == "normal"]
         for _, model, each in self.rows:
-            texts = list(each.warnings)
-            if each.status != "ok":
-                text = f"{model} has no answer: {each.reason}"
-                for key in unbounded:
-                    if each.reason.startswith(f"{key} = "):
-                        text += f", or draw {key} with a smaller deviation"
-                texts.append(text)
-            for text in texts:
+            failure = [f"{model} has no answer: {each.reason}"] if each.status != "ok" else []
+            for text in (*each.warnings, *failure):
                 found.setdefault(_NUMBER.sub("#", text), []).append(text)
         total = len(self.points)
         return tuple(
@@ -104,10 +98,11 @@ def run_study(
     Raises InputError if the axes cannot be used, no point of them makes a scene, or the cluster is
     of no use.
     """
+    check_models(statement.models, statement.quantities)
     points = tuple(statement.points())
     solver = StudySolver(statement, processes, scheduler, announce, retry=retry)
     answers = solver.answers(points)
-    refuse_if_no_scene(len(points), [found for each in answers for found in each.values()])
+    _refuse_if_no_scene(len(points), [found for each in answers for found in each.values()])
     return Study(statement, points, answers, solver.counts(answers))
 
 
@@ -130,11 +125,12 @@ class StudySolver:
         retry: bool = False,
         ranges: Ranges | None = None,
     ) -> None:
-        check_models(statement.models, statement.quantities)
         self._statement, self._announce, self._ranges = statement, announce, ranges
         self._workers, self._retry = (processes, scheduler), retry
-        self._nearby = scenes_nearby(statement)
-        self._questions = Questions(self._nearby, statement.quantities)
+        self._nearby = _scenes_nearby(statement)
+        #: By number with the scene, as it would be written, that each is asked at
+        self.questions: dict[int, tuple[Question, dict[str, Any]]] = {}
+        self._numbers: dict[str, int] = {}
         self._solved: dict[int, Answer] = {}
         self._surrogates: dict[str, Surrogate | None] = {}
         self.recalled = self.computed = self.interpolated = 0
@@ -149,45 +145,69 @@ class StudySolver:
 
     def answers(self, points: Sequence[dict[str, Any]]) -> tuple[dict[str, Answer], ...]:
         """Answers by model at points (values by key), refusals among them."""
-        models, quantities = self._statement.models, self._statement.quantities
-        parts = [
-            p
-            for m in models
-            for p in find_parts(m, quantities, points, self._nearby[m], self._ranges)
-        ]
-        found: dict[tuple[int, str], Answer] = {}
-        covered = {(number, part.model) for part in parts for number in part.numbers}
-        designs = [self._design(part) for part in parts]
-        self._questions.at.clear()
-        self._questions.add_points(
-            ((n, point, m) for n, point in enumerate(points) for m in models
-             if (n, m) not in covered),
-            self._announce,
-        )  # fmt: skip
+        parts, asked = self.ask(points)
         self._solve()
-        for part, design in zip(parts, designs, strict=True):
+        found: dict[_Place, Answer] = {}
+        for part, design in parts:
             found |= self._interpolated(part, design, points)
-        left = [(n, points[n], m) for n, m in covered if (n, m) not in found]
-        self._questions.add_points(left, self._announce)
+        left = [(number, part.model) for part, _ in parts for number in part.numbers]
+        asked |= self._ask_alone(points, (place for place in left if place not in found))
         self._solve()
-        for place, given in self._questions.at.items():
-            found[place] = given if isinstance(given, Answer) else self._solved[given]
+        for place, one in asked.items():
+            found[place] = one if isinstance(one, Answer) else self._solved[one]
+        models = self._statement.models
         return tuple({m: found[number, m] for m in models} for number in range(len(points)))
 
-    def _design(self, part: Part) -> list[int | Answer]:
-        """Questions, or refusals, of the points that a surrogate is made from."""
-        if part.key in self._surrogates:
-            return []
-        self._announce(part.reason)
+    def ask(
+        self, points: Sequence[dict[str, Any]]
+    ) -> tuple[list[tuple[Part, list[_Asked]]], dict[_Place, _Asked]]:
+        """Parts for surrogates with the questions that these are made from, and the others."""
+        stated = self._statement
+        parts = []
+        for model in stated.models:
+            nearby = self._nearby[model]
+            for part in find_parts(model, stated.quantities, points, nearby, self._ranges):
+                design: list[_Asked] = []
+                if part.key not in self._surrogates:
+                    self._announce(part.reason)
+                    try:
+                        design = [self._question(at, model) for at in part.design(nearby)]
+                    except InputError:  # then its points are asked alone
+                        continue
+                parts.append((part, design))
+        covered = {(number, part.model) for part, _ in parts for number in part.numbers}
+        every = ((number, m) for number in range(len(points)) for m in stated.models)
+        return parts, self._ask_alone(points, (place for place in every if place not in covered))
+
+    def _ask_alone(
+        self, points: Sequence[dict[str, Any]], places: Iterable[_Place]
+    ) -> dict[_Place, _Asked]:
+        found = {}
+        for count, (number, model) in enumerate(places):
+            if count % 100 == 0:
+                self._announce(f"points checked: {count}")
+            found[number, model] = self._question(points[number], model)
+        return found
+
+    def _question(self, point: Mapping[str, Any], model: str) -> _Asked:
+        """Number of a point's question to a model, or the refusal.
+
+        Of points that differ in nothing that a model reads, one is asked.
+        """
+        stated = {key: as_stated(key, value) for key, value in point.items()}
+        nearby = self._nearby[model]
         try:
-            points = part.design(self._nearby[part.model])
-        except InputError:
-            return []
-        return [self._questions.add(point, part.model) for point in points]
+            asked = question(nearby.scene(stated), model, self._statement.quantities)
+        except InputError as error:
+            return Answer("refused", reason(error))
+        number = self._numbers.setdefault(repr((model, asked.inputs)), len(self._numbers))
+        if number not in self.questions:
+            self.questions[number] = asked, nearby.values(stated)
+        return number
 
     def _interpolated(
-        self, part: Part, design: Sequence[int | Answer], points: Sequence[dict[str, Any]]
-    ) -> dict[tuple[int, str], Answer]:
+        self, part: Part, design: Sequence[_Asked], points: Sequence[dict[str, Any]]
+    ) -> dict[_Place, Answer]:
         """Answers of a part by point and model; none where no surrogate can be made."""
         nearby = self._nearby[part.model]
         if part.key not in self._surrogates:
@@ -206,13 +226,38 @@ class StudySolver:
 
     def _solve(self) -> None:
         """Solve all questions that have no answer yet, but those whose answers are kept."""
-        new = {n: q for n, q in self._questions.different.items() if n not in self._solved}
-        kept = {n: answer for n, q in new.items() if (answer := recall(q, retry=self._retry))}
-        jobs = [Job(n, q, self._questions.values[n]) for n, q in new.items() if n not in kept]
+        new = {n: asked for n, asked in self.questions.items() if n not in self._solved}
+        kept = {n: a for n, (q, _) in new.items() if (a := recall(q, retry=self._retry))}
+        jobs = [Job(n, *asked) for n, asked in new.items() if n not in kept]
         self._solved |= kept
         self.recalled += len(kept)
         self.computed += len(jobs)
         self._solved.update(execute(jobs, *self._workers, self._announce, retry=self._retry))
+
+
+def _scenes_nearby(statement: Statement) -> dict[str, ScenesNearby]:
+    """By model the scenes that its points are asked at.
+
+    Beside a model of the bimorph stand those of the normal actuator that the scene names: they
+    say whose map pulls at the rod.
+    """
+    stated = statement.values.get("models")
+    named = choices(stated, tuple(MODELS), "model", "models") if stated else ()
+    maps = [name for name in models_of("reluctance") if name in named]
+    found = {}
+    for model in statement.models:
+        models = [model, *maps] if MODELS[model].actuator == "bimorph" else [model]
+        found[model] = ScenesNearby({**statement.values, "models": models, "quantities": ["all"]})
+    return found
+
+
+def _refuse_if_no_scene(points: int, found: Collection[Answer]) -> None:
+    """Refuse a study, with the first reason, if all that its points have found is refusals."""
+    if all(each.status == "refused" for each in found):
+        said = "the only point makes no scene"
+        if points > 1:
+            said = f"none of the {points} points makes a scene"
+        raise InputError(f"{said}: {next(iter(found)).reason}")
 
 
 @dataclass(frozen=True)
@@ -255,37 +300,22 @@ def plan_study(
     """
     check_models(statement.models, statement.quantities)
     points = tuple(statement.points())
-    nearby = scenes_nearby(statement)
-    found, refusals, covered = [], list[Answer](), 0
+    found, refusals = [], list[Answer]()
     for model in statement.models:
-        questions = Questions(nearby, statement.quantities)
-        parts = find_parts(model, statement.quantities, points, nearby[model])
-        reasons, interpolated = [], set[int]()
-        for part in parts:
-            try:
-                design = part.design(nearby[model])
-            except InputError:  # then they are answered alone
-                continue
-            for point in design:
-                questions.add(point, model)
-            reasons.append(part.reason)
-            interpolated |= set(part.numbers)
-        covered += len(interpolated)
-        rest = ((n, p, model) for n, p in enumerate(points) if n not in interpolated)
-        questions.add_points(rest, announce)
-        refused = [given for given in questions.at.values() if isinstance(given, Answer)]
+        solver = StudySolver(replace(statement, models=(model,)), announce=announce)
+        parts, asked = solver.ask(points)
+        refused = [given for given in asked.values() if isinstance(given, Answer)]
         refusals += refused
-        new = [n for n, q in questions.different.items() if recall(q) is None]
+        new = [(q, values) for q, values in solver.questions.values() if recall(q) is None]
         seconds = None
         if new and not MODELS[model].quick:
-            scene = checked_scene(questions.values[new[0]])
-            wanted = questions.different[new[0]].quantities
-            each = total(stage_prospects(make_plan(scene, (model,), wanted)))
+            q, values = new[0]
+            each = total(stage_prospects(make_plan(checked_scene(values), (model,), q.quantities)))
             seconds = each * len(new) if each else None
         found.append(PlannedModel(
-            model, len(points), len(refused), len(questions.different) - len(new), len(new),
-            tuple(reasons), seconds,
+            model, len(points), len(refused), len(solver.questions) - len(new), len(new),
+            tuple(part.reason for part, _ in parts), seconds,
         ))  # fmt: skip
-    if not covered and len(refusals) == len(points) * len(statement.models):
-        refuse_if_no_scene(len(points), refusals)
+    if len(refusals) == len(points) * len(statement.models):
+        _refuse_if_no_scene(len(points), refusals)
     return tuple(found)

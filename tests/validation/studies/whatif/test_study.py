@@ -80,16 +80,6 @@ def test_only_new_points_are_solved(solved):
     assert len(solved) == 10
 
 
-def test_what_is_drawn_beyond_a_bound_is_said_with_its_unit(solved):
-    """And that a smaller deviation avoids it."""
-    asked = statement("bimorph.length=normal(20mm,200%)", quantities=("capacitance_free",))
-    study = run_study(replace(asked, samples=4))
-    (said,) = study.warnings
-    assert "tmm has no answer: bimorph.length = -" in said
-    assert " mm must be greater than 0 mm; write for example" in said
-    assert said.endswith(", or draw bimorph.length with a smaller deviation")
-
-
 def test_values_that_make_no_scene_are_refused_and_the_others_go_on(solved):
     """A shim below its smallest size, a ceramic shorter than its bare end."""
     study = run_study(

@@ -1,6 +1,7 @@
 """The plan of a study: what is kept, what is interpolated, what is solved."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -43,6 +44,8 @@ def test_what_is_solved_alone_kept_or_refused_is_counted(own_store):
     assert tmm.sentences == ("tmm: 4 points, 2 to be solved, a fraction of a second each",)
     assert (solids.solved, solids.interpolated, solids.seconds) == (2, (), None)
     assert "2 to be solved, cost not recorded yet" in solids.sentences[0]
+    both = replace(asked, models=("tmm", "network"), quantities=(*asked.quantities, "coenergy"))
+    assert [model.solved for model in plan_study(both)] == [2, 2]
     run_study(statement("bimorph.length=14mm", models=("tmm",)))
     (tmm,) = plan_study(statement("bimorph.length=14mm,16mm,1um", models=("tmm",)))
     assert (tmm.solved, tmm.kept, tmm.refused) == (1, 1, 1)
