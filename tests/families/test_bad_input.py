@@ -234,7 +234,7 @@ LENGTHS = ["whatif", "prototype", "--vary", "bimorph.length=14mm:16mm:2"]
             ["design", "paper", *GOAL, "--vary", "bimorph.length=normal(20mm,1mm)"],
             ["bimorph.length=normal(20mm,1mm)"],
         ),
-        (["design", "paper", *GOAL, "--vary", "modes=2:5"], ["modes", "whole numbers"]),
+        (["design", "paper", *GOAL, "--vary", "modes=2:5"], ["modes", "is no range to search"]),
         (
             ["solve", "reluctance", "--set", "sleeve.collar_thickness=2mm",
              "--set", "sleeve.collar_radius=0.8mm"],

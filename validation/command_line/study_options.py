@@ -63,7 +63,7 @@ def stated(options: argparse.Namespace, before: Statement | None = None) -> Stat
         values, base = before.values, before
     else:
         values, _ = scene_values(options.scene or "paper", overrides)
-        base = before or Statement("", {}, (), (), ())
+        base = before or Statement()
     # a scene that asks for all has chosen none: the headline ones, which cost a study the least
     named = {key: of for key, of in values.items() if key != "quantities" or "all" not in of}
     models, quantities = chosen(named, options.model, options.quantity, base)

@@ -54,6 +54,11 @@ def parse_aims(texts: Sequence[str]) -> tuple[Aim, ...]:
     return aims
 
 
+def named_quantities(aims: Sequence[Aim]) -> tuple[str, ...]:
+    """Quantities that aims name, each once."""
+    return tuple(dict.fromkeys(name for aim in aims for name in aim.quantities))
+
+
 def judged(
     number: int, answers: Mapping[str, Answer], aims: tuple[Aim, ...], felt: ThresholdCurve
 ) -> list[Judged]:
@@ -65,7 +70,7 @@ def judged(
     together: dict[str, Any] = {}
     for model in ranked(known):
         together |= known[model]
-    wanted = {name for aim in aims for name in aim.quantities}
+    wanted = set(named_quantities(aims))
     choices = {m: found for m, found in known.items() if wanted <= set(found)}
     if not choices and wanted <= set(together):
         choices = {" with ".join(known): together}

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.solve import check_models
+from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.scene.variation import value_of
 from tactgen.validation.studies.whatif.aim_evaluation import Judged, felt_at, judged, shown
 from tactgen.validation.studies.whatif.aims import Aim
 from tactgen.validation.studies.whatif.axes import scene_field
@@ -41,7 +43,7 @@ _STARTS = 2
 _NEIGHBOUR = 0.25
 _SEED = 1
 #: Two ends, perhaps with their spacing, and no count.
-_RANGE = re.compile(r"[^:]+:[^:]+(:\s*(log|lin)\s*)?")
+_RANGE = re.compile(r"[^:]+:[^:]+(:\s*log\s*)?")
 
 
 @dataclass(frozen=True)
@@ -71,32 +73,25 @@ class Range:
         return min(max(found, 0.0), 1.0)
 
 
-def ranges_of(statement: Statement) -> tuple[Range, ...]:
+def _ranges_of(statement: Statement) -> tuple[Range, ...]:
     """Ranges that a statement's axes state.
 
     Raises InputError for an axis that is no range of a number.
     """
-
-    def no_range(text: str) -> InputError:
-        return InputError(
-            f"--vary {quoted(text)} is no range to search; write KEY=LOW:HIGH, for example --vary "
-            "bimorph.length=14mm:22mm"
-        )
-
-    for text in statement.vary:
-        _, equals, stated = text.partition("=")
-        if equals and not _RANGE.fullmatch(stated):
-            raise no_range(text)
+    texts = {text: text.partition("=")[2] for text in statement.vary}
+    no_range = [text for text, stated in texts.items() if stated and not _RANGE.fullmatch(stated)]
     found = []
-    for axis in statement.axes:
-        drawn = axis.drawn
-        if drawn is None:  # words may hold a colon
-            raise no_range(f"{axis.key}={axis.text}")
-        if scene_field(axis.key).whole:
-            raise InputError(
-                f"--vary {axis.key}: whole numbers are not searched; try each with tactgen whatif"
-            )
-        found.append(Range(axis.key, drawn.first, drawn.second, drawn.kind == "loguniform"))
+    for axis in () if no_range else statement.axes:
+        if axis.drawn is None or scene_field(axis.key).whole:  # words may hold a colon
+            no_range.append(f"{axis.key}={axis.text}")
+        else:
+            drawn = axis.drawn
+            found.append(Range(axis.key, drawn.first, drawn.second, drawn.kind == "loguniform"))
+    if no_range:
+        raise InputError(
+            f"--vary {quoted(no_range[0])} is no range to search; write KEY=LOW:HIGH of a key that "
+            "may have any value between, for example --vary bimorph.length=14mm:22mm"
+        )
     return tuple(found)
 
 
@@ -257,12 +252,9 @@ class Points:
             method="COBYQA",
             bounds=[(0.0, 1.0)] * len(self.ranges),
             constraints=held,
-            options={
-                "maxfev": _STEPS * len(self.ranges),
-                "initial_tr_radius": 0.05,
-                "final_tr_radius": _FINE,
-            },
-        )
+            options={"maxfev": _STEPS * len(self.ranges), "initial_tr_radius": 0.05,
+                     "final_tr_radius": _FINE},
+        )  # fmt: skip
 
     def _conditions(self, found: Judged, scales: Floats) -> list[float]:
         """Margins of the conditions in scales."""
@@ -282,20 +274,12 @@ class Points:
 
 
 def search(
-    statement: Statement,
-    aims: tuple[Aim, ...],
-    present: dict[str, float],
-    announce: Callable[[str], None] = lambda _: None,
+    statement: Statement, aims: tuple[Aim, ...], announce: Callable[[str], None] = lambda _: None
 ) -> SearchResult:
     """Values that meet the aims best.
 
     Without a goal those are wanted that differ least, in shares of the ranges, from the
     scene's own.
-
-    Parameters
-    ----------
-    present : dict of str to float
-        The scene's own values of the keys (SI).
 
     Raises InputError if the ranges cannot be searched, two goals are stated, or no point has an
     answer.
@@ -312,8 +296,11 @@ def search(
             f"the models {', '.join(statement.models)} would each have a best of their own; name "
             "one --model"
         )
-    ranges = ranges_of(statement)
-    here = np.array([r.share(present[r.key]) for r in ranges])
+    ranges = _ranges_of(statement)
+    scene = checked_scene(
+        {**statement.values, "models": list(statement.models), "quantities": ["all"]}
+    )
+    here = np.array([r.share(float(value_of(scene, r.key))) for r in ranges])
     points = Points(statement, ranges, aims, here, announce)
     spread = points.ask(_spread(here))
     if all(one.judged is None for one in spread):
@@ -349,9 +336,3 @@ def _spread(here: Floats) -> Floats:
     power = math.ceil(math.log2(_EACH * count))
     every = qmc.Sobol(count, seed=_SEED).random_base2(power)
     return np.vstack([here, every])
-
-
-def with_aims(statement: Statement, aims: Sequence[Aim]) -> Statement:
-    """Study definition with the aims' quantities alone."""
-    wanted = dict.fromkeys(name for aim in aims for name in aim.quantities)
-    return replace(statement, quantities=tuple(wanted))

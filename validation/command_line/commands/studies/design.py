@@ -85,18 +85,11 @@ def run(options: argparse.Namespace) -> int:
 def _search(options: argparse.Namespace) -> int:
     """Search the values of any keys."""
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.scene.scene import checked_scene, scene_values
-    from tactgen.validation.scene.variation import value_of
-    from tactgen.validation.studies.whatif.aim_evaluation import parse_aims
+    from tactgen.validation.scene.scene import scene_values
+    from tactgen.validation.studies.whatif.aim_evaluation import named_quantities, parse_aims
     from tactgen.validation.studies.whatif.defaults import chosen
     from tactgen.validation.studies.whatif.definition import Statement
-    from tactgen.validation.studies.whatif.optimisation import (
-        as_values,
-        ranges_of,
-        search,
-        sentences,
-        with_aims,
-    )
+    from tactgen.validation.studies.whatif.optimisation import as_values, search, sentences
 
     for option in ("margin", "band", "lengths", "plot"):
         if getattr(options, option):
@@ -110,17 +103,13 @@ def _search(options: argparse.Namespace) -> int:
         )
     aims = parse_aims(options.aim)
     values, _ = scene_values(options.scene, options.overrides)
-    wanted = with_aims(Statement("", {}, (), (), ()), aims).quantities
     # without --model the quick one, whichever models the scene lists for tables
-    models, quantities = chosen({}, options.model, wanted, Statement("", {}, (), (), ()))
+    models, quantities = chosen({}, options.model, named_quantities(aims), Statement())
     statement = Statement(
         str(values["name"]), values, tuple(options.vary), models, quantities, samples=1
     )
-    ranges = ranges_of(statement)
-    scene = checked_scene({**values, "models": list(models), "quantities": ["all"]})
-    present = {r.key: float(value_of(scene, r.key)) for r in ranges}
     with announcer() as announce:
-        found = search(statement, aims, present, announce)
+        found = search(statement, aims, announce)
     if options.json:
         print_json(as_values(found))
     else:

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from tactgen.validation.engine.comparison import Choice
     from tactgen.validation.studies.whatif.aim_evaluation import Verdict
-    from tactgen.validation.studies.whatif.aims import Aim
     from tactgen.validation.studies.whatif.definition import Statement
     from tactgen.validation.studies.whatif.study import Study
 
@@ -93,10 +92,15 @@ example:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.geometry.files import writable_folder
+    from tactgen.geometry.files import writable_folder, write_text
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict
+    from tactgen.validation.studies.whatif.aim_evaluation import (
+        named_quantities,
+        parse_aims,
+        verdict,
+    )
     from tactgen.validation.studies.whatif.definition import write_statement
+    from tactgen.validation.studies.whatif.pictures import study_picture
     from tactgen.validation.studies.whatif.study import run_study
 
     folder = Path(options.out) if options.out is not None else None
@@ -107,7 +111,7 @@ def run(options: argparse.Namespace) -> int:
             f'--plot "{options.plot}" is not an SVG file; write for example --plot study.svg'
         )
     aims = parse_aims(options.aim)
-    statement = _with_quantities(_statement(options, folder), aims)
+    statement = _with_quantities(_statement(options, folder), named_quantities(aims))
     _ = statement.size  # axes that cannot be used are refused before anything is written
     statement, choice = under_accuracy(statement)
     if folder is not None:
@@ -120,7 +124,7 @@ def run(options: argparse.Namespace) -> int:
             _write(folder, study, found)
         if options.plot:
             announce("drawing")
-            _draw(Path(options.plot), study)
+            write_text(Path(options.plot), study_picture(study))
     _show(options, study, found, choice)
     return 0
 
@@ -138,11 +142,10 @@ def _scheduler(options: argparse.Namespace) -> str:
     return check_address(options.scheduler)
 
 
-def _with_quantities(statement: Statement, aims: Sequence[Aim]) -> Statement:
+def _with_quantities(statement: Statement, wanted: Sequence[str]) -> Statement:
     """Study definition with the aims' quantities added."""
     from tactgen.validation.catalogue.models import gives
 
-    wanted = dict.fromkeys(name for aim in aims for name in aim.quantities)
     missing = tuple(name for name in wanted if name not in statement.quantities)
     for name in missing:
         if not (statement.by_accuracy or any(gives(model, name) for model in statement.models)):
@@ -151,13 +154,6 @@ def _with_quantities(statement: Statement, aims: Sequence[Aim]) -> Statement:
                 "--model that does"
             )
     return replace(statement, quantities=statement.quantities + missing)
-
-
-def _draw(file: Path, study: Study) -> None:
-    from tactgen.geometry.files import write_text
-    from tactgen.validation.studies.whatif.pictures import study_picture
-
-    write_text(file, study_picture(study))
 
 
 def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
@@ -201,7 +197,8 @@ def _show(
               + (f", see {options.out}/study.csv" if options.out else "")])  # fmt: skip
     if options.json:
         aims = {"aims": as_values(study, found)} if found else {}
-        print_json({**_as_json(study), **aims, **_ladders(choice)})
+        ladders = {"ladders": choice.ladders} if choice else {}
+        print_json({**_as_json(study), **aims, **ladders})
     else:
         print("\n".join([*table_lines(study), *(sentences(study, found) if found else ())]))
     counts = study.counts
@@ -213,10 +210,6 @@ def _show(
         f"from before, {counts.failed} failed, {counts.refused} refused{where}",
         file=sys.stderr,
     )
-
-
-def _ladders(choice: Choice | None) -> dict[str, Any]:
-    return {} if choice is None else {"ladders": choice.ladders}
 
 
 def _as_json(study: Study) -> dict[str, Any]:
