@@ -56,6 +56,7 @@ class Part:
     numbers: tuple[int, ...]  #: Places of the points
     ranges: Ranges  #: Lowest and highest value (SI) of the keys in which they differ
     first: Point  #: The first of the points
+    nearby: ScenesNearby  #: The model's scenes
 
     @property
     def key(self) -> str:
@@ -71,28 +72,28 @@ class Part:
             f"are interpolated between {design_size(len(self.ranges))} solutions"
         )
 
-    def scene(self, nearby: ScenesNearby, point: Point) -> Scene:
+    def scene(self, point: Point) -> Scene:
         """Scene at a point; InputError if there is none."""
-        found = nearby.scene({key: as_stated(key, value) for key, value in point.items()})
+        found = _scene(self.nearby, point)
         check_scene(found, (self.model,), self.quantities)
         return found
 
-    def design(self, nearby: ScenesNearby) -> list[dict[str, Any]]:
+    def design(self) -> list[dict[str, Any]]:
         """Points that the surrogate is made from, with the modes that it needs.
 
         Raises InputError if the first point makes no scene.
         """
-        base = self.scene(nearby, self.first)
+        base = self.scene(self.first)
         modes = design_scene(base, self.quantities).modes
         more = {"modes": modes} if modes != base.modes else {}
         return [{**self.first, **point, **more} for point in design_points(self.ranges)]
 
-    def surrogate(self, nearby: ScenesNearby, given: Sequence[Answer]) -> Surrogate:
+    def surrogate(self, given: Sequence[Answer]) -> Surrogate:
         """Surrogate through the answers at :meth:`design`.
 
         Raises InputError if it cannot be made, or is off by more than the accuracy that is wanted.
         """
-        scene = self.scene(nearby, self.first)
+        scene = self.scene(self.first)
         answers = [one.quantities if one.status == "ok" else None for one in given]
         found = fit_surrogate(
             scene, self.model, self.ranges, answers, sum(one.seconds for one in given)
@@ -104,11 +105,7 @@ class Part:
         return found
 
     def answers(
-        self,
-        surrogate: Surrogate,
-        nearby: ScenesNearby,
-        points: Sequence[Point],
-        announce: Callable[[str], None],
+        self, surrogate: Surrogate, points: Sequence[Point], announce: Callable[[str], None]
     ) -> dict[int, Answer]:
         """Answers by place; refused points are left out."""
         found: dict[int, Answer] = {}
@@ -117,7 +114,7 @@ class Part:
             block, scenes = [], []
             for number in self.numbers[start : start + _BLOCK]:
                 try:
-                    scenes.append(self.scene(nearby, points[number]))
+                    scenes.append(self.scene(points[number]))
                 except InputError as error:
                     found[number] = Answer("refused", reason(error))
                 else:
@@ -153,31 +150,31 @@ def find_parts(
     for number, point in enumerate(points):
         others = repr([value for key, value in point.items() if key not in own])
         groups.setdefault(others, []).append(number)
-    if ranges is None:  # they end where the parts no longer fit
-        groups = {
-            others: [n for n in numbers if _is_scene(nearby, points[n])]
-            for others, numbers in groups.items()
-            if _MANY_ENOUGH < len(numbers) <= _CHECKED
-        } | {others: numbers for others, numbers in groups.items() if len(numbers) > _CHECKED}
     found = []
     for numbers in groups.values():
-        if not numbers:
-            continue
         if ranges is not None:
             over: Ranges = {key: ends for key, ends in ranges.items() if key in own}
-            least = 0
-        else:
+        elif len(numbers) > _MANY_ENOUGH:
+            if len(numbers) <= _CHECKED:  # the range ends where the parts no longer fit
+                numbers = [n for n in numbers if _is_scene(nearby, points[n])]
             over = _ranges(points, numbers, own)
-            least = design_size(len(over)) if 0 < len(over) <= MOST_KEYS else 0
+        else:
+            continue
+        if not 0 < len(over) <= MOST_KEYS:
+            continue
         different = {tuple(points[n][key] for key in over) for n in numbers}
-        if 0 < len(over) <= MOST_KEYS and len(different) > least:
-            found.append(Part(model, wanted, tuple(numbers), over, points[numbers[0]]))
+        if len(different) > (design_size(len(over)) if ranges is None else 0):
+            found.append(Part(model, wanted, tuple(numbers), over, points[numbers[0]], nearby))
     return found
+
+
+def _scene(nearby: ScenesNearby, point: Point) -> Scene:
+    return nearby.scene({key: as_stated(key, value) for key, value in point.items()})
 
 
 def _is_scene(nearby: ScenesNearby, point: Point) -> bool:
     try:
-        nearby.scene({key: as_stated(key, value) for key, value in point.items()})
+        _scene(nearby, point)
     except InputError:
         return False
     return True
@@ -187,7 +184,7 @@ def _ranges(points: Sequence[Point], numbers: Sequence[int], own: set[str]) -> R
     found = {}
     for key in (key for key in points[0] if key in own):
         values = [float(points[n][key]) for n in numbers]
-        if min(values) < max(values):
+        if values and min(values) < max(values):
             found[key] = min(values), max(values)
     return found
 

@@ -183,6 +183,7 @@ class Points:
     here: Floats
     announce: Callable[[str], None]
     tried: dict[tuple[float, ...], Tried] = field(default_factory=dict)
+    scales: Sequence[float] = ()
 
     def __post_init__(self) -> None:
         box = {r.key: (r.low, r.high) for r in self.ranges}
@@ -205,29 +206,25 @@ class Points:
                 )
         return [self.tried[place] for place in places]
 
-    def scales(self) -> Floats:
-        """By how much each aim's margin differs over the points, 1 if it does not."""
-        margins = np.array(
-            [[m for m, _ in one.judged.margins] for one in self.tried.values() if one.judged]
-        )
-        over = np.ptp(margins, axis=0)
-        return np.where(over > 0.0, over, 1.0)
+    def rescale(self) -> None:
+        """Set each aim's scale to what its margin differs by over the points, 1 if it does not."""
+        margins = [[m for m, _ in one.judged.margins] for one in self.tried.values() if one.judged]
+        over = np.ptp(np.array(margins), axis=0)
+        self.scales = [float(scale) if scale > 0.0 else 1.0 for scale in over]
 
-    def shortfall(self, found: Judged, scales: Floats) -> float:
+    def shortfall(self, found: Judged) -> float:
         """By how much the conditions are missed, in scales, 0 if all are met."""
-        return sum(max(-margin, 0.0) for margin in self._conditions(found, scales))
+        return sum(max(-margin, 0.0) for margin in self._margins(found, "condition"))
 
-    def best(self, scales: Floats) -> list[tuple[float, ...]]:
+    def best(self) -> list[tuple[float, ...]]:
         """Places of all points that have answers, the best first."""
+        order = {
+            place: (self.shortfall(one.judged), -self._worth(place, one.judged))
+            for place, one in self.tried.items() if one.judged
+        }  # fmt: skip
+        return sorted(order, key=order.__getitem__)
 
-        def order(place: tuple[float, ...]) -> tuple[float, float]:
-            found = self.tried[place].judged
-            assert found is not None
-            return self.shortfall(found, scales), -self._worth(place, found, scales)
-
-        return sorted((p for p, one in self.tried.items() if one.judged), key=order)
-
-    def go_on(self, start: tuple[float, ...], scales: Floats) -> None:
+    def go_on(self, start: tuple[float, ...]) -> None:
         """Search on from a point."""
         from scipy.optimize import NonlinearConstraint, minimize
 
@@ -239,11 +236,11 @@ class Points:
 
         def cost(shares: Floats) -> float:
             place, found = at(shares)
-            return -self._worth(place, found, scales) if found else 1.0
+            return -self._worth(place, found) if found else 1.0
 
         def margins(shares: Floats) -> Sequence[float]:
             _, found = at(shares)
-            return self._conditions(found, scales) if found else [-1.0] * conditions
+            return self._margins(found, "condition") if found else [-1.0] * conditions
 
         held = [NonlinearConstraint(margins, 0.0, np.inf)] if conditions else []
         minimize(
@@ -256,18 +253,15 @@ class Points:
                      "final_tr_radius": _FINE},
         )  # fmt: skip
 
-    def _conditions(self, found: Judged, scales: Floats) -> list[float]:
-        """Margins of the conditions in scales."""
-        each = zip(self.aims, found.margins, scales, strict=True)
-        return [m / float(scale) for aim, (m, _), scale in each if aim.kind == "condition"]
+    def _margins(self, found: Judged, kind: str) -> list[float]:
+        """Margins of the conditions, or values of the goals, in scales."""
+        each = zip(self.aims, found.margins, self.scales, strict=True)
+        return [margin / scale for aim, (margin, _), scale in each if aim.kind == kind]
 
-    def _worth(self, place: tuple[float, ...], found: Judged, scales: Floats) -> float:
+    def _worth(self, place: tuple[float, ...], found: Judged) -> float:
         """Merit of a point: by the goal, or by its nearness to the scene's own."""
-        each = zip(self.aims, found.margins, scales, strict=True)
-        goals = [m / float(scale) for aim, (m, _), scale in each if aim.kind == "goal"]
-        if goals:
-            return goals[0]
-        return -float(((np.array(place) - self.here) ** 2).sum())
+        goals = self._margins(found, "goal")
+        return goals[0] if goals else -float(((np.array(place) - self.here) ** 2).sum())
 
     def _announced(self, text: str) -> None:
         self.announce(f"{len(self.tried)} points tried: {text}")
@@ -305,13 +299,11 @@ def search(
     spread = points.ask(_spread(here))
     if all(one.judged is None for one in spread):
         raise InputError(f"no point of the ranges has an answer: {spread[0].reason}")
-    scales = points.scales()
-    for start in _apart(points.best(scales)):
-        points.go_on(start, scales)
-    best = points.best(scales)[0]
-    found = points.tried[best]
-    assert found.judged is not None
-    met = points.shortfall(found.judged, scales) == 0.0
+    points.rescale()
+    for start in _apart(points.best()):
+        points.go_on(start)
+    found = points.tried[points.best()[0]]
+    met = found.judged is not None and points.shortfall(found.judged) == 0.0
     return SearchResult(statement, ranges, aims, found, met, spread[0], len(points.tried),
                  points.solver.interpolated)  # fmt: skip
 

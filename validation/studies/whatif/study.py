@@ -171,7 +171,7 @@ class StudySolver:
                 if part.key not in self._surrogates:
                     self._announce(part.reason)
                     try:
-                        design = [self._question(at, model) for at in part.design(nearby)]
+                        design = [self._question(at, model) for at in part.design()]
                     except InputError:  # then its points are asked alone
                         continue
                 parts.append((part, design))
@@ -209,18 +209,17 @@ class StudySolver:
         self, part: Part, design: Sequence[_Asked], points: Sequence[dict[str, Any]]
     ) -> dict[_Place, Answer]:
         """Answers of a part by point and model; none where no surrogate can be made."""
-        nearby = self._nearby[part.model]
         if part.key not in self._surrogates:
             given = [self._solved[one] if isinstance(one, int) else one for one in design]
             try:
-                self._surrogates[part.key] = part.surrogate(nearby, given)
+                self._surrogates[part.key] = part.surrogate(given)
             except InputError as error:
                 self._announce(f"{part.model}: one by one, since {error}")
                 self._surrogates[part.key] = None
         surrogate = self._surrogates[part.key]
         if surrogate is None:
             return {}
-        answers = part.answers(surrogate, nearby, points, self._announce)
+        answers = part.answers(surrogate, points, self._announce)
         self.interpolated += sum(each.status == "ok" for each in answers.values())
         return {(number, part.model): answer for number, answer in answers.items()}
 
