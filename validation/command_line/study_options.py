@@ -48,12 +48,7 @@ def axis_options(parser: argparse.ArgumentParser) -> None:
 def stated(options: argparse.Namespace, before: Statement | None = None) -> Statement:
     """Study definition from the options, or else from an earlier study."""
     from tactgen.validation.scene.scene import scene_values
-    from tactgen.validation.studies.whatif.defaults import (
-        asks_accuracy,
-        chosen,
-        names_models,
-        with_tolerances,
-    )
+    from tactgen.validation.studies.whatif.defaults import chosen, with_tolerances
     from tactgen.validation.studies.whatif.definition import Statement
 
     overrides = list(options.overrides)
@@ -88,8 +83,9 @@ def stated(options: argparse.Namespace, before: Statement | None = None) -> Stat
         ),
     )  # fmt: skip
     check_seed(options.seed, samples)
-    free = not names_models(values, options.model, base)
-    return replace(found, by_accuracy=free and asks_accuracy(found))
+    stands = options.model or values.get("models") or (base.models and not base.by_accuracy)
+    asked = "accuracy" in values or any(axis.key == "accuracy" for axis in found.axes)
+    return replace(found, by_accuracy=not stands and asked)
 
 
 def check_seed(seed: str | None, samples: int) -> None:

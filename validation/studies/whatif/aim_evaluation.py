@@ -31,6 +31,11 @@ class Judged:
     models: str
     margins: tuple[tuple[float, float], ...]
 
+    @property
+    def values(self) -> dict[str, list[float]]:
+        """Margins and bars as plain JSON values."""
+        return {"margins": [m for m, _ in self.margins], "bars": [bar for _, bar in self.margins]}
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -97,7 +102,12 @@ def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
         j for j in every if any(abs(j.margins[n][0]) <= j.margins[n][1] for n in conditions)
     ]
     goals = [n for n, aim in enumerate(aims) if aim.kind == "goal"]
-    return Verdict(aims, tuple(every), tuple(met), tuple(undecided), _best(met, goals, conditions))
+    if len(goals) == 2:
+        best = [met[n] for n in pareto(*([j.margins[goal] for j in met] for goal in goals))]
+    else:
+        by = (goals or conditions)[0]
+        best = sorted(met, key=lambda j: -j.margins[by][0])
+    return Verdict(aims, tuple(every), tuple(met), tuple(undecided), tuple(best))
 
 
 def felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
@@ -108,16 +118,6 @@ def felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
         if key.startswith(group):
             stated[key.removeprefix(group)] = value
     return threshold_of(Threshold(**stated))
-
-
-def _best(
-    met: Sequence[Judged], goals: Sequence[int], conditions: Sequence[int]
-) -> tuple[Judged, ...]:
-    if len(goals) == 2:
-        front = pareto(*([j.margins[goal] for j in met] for goal in goals))
-        return tuple(met[n] for n in front)
-    by = goals or conditions[:1]
-    return tuple(sorted(met, key=lambda j: -j.margins[by[0]][0]))
 
 
 def pareto(
@@ -214,19 +214,13 @@ def shown(aim: Aim, margin: float, bar: float) -> str:
 
 def as_values(study: Study, found: Verdict) -> dict[str, Any]:
     """Verdict as plain JSON values, SI units."""
-
-    def listed(which: tuple[Judged, ...]) -> list[dict[str, Any]]:
-        return [
-            {"at": study.points[one.number], "models": one.models,
-             "margins": [margin for margin, _ in one.margins],
-             "bars": [bar for _, bar in one.margins]}
-            for one in which
-        ]  # fmt: skip
-
     share = yield_interval(len(found.met), len(found.judged)) if found.judged else None
     return {
         "aims": [aim.text for aim in found.aims], "judged": len(found.judged),
         "met": len(found.met), "undecided": len(found.undecided),
         "yield_interval_95": list(share) if share and study.statement.samples else None,
-        "best": listed(found.best),
+        "best": [
+            {"at": study.points[one.number], "models": one.models, **one.values}
+            for one in found.best
+        ],
     }  # fmt: skip

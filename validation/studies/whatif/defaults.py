@@ -27,11 +27,6 @@ from tactgen.validation.studies.whatif.definition import Statement
 _USUAL = ("tmm", "network")
 
 
-def names_models(values: dict[str, Any], models: Sequence[str] | None, before: Statement) -> bool:
-    """Whether options, the study that is gone on with, or the scene name a model."""
-    return bool(models or values.get("models") or (before.models and not before.by_accuracy))
-
-
 def chosen(
     values: dict[str, Any],
     models: Sequence[str] | None,
@@ -143,11 +138,6 @@ def _refusal(values: dict[str, Any], key: str, spread: Spread) -> str:
         except InputError as error:
             return str(error)
     return ""
-
-
-def asks_accuracy(statement: Statement) -> bool:
-    """Whether an accuracy is stated, in the scene or as an axis."""
-    return "accuracy" in statement.values or any(a.key == "accuracy" for a in statement.axes)
 
 
 def under_contract(

@@ -240,18 +240,14 @@ def _in_process(jobs: Sequence[Job], retry: bool) -> list[Answer]:
 # -- a Dask cluster -----------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Build:
-    """Build of a process: version, hash of each model's code, libraries."""
-
-    version: str
-    code: tuple[str, ...]
-    libraries: tuple[str, ...]
+#: Version of tactgen, hash of each model's code, and libraries of a process.
+Build = tuple[str, ...]
 
 
 def build(models: Sequence[str]) -> Build:
     """Build of this process for some models."""
-    return Build(version("tactgen"), tuple(map(code_of, models)), library_versions())
+    code = (f"code {code_of(model)} of {model}" for model in models)
+    return (f"tactgen {version('tactgen')}", *code, *library_versions())
 
 
 def check_address(address: str) -> str:
@@ -272,15 +268,11 @@ def check_workers(own: Build, workers: Mapping[str, Build | Exception]) -> None:
     for name, theirs in workers.items():
         if theirs == own:
             continue
-        if not isinstance(theirs, Build):
+        if isinstance(theirs, Exception):
             what = f"cannot run this tactgen ({theirs})"
-        elif theirs.version != own.version:
-            what = f"has tactgen {theirs.version}, and this is {own.version}"
-        elif theirs.code != own.code:
-            what = f"has other code of tactgen {own.version} than this"
         else:
-            others = set(theirs.libraries) - set(own.libraries)
-            what = f"has {', '.join(sorted(others))}, other than here"
+            others = [part for part in theirs if part not in own]
+            what = f"has {', '.join(others)}, other than here"
         raise InputError(
             f"the worker {name} {what}, so that its answers would differ; install the same there, "
             "or start the cluster without it"

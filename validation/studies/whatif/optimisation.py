@@ -129,12 +129,7 @@ def as_values(found: SearchResult) -> dict[str, Any]:
     """Result as plain JSON values, SI units."""
 
     def point(one: Tried) -> dict[str, Any]:
-        margins = one.judged.margins if one.judged else ()
-        return {
-            "at": one.values,
-            "margins": [margin for margin, _ in margins],
-            "bars": [bar for _, bar in margins],
-        }
+        return {"at": one.values, **(one.judged or Judged(0, "", ())).values}
 
     return {
         "scene": found.statement.scene, "models": list(found.statement.models),

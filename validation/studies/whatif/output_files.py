@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,18 +30,14 @@ TITLE = "tactgen what-if study"
 _LIBRARIES = ("tactgen", "numpy", "scipy", "scikit-fem")
 
 
-def table(study: Study) -> Iterator[tuple[Any, ...]]:
-    """Yield the values of a point's axes and every number there."""
-    for point, model, answer in study.rows:
-        for row in answers.rows(model, study.statement.quantities, answer):
-            yield (*point.values(), *row)
-
-
 def write_tidy(folder: Path, study: Study) -> Path:
-    """Write the table, whole or not at all."""
-    return answers.write_csv(
-        folder / TABLE, (axis.label for axis in study.statement.axes), table(study)
+    """Write a point's axes with every number there, whole or not at all."""
+    rows = (
+        (*point.values(), *row)
+        for point, model, answer in study.rows
+        for row in answers.rows(model, study.statement.quantities, answer)
     )
+    return answers.write_csv(folder / TABLE, (axis.label for axis in study.statement.axes), rows)
 
 
 def dataset(study: Study) -> Dataset:
