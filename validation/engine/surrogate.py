@@ -209,7 +209,7 @@ class _Fit:
         values = np.empty_like(moved)
         scale = np.empty(moved.shape)
         for name, (_, back) in _FORMS.items():
-            of = np.array([form == name for form in self.forms])
+            of = np.array(self.forms) == name
             values[:, of] = back(moved[:, of])
             size = np.abs(values[:, of])
             scale[:, of] = size ** {"logarithm": 1, "value": 0, "reciprocal": 2}[name]
@@ -218,16 +218,13 @@ class _Fit:
         # beyond the range what is left out grows as the next polynomial
         beyond = np.maximum(np.abs(place), 1.0)
         growth = np.cosh((self.degree + 1) * np.arccosh(beyond)).prod(axis=1)[:, None]
-        own = self.box.basis(np.clip(place, -1.0, 1.0), self._error_degree) @ self.own
+        few = min(_ERROR_DEGREE, self.degree)
+        own = self.box.basis(np.clip(place, -1.0, 1.0), few) @ self.own
         return (
             values,
             growth * scale * self.spread + _ROUNDING * np.abs(values),
             growth ** (1.0 / (self.degree + 1)) * np.exp(np.clip(own, self.least, self.most)),
         )
-
-    @property
-    def _error_degree(self) -> int:
-        return min(_ERROR_DEGREE, self.degree)
 
 
 def _needed(keys: int, degree: int) -> int:
@@ -260,12 +257,10 @@ class Surrogate:
     """Surrogate of a model within ranges of a scene's numbers."""
 
     scene: Scene  #: One of the scenes, for what does not vary
-    model: str  #: The model's name
     box: Box  #: The ranges
     place: Floats  #: (n, keys) Where it was solved
     examples: Mapping[str, Quantity]  #: By quantity the answer at the first of these places
     fits: Mapping[str, _Fit | tuple[_Mode, ...]]  #: What is interpolated; modes one by one
-    seconds: float  #: What all of the solutions took
 
     @property
     def method(self) -> str:
@@ -294,9 +289,7 @@ class Surrogate:
         found, error, _ = fit.at(self.place)
         size = np.abs(found)
         if not np.iscomplexobj(found):  # what crosses zero is compared with the largest
-            size = np.where(
-                [form == "value" for form in fit.forms], size.max(axis=0), size
-            )  # fmt: skip
+            size = np.where(np.array(fit.forms) == "value", size.max(axis=0), size)
         share = np.where(error > 0.0, error / np.where(size > 0.0, size, np.inf), 0.0)
         return float(share.max(initial=0.0))
 
@@ -342,9 +335,7 @@ class Surrogate:
         return found[:, :width], errors[:, :width], [tuple(map(str, row)) for row in kinds]
 
 
-def fit_surrogate(
-    scene: Scene, model: str, ranges: Ranges, answers: Sequence[Answers], seconds: float = 0.0
-) -> Surrogate:
+def fit_surrogate(scene: Scene, ranges: Ranges, answers: Sequence[Answers]) -> Surrogate:
     """Surrogate through a model's answers at :func:`design_points`.
 
     Parameters
@@ -370,10 +361,9 @@ def fit_surrogate(
     fits: dict[str, _Fit | tuple[_Mode, ...]] = {}
     for name in given[0]:
         column = [each[name] for each in given]
-        fits[name] = _mode_fits(box, place, column) if _is_modal(name) else _array_fit(
-            box, place, column
-        )  # fmt: skip
-    return Surrogate(scene, model, box, place, given[0], fits, seconds)
+        fit = _mode_fits if _is_modal(name) else _array_fit
+        fits[name] = fit(box, place, column)
+    return Surrogate(scene, box, place, given[0], fits)
 
 
 def design_scene(scene: Scene, quantities: Sequence[str]) -> Scene:
@@ -394,7 +384,6 @@ def build_surrogate(
 
     Raises InputError as :func:`fit_surrogate`.
     """
-    start = time.perf_counter()
     points = design_points(ranges)
     found: list[Answers] = []
     reuse = None
@@ -407,7 +396,7 @@ def build_surrogate(
             found.append(None)
             continue
         found.append(reuse.quantities)
-    return fit_surrogate(scene, model, ranges, found, time.perf_counter() - start)
+    return fit_surrogate(scene, ranges, found)
 
 
 def _is_modal(name: str) -> bool:

@@ -73,7 +73,6 @@ def test_two_hundred_fresh_points_are_inside_the_error(scene, model, names, rang
 def test_modes_that_cross_are_told_apart_by_class():
     """Bending across a narrow bimorph falls below the second bending in x as it grows wider."""
     ranges = {"bimorph.width": (1e-3, 3e-3)}
-    box = Box(ranges)
     scene, _ = load_scene("paper", ["modes=2"])
 
     def answer(width):
@@ -86,7 +85,7 @@ def test_modes_that_cross_are_told_apart_by_class():
         ),)  # fmt: skip
 
     answers = [answer(point["bimorph.width"]) for point in design_points(ranges)]
-    surrogate = fit_surrogate(scene, "solid", box.ranges, answers)
+    surrogate = fit_surrogate(scene, ranges, answers)
     narrow, wide = surrogate.answers({"bimorph.width": np.array([1.99e-3, 2.01e-3])})
     assert narrow[0].classes == ("bending_y", "bending_x")
     assert wide[0].classes == ("bending_x", "bending_y")
@@ -101,7 +100,7 @@ def smooth(ranges, of, error=1e-9):
                   error=np.asarray(error)),)
         for point in design_points(ranges)
     ]  # fmt: skip
-    return fit_surrogate(load_scene("paper")[0], "solid", ranges, answers)
+    return fit_surrogate(load_scene("paper")[0], ranges, answers)
 
 
 def estimate(surrogate, values):
@@ -147,7 +146,7 @@ def test_values_at_some_points_only_are_refused():
         smooth({"gap": (1.0, 2.0)}, lambda p: np.nan if p["gap"] > 1.5 else 1.0)
     answers = [None] * design_size(2)
     with pytest.raises(InputError, match="have no answer"):
-        fit_surrogate(load_scene("paper")[0], "solid", dict.fromkeys("ab", (1.0, 2.0)), answers)
+        fit_surrogate(load_scene("paper")[0], dict.fromkeys("ab", (1.0, 2.0)), answers)
 
 
 @pytest.mark.parametrize("keys", range(1, 9))

@@ -95,9 +95,7 @@ class Part:
         """
         scene = self.scene(self.first)
         answers = [one.quantities if one.status == "ok" else None for one in given]
-        found = fit_surrogate(
-            scene, self.model, self.ranges, answers, sum(one.seconds for one in given)
-        )
+        found = fit_surrogate(scene, self.ranges, answers)
         for name in found.fits:
             error = found.interpolation_error(name)
             if error > max(scene.accuracy, _LEAST_ACCURACY):

@@ -86,12 +86,9 @@ def test_an_aim_carries_the_error_bars():
         ("", "is no arithmetic"),
         ("tip_displacement", "has no comparison"),
         ("min_over(tip_displacment) > 1 um", 'did you mean "tip_displacement"'),
-        ("minover(tip_displacement) > 1 um", 'did you mean "min_over"'),
         ("min_over(tip_displacement > 1 um", "is no arithmetic"),
-        ("min_over(tip_displacement) > 1 um)", "is no arithmetic"),
         ("min_over(tip_displacement) > 1 parrot", 'unknown unit "parrot"'),
         ("min_over(tip_displacement) > __import__", 'names "__import__"'),
-        ("tip_displacement[0] > 1 um", "has a part that is no arithmetic"),
         ("1 > 2", "names no quantity"),
         ("first(dynamic_stiffness) > 1", "no common unit"),
         ("first(tip_displacement) ** 2 >= 1", "has a part that is no arithmetic"),
@@ -110,8 +107,6 @@ def test_what_is_no_aim_is_refused(text, words):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("min_over(tip_displacement) >= 2", "write units that fit"),
-        ("min_over(tip_displacement) >= 2 V", "write units that fit"),
         ("first(tip_displacement) / (2 um + 2) >= 1", "write units that fit"),
         ("tip_displacement >= 2 um", "leaves 4 values where one is wanted"),
     ],
@@ -199,7 +194,6 @@ def test_the_command_says_yield_and_best(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("text", "margin", "words"),
     [
-        ("magnetic_force >= 110 mN", 18.6e-3, "margin 18.60 ± 0.10 mN"),
         ("minimise 2 * magnetic_force", -18.6e-3, "18.60 ± 0.10 mN"),
         ("min_over(tip_displacement / threshold) >= 1", 0.5, "margin 0.50 ± 0.10"),
         ("min_over(tip_displacement - threshold) >= 2 um", -2e-6, "margin -2.00 ± 0.10 µm"),

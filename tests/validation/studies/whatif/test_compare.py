@@ -18,7 +18,6 @@ from tactgen.validation.studies.whatif.compare import (
     Number,
     Side,
     answer_differences,
-    as_values,
     read_sides,
 )
 from tactgen.validation.studies.whatif.definition import Statement
@@ -177,24 +176,6 @@ def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
         read_sides((str(study), str(study)), (), ["tmm"], None, lambda _: None)
 
 
-@pytest.mark.heavy
-def test_devices_have_one_scale(capsys, tmp_path, driven):
-    """A bimorph of half the length is drawn half as high."""
-    code, _, _ = compared(
-        capsys, "paper", "prototype", "--set", "bimorph.width=0.4mm", "--quantity",
-        "capacitance_free", "--model", "tmm", "--out", tmp_path,
-    )  # fmt: skip
-    assert code == 0
-    written = (tmp_path / "compare.html").read_text(encoding="utf-8")
-    first, second = (float(v) for v in re.findall(r"height:([\d.]+)rem", written))
-    # the margin of the picture, and the top face seen slightly from above: some percent
-    assert second / first == pytest.approx(14 / 20, rel=0.05)
-    found = driven(
-        written, "found.pictures = all('img').map((img) => [img.alt, img.naturalHeight > 0]);"
-    )
-    assert found["pictures"] == [["device A", True], ["device B", True]]
-
-
 @pytest.mark.parametrize(
     ("table", "words"),
     [
@@ -215,14 +196,6 @@ def test_a_study_whose_table_is_lost_or_damaged_is_refused(tmp_path, monkeypatch
         sides._study(tmp_path)
     assert f"{tmp_path / TABLE} {words}" in str(caught.value)
     assert str(caught.value).endswith(f"tactgen whatif --resume --out {tmp_path}")
-
-
-def test_what_has_no_number_is_null_and_has_no_axis():
-    """Neither JSON nor a curve knows nan."""
-    nothing = side("a", x=Number(complex("nan"), float("nan"), "F"))
-    (found,) = answer_differences(nothing, side("b", x=Number(1.0 + 2.0j, 0.0, "F")))
-    (values,) = as_values((nothing, nothing), [], [found])["answers"]
-    assert (values["a"], values["b"], values["uncertainty_a"]) == (None, [1.0, 2.0], None)
 
 
 def test_pictures_of_devices_have_one_scale(monkeypatch):

@@ -13,7 +13,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif import optimisation as points
-from tactgen.validation.studies.whatif.optimisation import Range, SearchResult
+from tactgen.validation.studies.whatif.optimisation import Range
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
@@ -111,11 +111,3 @@ def test_ends_of_a_range_are_exact():
     assert (by_ratio.at(0.0), by_ratio.at(1.0)) == (1e-4, 3e-3)
     assert by_ratio.share(by_ratio.at(0.3)) == pytest.approx(0.3, abs=1e-12)
     assert by_ratio.share(1.0) == 1.0
-
-
-@pytest.mark.parametrize(("share", "ends"), [(0.0, True), (0.5, False), (1.0, True)])
-def test_a_best_value_at_either_end_is_told(share, ends):
-    """Where the range is left, a better one may lie."""
-    bounds = SimpleNamespace(key="gap", share=lambda value: value)
-    found = SimpleNamespace(ranges=(bounds,), best=SimpleNamespace(values={"gap": share}))
-    assert SearchResult.at_end.fget(found) == (("gap",) if ends else ())

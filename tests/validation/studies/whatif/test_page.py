@@ -4,8 +4,8 @@ import json
 import re
 
 import numpy as np
-import pytest
 
+from tactgen.validation.engine.answers import representative
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import output_files as text_table
 from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict
@@ -128,14 +128,10 @@ def test_sliders_and_choices_change_what_is_shown(tmp_path, driven):
     marks = [found[at]["marks"] for at in ("shortest", "first", "longest")]
     assert all(len(pair) == 2 and pair[0] == pair[1] for pair in marks)
     assert marks[0] < marks[1] < marks[2]
-    # cells: name, tmm and lumped of each quantity; points: 16, 14, 15 mm, each free and touched
+    # cells: name, tmm and lumped; points: 16, 14, 15 mm, each free and touched
     for at, point in (("longest", 0), ("shortest", 2), ("first", 4), ("finger", 1)):
         for column, model in ((1, "tmm"), (2, "lumped")):
-            answer = study.answers[point][model]
-            for row, q in enumerate(answer.quantities):
-                value = 1e9 * abs(np.ravel(q.value)[0])
-                assert float(found[at]["cells"][3 * row + column].split()[0]) == pytest.approx(
-                    value, rel=1e-6
-                )
+            shown = representative(study.answers[point][model].quantities[0])
+            assert found[at]["cells"][column] == shown.text
     assert found["finger"]["label"] == "static_tip_displacement over bimorph.length by tmm, lumped"
     assert found["other"]["label"] == "tip_displacement over bimorph.length by tmm, lumped"

@@ -56,11 +56,8 @@ def test_a_point_says_what_solve_says(solved):
         alone = solve(scene, (model,), study.statement.quantities)
         assert answer.status == "ok"
         for a, b in zip(answer.quantities, alone.quantities, strict=True):
-            assert (a.name, a.unit, a.frequency, a.classes) == (
-                b.name,
-                b.unit,
-                b.frequency,
-                b.classes,
+            assert replace(a, value=0, error=0, seconds=0) == replace(
+                b, value=0, error=0, seconds=0
             )
             np.testing.assert_array_equal(a.value, b.value)
             np.testing.assert_array_equal(a.error, b.error)
@@ -245,13 +242,8 @@ def test_a_study_is_gone_on_with(tmp_path, capsys):
     assert "2 answers computed, 3 kept" in err
     found = json.loads(out_text)
     assert found["scene"] == "prototype"
-    assert [p["at"]["bimorph.length"] for p in found["points"]] == [
-        0.014,
-        0.015,
-        0.016,
-        0.017,
-        0.018,
-    ]
+    lengths = [p["at"]["bimorph.length"] for p in found["points"]]
+    assert lengths == [0.014, 0.015, 0.016, 0.017, 0.018]
     assert found["points"][0]["quantities"][0]["name"] == "capacitance_free"
 
 
@@ -267,8 +259,6 @@ def test_a_study_is_gone_on_with(tmp_path, capsys):
             ("--vary", "gap=1um,2um", "--model", "tmm", "--quantity", "coenergy"),
             "gives none of coenergy",
         ),
-        (("--vary", "gap=1um,2um", "--model", "tnm"), 'did you mean "tmm"'),
-        (("nowhere", "--vary", "gap=1um,2um"), "neither a readable file"),
     ],
 )
 def test_bad_requests_are_one_sentence(capsys, arguments, words):

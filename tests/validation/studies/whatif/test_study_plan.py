@@ -67,21 +67,6 @@ def test_plan_of_a_study(own_store, capsys):
 
 @pytest.mark.parametrize(
     ("vary", "words"),
-    [("bimorph.lenght=1mm:2mm:3", "did you mean"), ("bimorph.length=2mm:1mm:3", "runs backwards")],
-)
-def test_refusals_as_of_the_study(vary, words, capsys):
-    assert main(["plan", "prototype", "--vary", vary]) == 2
-    assert words in capsys.readouterr().err
-
-
-def test_one_point_is_one(own_store, capsys):
-    assert main(["plan", "paper", "--vary", "bimorph.length=14mm", "--model", "tmm"]) == 0
-    said = capsys.readouterr().out
-    assert said.startswith("study of paper: 1 point over bimorph.length\ntmm: 1 point, 1 ")
-
-
-@pytest.mark.parametrize(
-    ("vary", "words"),
     [
         ("bimorph.length=14mm:22mm:3", "none of the 3 points makes a scene: frequency = "),
         ("bimorph.length=14mm", "the only point makes no scene: frequency = "),
