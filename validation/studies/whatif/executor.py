@@ -24,7 +24,7 @@ from tactgen.geometry.store.store import library_versions
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.studies.whatif.point_answers import Question, answer, code_of, keep, solved
+from tactgen.validation.studies.whatif.point_answers import Question, code_of, keep, solved
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -53,6 +53,14 @@ class Job:
     number: int
     asked: Question
     values: dict[str, Any]
+
+    def answer(self, announce: Callable[[str], None], *, retry: bool) -> Answer:
+        """Answer that is kept, or else computed here and kept."""
+        return keep(self.asked, lambda: self.solve(announce), announce, retry=retry)
+
+    def solve(self, announce: Callable[[str], None] = lambda _: None) -> Answer:
+        """Answer, computed here and not kept."""
+        return solved(self.asked, self.values, announce, _earlier)
 
 
 @dataclass(frozen=True)
@@ -116,6 +124,9 @@ def execute(
     def stage(text: str) -> None:
         announce(f"{done} of {len(jobs)} answers: {text}")
 
+    def stored(number: int, given: Answer) -> Answer:
+        return keep(asked[number], lambda: given, retry=retry)
+
     announce(f"0 of {len(jobs)} answers")
     quick = all(MODELS[question.model].quick for question in asked.values())
     processes = min(processes or (1 if quick else len(os.sched_getaffinity(0))), len(batches))
@@ -127,14 +138,14 @@ def execute(
             found = _pooled(batches, stack.enter_context(_Processes(processes, retry)))
         else:
             found = (
-                (job.number, answer(job.asked, job.values, stage, _earlier, retry=retry))
+                (job.number, job.answer(stage, retry=retry))
                 for batch in batches for job in batch.jobs
             )  # fmt: skip
         for number, given in found:
             done += 1
             announce(f"{done} of {len(jobs)} answers")
             if scheduler or given.status == "failed":  # whoever solved it kept nothing, or died
-                given = keep(asked[number], given, retry=retry)
+                given = stored(number, given)
             yield number, given
 
 
@@ -234,7 +245,7 @@ def _begin(line: Connection, parent: int) -> None:
 
 
 def _in_process(jobs: Sequence[Job], retry: bool) -> list[Answer]:
-    return [answer(job.asked, job.values, lambda _: None, _earlier, retry=retry) for job in jobs]
+    return [job.answer(lambda _: None, retry=retry) for job in jobs]
 
 
 # -- a Dask cluster -----------------------------------------------------------------------------
@@ -361,6 +372,4 @@ def _in_cluster(jobs: Sequence[Job], models: Sequence[str]) -> tuple[Build, list
     """Solve a batch in a worker, with one solver thread, as local processes do."""
     os.environ["TACTGEN_THREADS"] = "1"
     with _alone:
-        return build(models), [
-            solved(job.asked, job.values, lambda _: None, _earlier) for job in jobs
-        ]
+        return build(models), [job.solve() for job in jobs]

@@ -226,13 +226,11 @@ def _sorted(found: Verdict) -> list[tuple[str, str, list[Judged]]]:
     """Points as met, not met, and too near to the edge to say, with a colour each."""
     near = set(found.undecided)
     met = set(found.met) - near
-    groups: dict[str, list[Judged]] = {"met": [], "not met": [], "nearer than its bar": []}
-    for one in found.judged:
-        groups["nearer than its bar" if one in near else "met" if one in met else "not met"].append(
-            one
-        )
-    colours = (GREEN, ORANGE, AMBER)
-    return [
-        (name, colour, which)
-        for (name, which), colour in zip(groups.items(), colours, strict=True) if which
-    ]  # fmt: skip
+    rest = set(found.judged) - met - near
+    every = "met" if any(aim.kind == "condition" for aim in found.aims) else "point"
+    groups = (
+        (every, GREEN, [one for one in found.judged if one in met]),
+        ("not met", ORANGE, [one for one in found.judged if one in rest]),
+        ("nearer than its bar", AMBER, [one for one in found.judged if one in near]),
+    )
+    return [group for group in groups if group[2]]

@@ -47,30 +47,20 @@ def recall(asked: Question, *, retry: bool = False) -> Answer | None:
     return stored_result(_kind(asked), asked.inputs, _made_of(asked.model), _serving(retry))
 
 
-def answer(
+def keep(
     asked: Question,
-    values: dict[str, Any],
-    announce: Callable[[str], None],
-    earlier: dict[str, Solution],
+    made: Callable[[], Answer],
+    announce: Callable[[str], None] = lambda _: None,
     *,
     retry: bool = False,
 ) -> Answer:
-    """Answer, from the store if it is there; failures are answers, too.
+    """Answer that is kept, or else `made` now and kept; failures are answers, too.
 
-    Parameters
-    ----------
-    values : dict
-        The scene at the point, as :meth:`Statement.scene_at` gives it.
-    earlier : dict of str to Solution
-        By model the last solution of this process, whose stages are taken over where their
-        inputs are the same; brought up to date.
-    retry : bool
-        Whether an answer that is kept as failed gives way.
+    With `retry` an answer that is kept as failed gives way.
     """
     return cached_result(
-        _kind(asked), asked.inputs, _made_of(asked.model),
-        lambda: solved(asked, values, announce, earlier),
-        serves=_serving(retry), announce=announce,
+        _kind(asked), asked.inputs, _made_of(asked.model), made, serves=_serving(retry),
+        announce=announce,
     )  # fmt: skip
 
 
@@ -80,7 +70,16 @@ def solved(
     announce: Callable[[str], None],
     earlier: dict[str, Solution],
 ) -> Answer:
-    """Answer, computed now and not kept; see :func:`answer`."""
+    """Answer, computed now and not kept.
+
+    Parameters
+    ----------
+    values : dict
+        The scene at the point, as :meth:`Statement.scene_at` gives it.
+    earlier : dict of str to Solution
+        By model the last solution of this process, whose stages are taken over where their
+        inputs are the same; brought up to date.
+    """
     start = time.perf_counter()
     try:
         found = solve(
@@ -92,13 +91,6 @@ def solved(
     earlier[asked.model] = found
     seconds = time.perf_counter() - start
     return Answer("ok", "", found.quantities, found.warnings, seconds)
-
-
-def keep(asked: Question, found: Answer, *, retry: bool = False) -> Answer:
-    """Store an answer that was computed elsewhere; an earlier one wins."""
-    return cached_result(
-        _kind(asked), asked.inputs, _made_of(asked.model), lambda: found, serves=_serving(retry)
-    )
 
 
 def reason(error: Exception) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.commands.common import Commands, asking_options, overrides_of
 from tactgen.validation.command_line.streams import name_files, print_json
 
 
@@ -20,11 +20,7 @@ def add(commands: Commands) -> None:
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
         help="change a scene key of both",
     )  # fmt: skip
-    parser.add_argument("--model", action="append", metavar="NAME", help="may be repeated")
-    parser.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated")
-    parser.add_argument(
-        "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
-    )
+    asking_options(parser)
     parser.add_argument("--out", metavar="DIR", help="also write compare.html with pictures")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
@@ -45,9 +41,8 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.studies.whatif.compare_page import write_page
 
     out = writable_folder(Path(options.out)) if options.out is not None else None
-    overrides = list(options.overrides)
-    if options.frequency is not None:
-        overrides.append(f"frequency={options.frequency}")
+    frequency = overrides_of("frequency", "frequency", options.frequency, "10:2000:200")
+    overrides = [*options.overrides, *frequency]
     with announcer() as announce:
         sides = read_sides(
             (options.first, options.second), overrides, options.model, options.quantity, announce

@@ -9,7 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import Commands, warn
+from tactgen.validation.command_line.commands.common import (
+    Commands,
+    asking_options,
+    scene_options,
+    warn,
+)
 from tactgen.validation.command_line.streams import print_json
 from tactgen.validation.command_line.study_options import (
     AXES,
@@ -39,19 +44,9 @@ def add(commands: Commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog=_EPILOG,
     )
-    parser.add_argument(
-        "scene", nargs="?", help="file or built-in name (default paper, or that of --resume)"
-    )
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
-        help="change a scene key at all points",
-    )  # fmt: skip
+    scene_options(parser, default=None)
+    asking_options(parser)
     axis_options(parser)
-    parser.add_argument("--model", action="append", metavar="NAME", help="may be repeated")
-    parser.add_argument("--quantity", action="append", metavar="NAME", help="may be repeated")
-    parser.add_argument(
-        "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
-    )
     parser.add_argument(
         "--aim", action="append", default=[], metavar="AIM",
         help="which points are wanted, see below; may be repeated",
