@@ -186,13 +186,6 @@ def test_a_scheduler_that_does_not_answer_is_refused(as_cluster, monkeypatch, ca
 
 
 @pytest.mark.heavy
-def test_nobody_listens(own_store, monkeypatch, capsys):
-    monkeypatch.setattr(executor, "PATIENCE", 1.0)
-    monkeypatch.setattr(sys.modules[__name__], "ADDRESS", "tcp://127.0.0.1:9")
-    assert "no Dask scheduler answers at tcp://127.0.0.1:9 within 1 s" in refused(capsys)
-
-
-@pytest.mark.heavy
 @pytest.mark.filterwarnings("ignore")
 def test_a_real_cluster_of_which_a_worker_is_killed(own_store, monkeypatch, tmp_path):
     """Scheduler and two workers on loopback, one killed in the middle: all answers, bit for bit."""

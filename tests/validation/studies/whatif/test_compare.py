@@ -11,8 +11,7 @@ from tactgen.validation.engine.answers import COLUMNS
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show import pictures
-from tactgen.validation.studies.whatif import compare as sides
-from tactgen.validation.studies.whatif import compare_page as page
+from tactgen.validation.studies.whatif import compare
 from tactgen.validation.studies.whatif.compare import (
     Key,
     Number,
@@ -71,7 +70,7 @@ def test_curves_run_along_the_first_axis_of_numbers(
 ):
     """Words before it and numbers after it tell the curves apart; over frequency all values do."""
     drawn = []
-    monkeypatch.setattr(page, "svg", drawn.append)
+    monkeypatch.setattr(compare, "svg", drawn.append)
     values = [("rough", "1", "7"), ("rough", "2", "7"), ("fine", "1", "7"), ("fine", "2", "7")]
     points = [tuple(zip(("mesh", "length", "width"), value, strict=True)) for value in values]
     held = {
@@ -79,7 +78,7 @@ def test_curves_run_along_the_first_axis_of_numbers(
         for n, point in enumerate(points)
         for frequency in frequencies
     }
-    page._curves((Side("a", {}, held, 0, SCENE), Side("b", {}, held, 0, SCENE)))
+    compare._curves((Side("a", {}, held, 0, SCENE), Side("b", {}, held, 0, SCENE)))
     (axis,) = drawn[0].axes
     assert axis.get_xlabel() == along
     assert [line.get_label() for line in axis.lines[::2]] == [f"A tmm {which}" for which in curves]
@@ -189,11 +188,11 @@ def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
 def test_a_study_whose_table_is_lost_or_damaged_is_refused(tmp_path, monkeypatch, table, words):
     """With the command that writes it again."""
     stated = Statement("paper", {}, ("gap=1mm,2mm",), ("tmm",), ())
-    monkeypatch.setattr(sides, "read_statement", lambda _: stated)
+    monkeypatch.setattr(compare, "read_statement", lambda _: stated)
     if table is not None:
         (tmp_path / TABLE).write_text(table)
     with pytest.raises(InputError) as caught:
-        sides._study(tmp_path)
+        compare._study(tmp_path)
     assert f"{tmp_path / TABLE} {words}" in str(caught.value)
     assert str(caught.value).endswith(f"tactgen whatif --resume --out {tmp_path}")
 
@@ -204,14 +203,14 @@ def test_pictures_of_devices_have_one_scale(monkeypatch):
     sides = (side("long"), side("short"))
     made = [bytes(20) + height.to_bytes(4, "big") for height in (100, 70)]
     monkeypatch.setattr(pictures, "solids_pictures", lambda _: made)
-    said = "".join(page._devices(sides, inputs, lambda _: {}))
+    said = "".join(compare._devices(sides, inputs, lambda _: {}))
     heights = [float(height) for height in re.findall(r"height:([\d.]+)rem", said)]
-    assert heights == pytest.approx([page._TALLEST, 0.7 * page._TALLEST], abs=5e-3)
+    assert heights == pytest.approx([compare._TALLEST, 0.7 * compare._TALLEST], abs=5e-3)
     assert re.findall(r"<figcaption>(.*?)</figcaption>", said) == ["A: long", "B: short"]
-    assert page._devices(sides, [("drive.voltage", "1 V", "2 V")], lambda _: {}) == []
+    assert compare._devices(sides, [("drive.voltage", "1 V", "2 V")], lambda _: {}) == []
 
     def none(_):
         raise InputError("no solids of <these>")
 
-    (said,) = page._devices(sides, inputs, none)
+    (said,) = compare._devices(sides, inputs, none)
     assert said == "<p>No picture of the devices: no solids of &lt;these&gt;</p>"

@@ -37,8 +37,8 @@ def run(options: argparse.Namespace) -> int:
         input_differences,
         lines,
         read_sides,
+        write_page,
     )
-    from tactgen.validation.studies.whatif.compare_page import write_page
 
     out = writable_folder(Path(options.out)) if options.out is not None else None
     frequency = overrides_of("frequency", "frequency", options.frequency, "10:2000:200")
