@@ -65,7 +65,11 @@ def named_quantities(aims: Sequence[Aim]) -> tuple[str, ...]:
 
 
 def judged(
-    number: int, answers: Mapping[str, Answer], aims: tuple[Aim, ...], felt: ThresholdCurve
+    statement: Statement,
+    aims: tuple[Aim, ...],
+    number: int,
+    point: Mapping[str, Any],
+    answers: Mapping[str, Answer],
 ) -> list[Judged]:
     """Margins of one point, by every model that gives what the aims name.
 
@@ -79,6 +83,7 @@ def judged(
     choices = {m: found for m, found in known.items() if wanted <= set(found)}
     if not choices and wanted <= set(together):
         choices = {" with ".join(known): together}
+    felt = _felt_at(statement, point)
     found = []
     for models, given in choices.items():
         needed = at_threshold({name: given[name] for name in wanted}, felt)
@@ -90,12 +95,8 @@ def judged(
 
 def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
     """Verdict of the aims on every point."""
-    every = [
-        one for number, answers in enumerate(study.answers)
-        for one in judged(
-            number, answers, aims, felt_at(study.statement, study.points[number])
-        )
-    ]  # fmt: skip
+    each = enumerate(zip(study.points, study.answers, strict=True))
+    every = [one for n, at in each for one in judged(study.statement, aims, n, *at)]
     conditions = [n for n, aim in enumerate(aims) if aim.kind == "condition"]
     met = [j for j in every if all(j.margins[n][0] >= 0.0 for n in conditions)]
     undecided = [
@@ -110,7 +111,7 @@ def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
     return Verdict(aims, tuple(every), tuple(met), tuple(undecided), tuple(best))
 
 
-def felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
+def _felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
     """Detection threshold of a point's scene."""
     group = f"{THRESHOLD}."
     stated = dict(statement.values.get(THRESHOLD, {}))

@@ -23,7 +23,7 @@ from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.solve import check_models
 from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.scene.variation import value_of
-from tactgen.validation.studies.whatif.aim_evaluation import Judged, felt_at, judged, shown
+from tactgen.validation.studies.whatif.aim_evaluation import Judged, judged, shown
 from tactgen.validation.studies.whatif.aims import Aim
 from tactgen.validation.studies.whatif.axes import scene_field
 from tactgen.validation.studies.whatif.definition import Statement
@@ -194,7 +194,7 @@ class Points:
             ]
             answers = self.solver.answers(values)
             for place, at, given in zip(new, values, answers, strict=True):
-                found = judged(0, given, self.aims, felt_at(self.statement, at))
+                found = judged(self.statement, self.aims, 0, at, given)
                 reason = "; ".join(a.reason for a in given.values() if a.reason)
                 self.tried[place] = Tried(
                     at, found[0] if found else None, reason or "a quantity has no value there"
