@@ -348,7 +348,10 @@ def test_identify(refused, arguments, words):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("frequency (Hz),speed (mm/s)\n10,1\n", ["line 1", '"speed (mm/s)" is unknown']),
+        (
+            "frequency (Hz),speed (mm/s)\n10,1\n",
+            ["line 1", "frequency, speed", "no measured curve"],
+        ),
         ("frequency (Hz),velocity\n10,1\n", ['"velocity" has no unit']),
         ("frequency (Hz),velocity (mm/s)\n10,nan\n20,1\n", ["line 2", '"nan"']),
         ("frequency (Hz),velocity (mm/s)\n20,1\n10,1\n", ["line 3", "sort"]),

@@ -101,7 +101,8 @@ def extrapolated(values: Numbers, error: Floats, distance: float) -> tuple[Numbe
     slope = (4.0 * near - far) / 3.0
     # smooth values have an even part in proportion to the distance squared
     even = (ahead + behind - 2.0 * here) - 4.0 * (near_ahead + near_behind - 2.0 * here)
-    scatter = _ONE_SAMPLE * np.abs(even) / _EVEN
+    rounding = np.finfo(float).eps * np.abs(here)  # which the even part may not happen to show
+    scatter = np.maximum(_ONE_SAMPLE * np.abs(even) / _EVEN, rounding)
     size = np.where(here == 0.0, 1.0, np.abs(here))
     left = np.abs(slope - near) + 3.0 * scatter / distance + error / size * np.abs(slope)
     same = np.array_equal(values, np.broadcast_to(here, values.shape), equal_nan=True)

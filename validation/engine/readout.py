@@ -62,9 +62,12 @@ def _read(row: QuantityRow, model: Model, ends: Ends) -> Estimate:
         case ModalReadout():
             return _combination(row.read, answers)
         case DrivenReadout():
-            return _of_ceramic(row.read, model, answers[0], ends)
+            of_ceramic = _of_ceramic(row.read, model.scene, ends)
+            return _of_response(of_ceramic, model, answers[0], ends, _OF_A_MOMENT)
         case LoadReadout():
-            return _of_load(row.read, model, answers[0], ends)
+            of_load = _of_load(row.read, model.scene, ends)
+            # the power goes with the square of the motion
+            return _of_response(of_load, model, answers[0], ends, 0.0, gain=2.0)
         case PortMatrix() | Readout():
             return _at_ports(row.read, model, answers[0], ends)
 
@@ -92,9 +95,10 @@ def _at_ports(
     static = isinstance(readout, Readout) and readout.static
     ends = ends.lossless if static else ends
     if isinstance(readout, Readout) and readout.is_of_tip and not static:
-        closed = model.closed_form(ends)
+        closed, f = model.closed_form(ends), np.asarray(scene.frequency, dtype=float)
         if closed is not None:
-            return _of_tip(readout, scene, closed)
+            voltage, variable = scene.drive.voltage, readout.variable
+            return _judge(closed, lambda r: readout.scaled(variable(r), voltage, f), 0.0)
     rounding = rounding_of_ports(refined, attach(refined.fine, ends))
 
     def wired(port: Multiport) -> Multiport:
@@ -118,42 +122,23 @@ def balanced_size(matrix: Array) -> Array:
     return np.asarray(np.maximum(np.abs(matrix), own[:, :, None] * own[:, None, :]))
 
 
-def _of_tip(readout: Readout, scene: Scene, refined: Refined[Response]) -> Estimate:
-    frequencies = np.asarray(scene.frequency, dtype=float)
-
-    def of(response: Response) -> Array:
-        return readout.scaled(readout.variable(response), scene.drive.voltage, frequencies)
-
-    return _judge(refined, of, 0.0)
-
-
-def _of_ceramic(
-    readout: DrivenReadout, model: Model, refined: Refined[Multiport], ends: Ends
-) -> Estimate:
+def _of_ceramic(readout: DrivenReadout, scene: Scene, ends: Ends) -> Callable[[Response], Array]:
     """Read the ceramic's load off the tip's motion and the charge."""
-    scene = model.scene
     frequencies = np.asarray(scene.frequency, dtype=float)
 
     def of(response: Response) -> Array:
         driven = driven_ceramic(scene.device, scene.beam, ends, frequencies, response)
         return np.asarray(readout.of(driven, scene.limits, scene.drive.voltage))
 
-    return _of_response(of, model, refined, ends, _OF_A_MOMENT)
+    return of
 
 
-def _of_load(
-    readout: LoadReadout, model: Model, refined: Refined[Multiport], ends: Ends
-) -> Estimate:
+def _of_load(readout: LoadReadout, scene: Scene, ends: Ends) -> Callable[[Response], Array]:
     """Read the load's force off the tip's motion."""
-    frequencies = np.asarray(model.scene.frequency, dtype=float)
+    frequencies = np.asarray(scene.frequency, dtype=float)
     stiffness, omega = tip_stiffness(ends.tip, frequencies), 2.0 * np.pi * frequencies
-    voltage = model.scene.drive.voltage
-
-    def of(response: Response) -> Array:
-        return np.asarray(readout.of(stiffness, voltage * response.motion["w_tip"], omega))
-
-    # the power goes with the square of the motion
-    return _of_response(of, model, refined, ends, 0.0, gain=2.0)
+    voltage = scene.drive.voltage
+    return lambda found: np.asarray(readout.of(stiffness, voltage * found.motion["w_tip"], omega))
 
 
 def _of_response(

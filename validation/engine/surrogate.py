@@ -20,7 +20,7 @@ import itertools
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -296,25 +296,24 @@ class Surrogate:
     def _column(self, name: str, place: Floats) -> list[Quantity]:
         example, fit = self.examples[name], self.fits[name]
         if isinstance(fit, tuple):
-            values, errors, kinds = self._modes(fit, place)
-            counts = np.isfinite(values).sum(axis=1)
-            return [
-                replace(example, value=values[n, :c], error=errors[n, :c], method=self.method,
-                        classes=kinds[n][:c] if example.classes is not None else None)
-                for n, c in enumerate(counts)
-            ]  # fmt: skip
-        found, interpolated, own = fit.at(place)
-        shape = (len(place), *example.value.shape)
-        values, errors = found.reshape(shape), (interpolated + own).reshape(shape)
+            rows = self._modes(fit, place)
+        else:
+            values, interpolated, own = fit.at(place)
+            shape = example.value.shape
+            rows = (
+                (value.reshape(shape), error.reshape(shape), example.classes)
+                for value, error in zip(values, interpolated + own, strict=True)
+            )
         return [
-            replace(example, value=np.asarray(v), error=np.asarray(e), method=self.method)
-            for v, e in zip(values, errors, strict=True)
-        ]
+            replace(example, value=value, error=error, method=self.method,
+                    classes=None if example.classes is None else classes)
+            for value, error, classes in rows
+        ]  # fmt: skip
 
     def _modes(
         self, modes: tuple[_Mode, ...], place: Floats
-    ) -> tuple[Floats, Floats, list[tuple[str, ...]]]:
-        """Lowest modes (n, k), their errors, and classes; up to the first in x."""
+    ) -> Iterator[tuple[Numbers, Floats, tuple[str, ...] | None]]:
+        """Yield each point's lowest modes, their errors, and classes; up to the first in x."""
         nearest = np.argmin(((place[:, None, :] - self.place) ** 2).sum(axis=2), axis=1)
         found = np.full((len(place), len(modes)), np.inf)
         errors = np.zeros(found.shape)
@@ -323,16 +322,12 @@ class Surrogate:
             known = mode.known[nearest]  # elsewhere it is above those that are wanted
             found[known, column] = values[known, 0].real
             errors[known, column] = (interpolated + own)[known, 0]
-        order = np.argsort(found, axis=1, kind="stable")
-        found, errors = (np.take_along_axis(of, order, axis=1) for of in (found, errors))
-        kinds = np.array([mode.motion for mode in modes])[order]
-        bends = kinds == "bending_x"
-        first = np.where(bends.any(axis=1), bends.argmax(axis=1) + 1, 0)
-        count = np.maximum(self.scene.modes, first)
-        beyond = (np.arange(found.shape[1]) >= count[:, None]) | ~np.isfinite(found)
-        found[beyond], errors[beyond] = np.nan, np.nan
-        width = int((~beyond).sum(axis=1).max(initial=0))
-        return found[:, :width], errors[:, :width], [tuple(map(str, row)) for row in kinds]
+        for at, bar in zip(found, errors, strict=True):
+            order = np.argsort(at, kind="stable")
+            kinds = [modes[n].motion for n in order]
+            first = kinds.index("bending_x") + 1 if "bending_x" in kinds else 0
+            lowest = order[: min(max(self.scene.modes, first), np.isfinite(at).sum())]
+            yield at[lowest], bar[lowest], tuple(kinds[: lowest.size])
 
 
 def fit_surrogate(scene: Scene, ranges: Ranges, answers: Sequence[Answers]) -> Surrogate:

@@ -135,8 +135,8 @@ def _only_curve(names: list[str], where: str) -> str:
         known = [c + part for c in measurable() for part in _PARTS]
         close = next(filter(None, (nearest(name, known) for name in names)), "")
         none = (
-            f"there is no measured curve{close}; begin the file with a header such as {_EXAMPLE}, "
-            f"and lines of remarks with #; known are {', '.join(measurable())}"
+            f'"{", ".join(names)}" holds no measured curve{close}; begin the file with a header '
+            f"such as {_EXAMPLE}, and lines of remarks with #; known are {', '.join(measurable())}"
         )
         raise InputError(f"{where}: {both if kinds else none}")
     kind = kinds[0]

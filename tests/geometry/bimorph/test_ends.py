@@ -1,6 +1,5 @@
 """Support and load as one value: what statics, modes and other masses make of it."""
 
-import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
@@ -62,14 +61,3 @@ def test_statics_and_modes_leave_damping_and_the_finger_out():
 def test_each_spring_stops_one_rigid_motion(ends, loose):
     """Masses, dampers and a load without a constant stiffness stop none."""
     assert ends.rigid_motions == loose
-
-
-def test_masses_are_scaled_together():
-    """A factor on all masses, one for each point, leaves springs, dampers and laws as they are."""
-    factor = np.array([1.0, 2.0])
-    heavier = Ends(SPRINGS, TipLoad(5.0, 9.0, 1e-5)).with_inertia(factor)
-    assert heavier.base.rotational_inertia.tolist() == [1e-12, 2e-12]
-    assert heavier.base.rotational_damping == SPRINGS.rotational_damping
-    assert heavier.tip.mass.tolist() == [1e-5, 2e-5]
-    assert (heavier.tip.stiffness, heavier.tip.damping) == (5.0, 9.0)
-    assert Ends(None, finger_stiffness).with_inertia(2.0) == Ends(None, finger_stiffness)

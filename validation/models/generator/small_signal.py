@@ -157,40 +157,27 @@ def _around(points: Floats, at: Floats | float) -> Floats:
 def machine_of(scene: Scene, pull: CoenergyMap) -> RodWithError:
     """Rod about its equilibrium in a scene, with the basis of its error.
 
-    The network is solved there; of another model of the pull there is the map.
+    The network is solved there, judged by ladders of half and a quarter of the cells; of another
+    model of the pull there is the map, judged by that of half the samples and by one that is
+    larger by its stated errors.
 
     Raises InputError if it rests nowhere, or the spring tips its head.
     """
-    judged = rod_with_network_error if scene.map_model == _NETWORK else rod_with_map_error
-    return judged(scene, pull)
-
-
-def rod_with_network_error(scene: Scene, pull: CoenergyMap) -> RodWithError:
-    """Rod by the network itself, judged by ladders of half and a quarter of the cells.
-
-    The map only says near which place the rod rests; refusals as :func:`machine_of`.
-    """
     place = _rest(scene, pull)
-    fine, half, quarter = (
-        rod_by_network(scene, DirectForce(scene.device, CELLS_AT_REST // n, pull.gap_limits), place)
-        for n in (1, 2, 4)
-    )
-    method = f"observed order of the network solved there in {CELLS_AT_REST} cells, half, a quarter"
-    return RodWithError(fine, method, ladders=(half, quarter))
-
-
-def rod_with_map_error(scene: Scene, pull: CoenergyMap) -> RodWithError:
-    """Rod by a map, judged by that of half the samples and by one that is larger.
-
-    Larger by its stated errors: of the samples and of the fit; refusals as :func:`machine_of`.
-    """
-    fine = rod_about(scene, pull)
+    if scene.map_model == _NETWORK:
+        ladders = (
+            DirectForce(scene.device, CELLS_AT_REST // n, pull.gap_limits) for n in (1, 2, 4)
+        )
+        fine, half, quarter = (rod_by_network(scene, ladder, place) for ladder in ladders)
+        cells = f"{CELLS_AT_REST} cells, half, a quarter"
+        method = f"observed order of the network solved there in {cells}"
+        return RodWithError(fine, method, ladders=(half, quarter))
     sparse, remains = thinned(pull)
-    own = _sample_error(pull, abs(scene.coil.current), _rest(scene, pull).lift + scene.gap)
+    own = _sample_error(pull, abs(scene.coil.current), place.lift + scene.gap)
     between = pull.interpolation_error
     larger = _Scaled(pull, 1.0 + own + between.force, 1.0 + own + between.flux_linkage)
     return RodWithError(
-        fine,
+        rod_about(scene, pull),
         f"half the change with half the samples of the map by the model {pull.samples.model}, of "
         "slopes no less than around, and the map's stated errors",
         ((rod_about(scene, HalvedMap(pull, sparse)), remains), (rod_about(scene, larger), 1.0)),

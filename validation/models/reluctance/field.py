@@ -91,11 +91,6 @@ class AxisymmetricModel(_FieldModel):
 
     name = "axisymmetric"
 
-    def point(self) -> MagneticPoint:
-        """Values at the scene's current and gap."""
-        scene = self.scene
-        return self.run("point", lambda: self.at(scene.coil.current, scene.gap))
-
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Values at a current (A) and gap (m)."""
         return axisymmetric_point(self._solved(current, gap))
@@ -165,11 +160,6 @@ class Magnetic3dModel(_FieldModel):
         "co-energy's; the force's is the co-energy's, or what half its difference has beyond "
         "that, or what two shells in the air differ by, whichever is largest"
     )
-
-    def point(self) -> MagneticPoint:
-        """Values at the scene's current and gap."""
-        scene = self.scene
-        return self.run("point", lambda: self.at(scene.coil.current, scene.gap))
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Values at a current (A) and gap (m)."""

@@ -7,7 +7,7 @@ looked up in the map and then solved for at single points, whichever model it is
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -36,56 +36,6 @@ from tactgen.validation.scene.scene import Scene
 WORTH_A_WORD = 0.01
 
 
-def magnetic_warnings(
-    model: str, scene: Scene, quantities: Sequence[str], answer: Callable[[Need], Any]
-) -> tuple[str, ...]:
-    """Warnings about a magnetic model's quantities."""
-    found: list[str] = []
-    beyond = 0.0
-    of_stroke = _read_off("magnetic_map", quantities)
-    if of_stroke:
-        currents: SwitchingCurrents = answer("magnetic_map")
-        beyond = currents.beyond_table
-        missing = [name for name, read in of_stroke.items() if np.isnan(read.of(currents).value)]
-        if missing:
-            found.append(_unreached(model, scene, missing, currents.limit))
-    others: tuple[Need, ...] = ("magnetic_point", "rest")
-    for need in others:
-        if _read_off(need, quantities):
-            beyond = max(beyond, answer(need).beyond_table)
-    if beyond > WORTH_A_WORD:
-        found.append(_too_short(scene, model, beyond))
-    return tuple(found)
-
-
-def _read_off(need: Need, quantities: Sequence[str]) -> dict[str, AnswerReadout]:
-    reads = {name: QUANTITIES[name].read for name in quantities}
-    return {
-        name: read
-        for name, read in reads.items()
-        if isinstance(read, AnswerReadout) and read.need == need
-    }
-
-
-def _unreached(model: str, scene: Scene, missing: Sequence[str], limit: float) -> str:
-    spring = scene.spring
-    have = "have" if len(missing) > 1 else "has"
-    return (
-        f"{' and '.join(missing)} {have} no value in the model {model}: with up to "
-        f"{limit * 1e3:.3g} mA the pull does not reach the spring's force everywhere "
-        f"(spring.preload = {spring.preload * 1e3:g} mN, spring.stiffness = "
-        f"{spring.stiffness:g} N/m); use a softer spring, a smaller gap or more coil.turns"
-    )
-
-
-def _too_short(scene: Scene, model: str, share: float) -> str:
-    return (
-        f"{100.0 * share:.2g} % of the iron is magnetised beyond the end of steel.curve = "
-        f"{scene.steel.curve} (model {model}), which stops before the steel is saturated: beyond "
-        "it the iron is taken for saturated; measure or continue the curve to higher B"
-    )
-
-
 class MagneticModel(Model):
     """One model of the scene's normal actuator."""
 
@@ -99,7 +49,33 @@ class MagneticModel(Model):
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
         """Warnings about currents without value and a short steel curve."""
-        return magnetic_warnings(self.name, self.scene, quantities, self.answer)
+        reads = {name: QUANTITIES[name].read for name in quantities}
+        own = {n: read for n, read in reads.items() if isinstance(read, AnswerReadout)}
+        needs: tuple[Need, ...] = ("magnetic_map", "magnetic_point", "rest")
+        answers = {need: self.answer(need) for need in needs
+                   if any(read.need == need for read in own.values())}  # fmt: skip
+        found, spring, steel = [], self.scene.spring, self.scene.steel
+        missing = [
+            name for name, read in own.items()
+            if read.need == "magnetic_map" and np.isnan(read.of(answers[read.need]).value)
+        ]  # fmt: skip
+        if missing:
+            found.append(
+                f"{' and '.join(missing)} {'have' if len(missing) > 1 else 'has'} no value in the "
+                f"model {self.name}: with up to {answers['magnetic_map'].limit * 1e3:.3g} mA the "
+                "pull does not reach the spring's force everywhere (spring.preload = "
+                f"{spring.preload * 1e3:g} mN, spring.stiffness = {spring.stiffness:g} N/m); use a "
+                "softer spring, a smaller gap or more coil.turns"
+            )
+        beyond = max((answer.beyond_table for answer in answers.values()), default=0.0)
+        if beyond > WORTH_A_WORD:
+            found.append(
+                f"{100.0 * beyond:.2g} % of the iron is magnetised beyond the end of steel.curve = "
+                f"{steel.curve} (model {self.name}), which stops before the steel is saturated: "
+                "beyond it the iron is taken for saturated; measure or continue the curve to "
+                "higher B"
+            )
+        return tuple(found)
 
     @abstractmethod
     def at(self, current: float, gap: float) -> MagneticPoint:
@@ -109,9 +85,10 @@ class MagneticModel(Model):
         """Solver for currents and gaps in sequence."""
         return self.at
 
-    @abstractmethod
     def point(self) -> MagneticPoint:
         """Values at the scene's current and gap."""
+        scene = self.scene
+        return self.run("point", lambda: self.at(scene.coil.current, scene.gap))
 
     @abstractmethod
     def _map(self) -> CoenergyMap:
@@ -170,11 +147,6 @@ class NetworkModel(MagneticModel):
         from tactgen.tmm.reluctance.circuit import check_circuit
 
         check_circuit(scene.device, np.array([scene.gap]))
-
-    def point(self) -> MagneticPoint:
-        """Values at the scene's current and gap."""
-        scene = self.scene
-        return self.run("point", lambda: self.at(scene.coil.current, scene.gap))
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Values at a current (A) and gap (m)."""
