@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Bimorph, Device
+from tactgen.geometry.device.parts import total_height
 from tactgen.tmm.reluctance.network import thermal_statement
 from tactgen.validation.studies import reconstruction as stated
 from tactgen.validation.studies.reconstruction import actuator, coolest, field_pull, weighed

@@ -30,7 +30,7 @@ from tactgen.fem.magnetics.axisymmetric_space import (
 )
 from tactgen.fem.solvers.newton import TOLERANCE, Factors, minimise
 from tactgen.geometry.arrays import Floats, Sparse
-from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.device.magnetisation import MU0
 
 
 @dataclass(frozen=True)

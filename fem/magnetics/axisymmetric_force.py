@@ -23,7 +23,7 @@ from tactgen.fem.magnetics.axisymmetric_space import (
 )
 from tactgen.fem.solvers.newton import Factors
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.reluctance.section_grid import Grid
 
 

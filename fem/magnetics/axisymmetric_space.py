@@ -17,7 +17,7 @@ import numpy as np
 
 from tactgen.fem.elements.pattern import Pattern
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
+from tactgen.geometry.device.magnetisation import MU0, MagnetisationCurve
 from tactgen.geometry.reluctance.section_grid import Grid
 
 #: Cells (n,) and their curve, for each region that is not vacuum.

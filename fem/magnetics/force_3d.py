@@ -34,7 +34,7 @@ from tactgen.fem.magnetics.problem_3d import (
 )
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
 

@@ -36,7 +36,7 @@ from tactgen.fem.magnetics.axisymmetric_space import (
 )
 from tactgen.fem.solvers.newton import Factors, minimise
 from tactgen.geometry.arrays import Floats, Ints, Sparse
-from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
+from tactgen.geometry.device.magnetisation import MU0, MagnetisationCurve
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh
 

@@ -15,7 +15,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.cad.solids import build_solids, fuse, quartered, thinnest_feature
 from tactgen.geometry.cad.tessellation import Plane, Tessellation, tessellate
-from tactgen.geometry.device.layout import (
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parts import (
     BIMORPH,
     MM,
     Standing,
@@ -24,7 +25,6 @@ from tactgen.geometry.device.layout import (
     rod_base,
     shim_base,
 )
-from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import MIRRORS

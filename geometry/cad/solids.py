@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactgen.geometry.cad.system_libraries import require_cad_kernel
-from tactgen.geometry.device.layout import (
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parts import (
     MM,
     Box,
     Part,
@@ -21,7 +22,6 @@ from tactgen.geometry.device.layout import (
     closed_form_volumes,
     layout,
 )
-from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import NotWritten, written_whole
 

@@ -7,8 +7,8 @@ from typing import Annotated
 from pydantic import BeforeValidator
 
 from tactgen.geometry import units as u
-from tactgen.geometry.device.declaration import PAPER_52, Parameters, field, printed
 from tactgen.geometry.device.materials import Own
+from tactgen.geometry.device.parameter_group import PAPER_52, Parameters, field, printed
 from tactgen.geometry.units import WholeNumber
 
 _COUNT = Annotated[int, BeforeValidator(WholeNumber(1, 32, "4"))]

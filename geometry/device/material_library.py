@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve
 from tactgen.geometry.device.materials import EPS0, PRINTED, Own, Piezoceramic, Spread
-from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve
 from tactgen.geometry.names import folded
 
 #: How far a ceramic of the trade may lie from its data sheet.  APC International states as

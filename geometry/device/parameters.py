@@ -9,13 +9,13 @@ but what the geometry itself implies.  The groups are declared in ``groups/``.
 from __future__ import annotations
 
 from tactgen.geometry import units as u
-from tactgen.geometry.device.declaration import PAPER_5, Parameters, field
+from tactgen.geometry.device.bimorph import Bimorph, Glue, Piezo, Shim
 from tactgen.geometry.device.display import Display, Scatter, Skin
-from tactgen.geometry.device.lateral import Bimorph, Glue, Piezo, Shim
 from tactgen.geometry.device.material_library import CERAMICS, LIBRARY, SHIMS
 from tactgen.geometry.device.materials import Own, Spread
-from tactgen.geometry.device.normal import NOMINAL_GAP, Coil, Rod, Sleeve, Steel
-from tactgen.geometry.device.operation import (
+from tactgen.geometry.device.parameter_group import PAPER_5, Parameters, field
+from tactgen.geometry.device.reluctance import NOMINAL_GAP, Coil, Rod, Sleeve, Steel
+from tactgen.geometry.device.support_load_drive import (
     Beam,
     Contact,
     Drive,

@@ -11,9 +11,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.csv_tables import check_widths, csv_rows, plain_number
+from tactgen.geometry.device.magnetisation import MU0, MagnetisationCurve, linear
 from tactgen.geometry.device.material_library import STEELS, built_in_curve
 from tactgen.geometry.device.parameters import Steel
-from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve, linear
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from tactgen.geometry.device.layout import MM, Box, Part, Turned, closed_form_volumes
 from tactgen.geometry.device.parameters import Device, Display
+from tactgen.geometry.device.parts import MM, Box, Part, Turned, closed_form_volumes
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.display.clearances import spring_turns
 from tactgen.geometry.display.layout import Plate, as_built, display_parts

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tactgen.geometry.device.layout import MM
 from tactgen.geometry.device.parameters import Device, Display
+from tactgen.geometry.device.parts import MM
 from tactgen.geometry.display.layout import (
     as_built,
     axes,

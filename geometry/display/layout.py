@@ -1,6 +1,6 @@
 """Where every part of the display is: each distinct solid once, and the places it stands at.
 
-Millimetres, as in :mod:`geometry.device.layout`.  z = 0 is the ground plate's underside; the
+Millimetres, as in :mod:`geometry.device.parts`.  z = 0 is the ground plate's underside; the
 generators' field is centred on the z axis, rows along y, columns along x.  A generator's own
 parts keep their frame (z = 0 at the rod's top face) and are put up by its places.
 """
@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.geometry.device.layout import (
+from tactgen.geometry.device.parameters import Device, Display, Scatter
+from tactgen.geometry.device.parts import (
     MM,
     Box,
     Part,
@@ -21,7 +22,6 @@ from tactgen.geometry.device.layout import (
     rod_base,
     total_height,
 )
-from tactgen.geometry.device.parameters import Device, Display, Scatter
 
 #: A place: where a part's own origin stands (mm).
 Place = tuple[float, float, float]

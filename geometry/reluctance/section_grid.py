@@ -16,8 +16,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
 from tactgen.geometry.device.checks import check_gap
+from tactgen.geometry.device.magnetisation import MagnetisationCurve
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
-from tactgen.geometry.device.steel_law import MagnetisationCurve
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
 

@@ -13,7 +13,7 @@ Dimensions are those of the definition on compumag.org ("problem20"); the measur
 are table 6, the measured flux densities table 4 of N. Takahashi, T. Nakata, H. Morishige,
 COMPEL 14 (1995) 57.  All are taken as restated in the validation case of the public
 repository Raiden-Numerics/mufem-examples, which gives them alike.  The steel is
-:data:`geometry.device.steel_law.TEAM20`.
+:data:`geometry.device.magnetisation.TEAM20`.
 """
 
 from __future__ import annotations

@@ -16,8 +16,8 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.cad.solids import build_solids, fuse, thinnest_feature
 from tactgen.geometry.cad.tessellation import tessellate
-from tactgen.geometry.device.layout import MM, Turned, layout
 from tactgen.geometry.device.parameters import Bimorph, Device
+from tactgen.geometry.device.parts import MM, Turned, layout
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra

@@ -18,8 +18,8 @@ from tactgen.fem.weak_forms import (
     section_flux,
     strain,
 )
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.piezo.system import materials
-from tactgen.geometry.device.layout import Turned, layout
+from tactgen.geometry.device.parts import Turned, layout
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.random_devices import between
 from tactgen.validation.scene.scene import load_scene

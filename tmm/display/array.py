@@ -13,8 +13,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.boundary_conditions import Law, TipLoad
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device, Display, Skin
-from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.display.layout import axes, spacer_axes
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.contact import lateral_guide, moving_rod, stops_of, tilt_guide

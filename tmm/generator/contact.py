@@ -26,8 +26,8 @@ from typing import Literal
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.layout import MM, Ring, moving_rings
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parts import MM, Ring, moving_rings
 from tactgen.geometry.errors import InputError
 
 #: Largest exponent of a pressure: a solver's stray guess gives a huge number, not an overflow.

@@ -20,8 +20,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
 from tactgen.geometry.device.checks import check_gap
+from tactgen.geometry.device.magnetisation import MU0, MagnetisationCurve, linear
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
-from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve, linear
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.flux_ladder import Ladder

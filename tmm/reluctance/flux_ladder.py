@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
-from tactgen.geometry.device.steel_law import MagnetisationCurve
+from tactgen.geometry.device.magnetisation import MagnetisationCurve
 
 #: Residual mmf of a cell, relative to the winding's whole mmf, at which it counts as balanced.
 _RESIDUAL = 1e-12

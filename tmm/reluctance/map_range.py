@@ -15,8 +15,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.checks import widest_gap
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Coil, Device, Rod, Sleeve, Spring, Steel
-from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import pole_area, widest_circuit
 from tactgen.tmm.reluctance.network import network_samples

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device, Limits
-from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.device.winding import winding
 from tactgen.tmm.reluctance.circuit import CELLS, FULL, ONE_GAP, Refinements, circuit, pole_area
 from tactgen.tmm.reluctance.coenergy_map import Samples

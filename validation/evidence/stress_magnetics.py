@@ -18,8 +18,8 @@ from tactgen.fem.magnetics.axisymmetric_field import MagneticField, solve_field
 from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.fem.magnetics.problem_3d import MagneticField as SolidField
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, VectorPotential, sample
+from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.device.parameters import Device, Sleeve, Steel
-from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra

@@ -12,8 +12,8 @@ from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
 
-from tactgen.geometry.device.declaration import Parameters
 from tactgen.geometry.device.materials import Spread
+from tactgen.geometry.device.parameter_group import Parameters
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import NUMBER, Unit, quoted
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
-from tactgen.geometry.device.layout import MM
+from tactgen.geometry.device.parts import MM
 from tactgen.geometry.display.layout import as_built, display_parts, unit_names
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.formats import engineering

@@ -324,7 +324,7 @@ def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
 def scene_solids(scene: Scene) -> dict[str, Any]:
     """CAD solids of a scene (mm): the whole generator, or the actuator asked about."""
     from tactgen.geometry.cad.solids import build_solids
-    from tactgen.geometry.device.layout import BIMORPH
+    from tactgen.geometry.device.parts import BIMORPH
 
     if scene.support.kind == "rod":
         return build_solids(scene.device, None, "rod")

@@ -15,8 +15,8 @@ from tactgen.geometry.bimorph.segments import (
     block_cells,
     row_shape,
 )
-from tactgen.geometry.device.layout import MM, Ring, moving_rings
 from tactgen.geometry.device.parameters import Device, Support
+from tactgen.geometry.device.parts import MM, Ring, moving_rings
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.tmm.generator.transient.machine import BimorphModes
 from tactgen.validation.models.bimorph.model import BeamTheoryModel

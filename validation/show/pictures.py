@@ -16,7 +16,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.cad.solids import COLOURS
 from tactgen.geometry.cad.system_libraries import require_library, require_room
-from tactgen.geometry.device.layout import MM
+from tactgen.geometry.device.parts import MM
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
 from tactgen.geometry.meshing.mesh import Mesh

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.device.layout import MM
+from tactgen.geometry.device.parts import MM
 from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.validation.models.generator.transient import Simulation, phases
 from tactgen.validation.show.field import COLOURS, Array

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tactgen.geometry.device.layout import MM
+from tactgen.geometry.device.parts import MM
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.meshing.mesh import Surface, surface_of

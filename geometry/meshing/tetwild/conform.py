@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, TypeGuard
 
 from tactgen.geometry.arrays import Bools
 from tactgen.geometry.cad.tessellation import Cylinder, Plane, Tessellation
-from tactgen.geometry.device.layout import MM
+from tactgen.geometry.device.parts import MM
 from tactgen.geometry.meshing.mesh import (
     Mesh,
     check_areas,

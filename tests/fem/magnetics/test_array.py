@@ -9,9 +9,9 @@ from tactgen.fem.magnetics import array_3d as array
 from tactgen.fem.magnetics.array_3d import array_forces
 from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
-from tactgen.geometry.device.layout import closed_form_volumes
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Bimorph, Device
-from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.device.parts import closed_form_volumes
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.sector_tets import COPIES, Cell, cell_mesh
 

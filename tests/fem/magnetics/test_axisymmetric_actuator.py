@@ -10,8 +10,8 @@ import pytest
 
 from tactgen.fem.magnetics.axisymmetric import FieldErrors, solve_map, solve_point
 from tactgen.fem.solvers.linear_solver import SolverError
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import actuator_regions
 from tactgen.validation.evidence.cases.actuator import COLLARED, collared

@@ -18,7 +18,7 @@ from tactgen.fem.magnetics.axisymmetric_force import (
 )
 from tactgen.fem.magnetics.axisymmetric_space import discretise, lowered
 from tactgen.fem.solvers.linear_solver import SolverError
-from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.reluctance.section_grid import Grid, Region, graded_grid
 from tactgen.validation.evidence.cases import coils as coaxial_coils
 from tactgen.validation.evidence.cases.coils import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.magnetics import axisymmetric_space as iron
-from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
+from tactgen.geometry.device.magnetisation import MU0, TEAM20, linear
 
 #: Cells by material; the others are vacuum.
 MATERIALS = [(np.array([1, 4]), TEAM20), (np.array([3]), linear(700.0))]

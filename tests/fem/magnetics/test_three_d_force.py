@@ -12,7 +12,7 @@ from tactgen.fem.magnetics.force_3d import (
     virtual_work_force,
 )
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, VectorPotential, sample
-from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
+from tactgen.geometry.device.magnetisation import MU0, TEAM20, linear
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import tet_volumes
 from tactgen.geometry.reluctance.team20 import (

@@ -9,7 +9,7 @@ import pytest
 
 from tactgen.fem.magnetics.axisymmetric_space import coenergy_density, energy_density
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, VectorPotential, sample
-from tactgen.geometry.device.steel_law import MU0, TEAM20, linear
+from tactgen.geometry.device.magnetisation import MU0, TEAM20, linear
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source

@@ -5,8 +5,8 @@ import pytest
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.segments import Layers, Piece, beam_pieces
 from tactgen.geometry.device.checks import check_fit
-from tactgen.geometry.device.layout import layout
 from tactgen.geometry.device.parameters import Bimorph, Device, Support
+from tactgen.geometry.device.parts import layout
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import make_plan
 from tactgen.validation.scene.inputs import scene_warnings

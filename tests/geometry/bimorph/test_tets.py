@@ -12,8 +12,8 @@ from tactgen.geometry.bimorph import tets
 from tactgen.geometry.bimorph.tets import MeshError, TetMeshing, squeezed, tetrahedralise
 from tactgen.geometry.cad.solids import build_solids, fuse
 from tactgen.geometry.cad.tessellation import tessellate
-from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
+from tactgen.geometry.device.parts import closed_form_volumes
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing import mesh as quadratic
 from tactgen.geometry.meshing.mesh import (

@@ -18,8 +18,8 @@ from tactgen.geometry.cad.solids import (
     thinnest_feature,
 )
 from tactgen.geometry.cad.tessellation import tessellate
-from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Coil, Device, Display, Glue, Rod, Sleeve
+from tactgen.geometry.device.parts import closed_form_volumes
 from tactgen.geometry.display.layout import display_parts
 from tactgen.geometry.errors import InputError
 

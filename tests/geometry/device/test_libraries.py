@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.material_library import SHIMS, SOFT_MAGNETS, STEELS, library_name
 from tactgen.geometry.device.materials import orthotropic_stiffness
 from tactgen.geometry.device.parameters import Piezo, Shim, Steel, sources, spreads
-from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.scene import load_scene

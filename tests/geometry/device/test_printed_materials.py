@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tactgen.geometry.device.magnetisation import TEAM20
 from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Piezo, spreads
-from tactgen.geometry.device.steel_law import TEAM20
 from tactgen.geometry.device.steel_table import read_curve
 
 # a 6 x 6 inversion of a matrix of condition number about 10

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Bimorph, Device
+from tactgen.geometry.device.parts import closed_form_volumes
 from tactgen.geometry.meshing.mesh import TET_FACES, jacobian_coefficients
 from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 from tactgen.geometry.reluctance.sector_tets import COPIES, COUNTS, UNITS, Cell, nine_mesh, part_of

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.geometry.device.steel_law import linear
+from tactgen.geometry.device.magnetisation import linear
 from tactgen.geometry.reluctance.section_grid import CORNER, Grid, Region, graded_grid, graded_lines
 
 IRON = linear(1000.0)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.cad.solids import thinnest_feature
-from tactgen.geometry.device.layout import closed_form_volumes
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parts import closed_form_volumes
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import jacobian_coefficients
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device, Display
-from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.display.array import (
     CELLS,

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Contact, Device, Spring
-from tactgen.geometry.device.steel_law import MU0
 from tactgen.tmm.generator.contact import contact_of, moving_rod
 from tactgen.tmm.generator.equilibrium import (
     axial_forces,

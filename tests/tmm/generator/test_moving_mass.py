@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.layout import closed_form_volumes, moving_rings
 from tactgen.geometry.device.parameters import Coil, Device, Rod
+from tactgen.geometry.device.parts import closed_form_volumes, moving_rings
 from tactgen.tmm.generator.contact import moving_rod
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.device import steel_law as steel
-from tactgen.geometry.device.steel_law import TEAM20
+from tactgen.geometry.device import magnetisation as steel
+from tactgen.geometry.device.magnetisation import TEAM20
 from tactgen.tmm.reluctance import flux_ladder
 from tactgen.tmm.reluctance.flux_ladder import Ladder, solve
 from tactgen.validation.evidence.cases import actuator as square_law

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Coil, Device, Spring
-from tactgen.geometry.device.steel_law import MU0
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance import map_range
 from tactgen.tmm.reluctance.map_range import map_grid, pole_area

@@ -6,9 +6,9 @@ from functools import partial
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.normal import NOMINAL_GAP
+from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.device.steel_law import MU0
+from tactgen.geometry.device.reluctance import NOMINAL_GAP
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import (
     FULL,

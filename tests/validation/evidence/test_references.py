@@ -10,9 +10,9 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+from tactgen.geometry.device.magnetisation import MU0, TEAM20
 from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0
-from tactgen.geometry.device.steel_law import MU0, TEAM20
 from tactgen.validation.evidence.cases import beams, coils, elastic, iron, laminates, resonators
 from tactgen.validation.evidence.cases.ball import exact_flux_density
 from tactgen.validation.evidence.cases.exact_laminate import (

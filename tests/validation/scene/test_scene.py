@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from tactgen.geometry.device.steel_law import TEAM20
+from tactgen.geometry.device.magnetisation import TEAM20
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.files import built_in_scenes, parse_frequencies

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.layout import total_height
 from tactgen.geometry.device.parameters import Coil, Device
+from tactgen.geometry.device.parts import total_height
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies import reconstruction as stated
 from tactgen.validation.studies.reconstruction import (

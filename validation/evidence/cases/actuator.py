@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.magnetisation import MagnetisationCurve
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Coil, Rod, Sleeve
-from tactgen.geometry.device.steel_law import MagnetisationCurve
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
 from tactgen.tmm.reluctance.flux_ladder import Ladder, LadderSolution

@@ -24,7 +24,7 @@ from tactgen.fem.magnetics.problem_3d import (
     sample,
 )
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.meshing.mesh import Mesh, unique_edges
 from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.mesh_levels import cached, counted, intervals

@@ -18,7 +18,7 @@ from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.fem.magnetics.force_3d import eggshell_force, harmonic_weight
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.steel_law import MU0, MagnetisationCurve
+from tactgen.geometry.device.magnetisation import MU0, MagnetisationCurve
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.reluctance.section_grid import Grid, Region, graded_grid

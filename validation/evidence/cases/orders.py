@@ -15,9 +15,9 @@ import numpy as np
 
 from tactgen.fem.piezo.system import Material
 from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.device.magnetisation import TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.geometry.device.parameters import Beam, Device, Support
-from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
 from tactgen.validation.evidence.boxes import block, even, held, natural_frequencies
 from tactgen.validation.evidence.case import Case, Check, Refinement, case
 from tactgen.validation.evidence.cases import manufactured

@@ -10,11 +10,11 @@ import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric import FieldPoint, solve_map
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.layout import total_height
-from tactgen.geometry.device.normal import Steel
-from tactgen.geometry.device.operation import Limits
+from tactgen.geometry.device.magnetisation import TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.device.steel_law import TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.device.parts import total_height
+from tactgen.geometry.device.reluctance import Steel
+from tactgen.geometry.device.support_load_drive import Limits
 from tactgen.tmm.generator.small_signal import Linearised
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples, closed_loop_work

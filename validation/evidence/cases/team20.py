@@ -11,7 +11,7 @@ import numpy as np
 from tactgen.fem.magnetics.force_3d import eggshell_force, harmonic_weight
 from tactgen.fem.magnetics.problem_3d import MagneticField, MagneticSolid, sample
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.steel_law import TEAM20
+from tactgen.geometry.device.magnetisation import TEAM20
 from tactgen.geometry.reluctance.team20 import (
     HALF_WAY_UP,
     LEG_SECTION,

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactgen.geometry.device.layout import Standing
+from tactgen.geometry.device.parts import Standing
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.tetwild.mesher import Mesher, Sizing, sizing_for
 from tactgen.validation.models.bimorph.mesh_pair import MeshPair

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 from collections.abc import Callable
 from itertools import pairwise
 
-from tactgen.geometry.device.layout import below_head
+from tactgen.geometry.device.parts import below_head
 from tactgen.geometry.device.winding import winding
 from tactgen.tmm.reluctance.network import largest_rms_current, thermal_statement
 from tactgen.tmm.reluctance.switching import Equilibrium

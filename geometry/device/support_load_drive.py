@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Literal
 
 from tactgen.geometry import units as u
-from tactgen.geometry.device.declaration import PAPER_4, Parameters, field, printed
 from tactgen.geometry.device.materials import Own
+from tactgen.geometry.device.parameter_group import PAPER_4, Parameters, field, printed
 
 #: How far a support of somebody else may lie from what is said of it.
 _FITTED = Own("support", 0.2)

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
+from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.device.parameters import Steel
-from tactgen.geometry.device.steel_law import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.device.steel_table import magnetisation_curve, read_curve
 from tactgen.geometry.errors import InputError
 

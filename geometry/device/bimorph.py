@@ -7,7 +7,6 @@ from typing import Any, Literal
 from pydantic import model_validator
 
 from tactgen.geometry import units as u
-from tactgen.geometry.device.declaration import PAPER_2, PAPER_4, Parameters, field, printed
 from tactgen.geometry.device.material_library import (
     LIBRARY,
     PAPERS,
@@ -17,6 +16,7 @@ from tactgen.geometry.device.material_library import (
     shim_name,
 )
 from tactgen.geometry.device.materials import Own, Piezoceramic, Spread
+from tactgen.geometry.device.parameter_group import PAPER_2, PAPER_4, Parameters, field, printed
 from tactgen.geometry.device.profile import UNIFORM, LengthProfile, Profile
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest

@@ -12,9 +12,15 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator
 
 from tactgen.geometry import units as u
-from tactgen.geometry.device.declaration import PAPER_5, RECONSTRUCTED, Parameters, field, printed
 from tactgen.geometry.device.material_library import STEELS, steel_name
 from tactgen.geometry.device.materials import Own
+from tactgen.geometry.device.parameter_group import (
+    PAPER_5,
+    RECONSTRUCTED,
+    Parameters,
+    field,
+    printed,
+)
 
 #: Gap at which the reconstructed normal actuator's axial positions are stated (m).
 NOMINAL_GAP = 0.2e-3
