@@ -18,7 +18,7 @@ from tactgen.tmm.generator.equilibrium import axial_forces, position_loop
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.models.backbone import backbone, held_head
-from tactgen.validation.models.generator.transient import phases, run_scene
+from tactgen.validation.models.transient import phases, run_scene
 from tactgen.validation.show.export import export
 
 scene, _ = tactgen.load_scene("generator", ["load.kind=none", "frequency=10:1000:150:log"])

@@ -30,7 +30,7 @@ from tactgen.validation.evidence.peers import sfepy
 from tactgen.validation.models import backbone
 from tactgen.validation.models import backbone as deflection
 from tactgen.validation.models import backbone as held_head
-from tactgen.validation.models.display.field import spread
+from tactgen.validation.models.display import spread
 from tactgen.validation.scene import files as frequencies
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show import browser, pictures

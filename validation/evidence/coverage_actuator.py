@@ -16,8 +16,7 @@ from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
 from tactgen.geometry.reluctance.sector_tets import Sector
 from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import Linearised
-from tactgen.tmm.generator.transient.results import output_at
-from tactgen.tmm.generator.transient.time_integration import simulate
+from tactgen.tmm.generator.transient.time_integration import output_at, simulate
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.map_range import map_grid, network_map
@@ -29,13 +28,9 @@ from tactgen.validation.evidence import random_devices
 from tactgen.validation.evidence.coverage import Judged, relative
 from tactgen.validation.evidence.random_devices import accepted, between
 from tactgen.validation.models.classes import make_model, map_of
-from tactgen.validation.models.generator.small_signal import (
-    RodWithError,
-    SmallSignal,
-    rod_by_network,
-)
-from tactgen.validation.models.generator.transient import scene_machine
 from tactgen.validation.models.model import Stages
+from tactgen.validation.models.small_signal import RodWithError, SmallSignal, rod_by_network
+from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.scene import Scene, load_scene
 
 #: The reference's order, refinement of the grid, and how many times as far its walls are.

@@ -8,8 +8,7 @@ import numpy as np
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.equilibrium import AxialForces, axial_forces, settled_place
-from tactgen.tmm.generator.transient.results import output_at
-from tactgen.tmm.generator.transient.time_integration import simulate
+from tactgen.tmm.generator.transient.time_integration import output_at, simulate
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Waveform
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.tmm.reluctance.network import DirectForce, network_samples
@@ -25,8 +24,8 @@ from tactgen.validation.evidence.stress import (
 )
 from tactgen.validation.evidence.stress_driven import MACHINE, MACHINE_PAIR, Sweep, driven, families
 from tactgen.validation.models.classes import map_of
-from tactgen.validation.models.generator.small_signal import CELLS_AT_REST
-from tactgen.validation.models.generator.transient import scene_machine
+from tactgen.validation.models.small_signal import CELLS_AT_REST
+from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.scene import Scene, load_scene
 
 _STATEMENT = (

@@ -17,11 +17,11 @@ from tactgen.geometry.device.parts import MM
 from tactgen.geometry.display.layout import as_built, display_parts, unit_names
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.formats import engineering
-from tactgen.tmm.display.array import tip_motions
+from tactgen.tmm.display import tip_motions
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.engine.solve import make_plan
 from tactgen.validation.models.classes import make_model
-from tactgen.validation.models.display.field import display_ports
+from tactgen.validation.models.display import display_ports
 from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.page import Still, asset, document, inline

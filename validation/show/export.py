@@ -26,8 +26,8 @@ from tactgen.tmm.generator.transient.machine import MachineStateSpace, machine_s
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import asks_display
-from tactgen.validation.models.generator.small_signal import rod_of
-from tactgen.validation.models.generator.transient import scene_modes
+from tactgen.validation.models.small_signal import rod_of
+from tactgen.validation.models.transient import scene_modes
 
 if TYPE_CHECKING:
     from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
@@ -260,7 +260,7 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
         announce("ports of the solid")
         write_port_files(scene, reductions)
     if "fmu" in files:
-        from tactgen.validation.models.generator.transient import scene_machine
+        from tactgen.validation.models.transient import scene_machine
         from tactgen.validation.show.fmu import write_fmu
 
         announce("co-simulation unit")

@@ -16,8 +16,8 @@ from tactgen.validation.catalogue.quantities import (
     SHORT_CIRCUIT_FREQUENCIES,
 )
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.models.generator.transient import Simulation, scene_beam
 from tactgen.validation.models.model import Model, Quantity
+from tactgen.validation.models.transient import Simulation, scene_beam
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import Circuit, FieldResult, State
 from tactgen.validation.show.moving import MovingBody, moving_body

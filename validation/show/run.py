@@ -18,7 +18,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.device.parts import MM
 from tactgen.geometry.meshing.mesh import surface_of
-from tactgen.validation.models.generator.transient import Simulation, phases
+from tactgen.validation.models.transient import Simulation, phases
 from tactgen.validation.show.field import COLOURS, Array
 from tactgen.validation.show.field_files import write_steps
 from tactgen.validation.show.gather import body_of

@@ -105,7 +105,7 @@ def _port(scene: Scene, frequencies: Floats) -> Multiport:
 
 
 def _of_machine(scene: Scene, port: Multiport, read: AnswerReadout) -> Complex:
-    from tactgen.validation.models.generator.small_signal import RodWithError, SmallSignal, rod_of
+    from tactgen.validation.models.small_signal import RodWithError, SmallSignal, rod_of
 
     rod = RodWithError(rod_of(scene, map_of(scene)))
     value: Complex = read.of(SmallSignal(scene, Refined(port, (), ""), rod)).value

@@ -18,7 +18,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER
-from tactgen.validation.models.generator.transient import Simulation, phases
+from tactgen.validation.models.transient import Simulation, phases
 from tactgen.validation.scene.files import leaves
 from tactgen.validation.show.figures import AMBER, BLUE, GREEN, GREY, ORANGE, SKY, panels, svg
 from tactgen.validation.show.gather import body_of

@@ -6,7 +6,7 @@ import pytest
 from tactgen.geometry.device.parameters import Beam, Device, Display, Load, Skin, Support
 from tactgen.geometry.display.layout import unit_names
 from tactgen.tmm.beam.transfer_matrix import multiport
-from tactgen.tmm.display.array import (
+from tactgen.tmm.display import (
     board,
     joined,
     links,

@@ -8,7 +8,7 @@ import pytest
 from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device, Display
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.display.array import (
+from tactgen.tmm.display import (
     CELLS,
     NEIGHBOURS,
     beside,

@@ -10,7 +10,7 @@ from tactgen.tmm.generator.small_signal import linearised, resting_tilt
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.models.backbone import held_head
-from tactgen.validation.models.generator.transient import scene_machine
+from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.scene import load_scene
 
 MOTIONS = np.array([-3e-4, -1e-4, -2e-5, 0.0, 5e-5, 1e-4, 2e-4])

@@ -12,8 +12,7 @@ from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport, respond
-from tactgen.validation.models.backbone import held_head
-from tactgen.validation.models.five_port import five_port
+from tactgen.validation.models.backbone import five_port, held_head
 from tactgen.validation.scene.scene import load_scene
 
 UP = ("support.kind=contact", "coil.current=0mA", "models=tmm")

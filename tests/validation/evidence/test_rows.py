@@ -11,8 +11,8 @@ from tactgen.validation.evidence.case import run_check
 from tactgen.validation.evidence.cases import actuator, bimorph, coils, iron, motion
 from tactgen.validation.evidence.mesh_levels import on_level
 from tactgen.validation.evidence.verification import GROUPS, ON_SCENES, group_cases, group_rows
-from tactgen.validation.models.generator import transient
-from tactgen.validation.models.generator.transient import Phase
+from tactgen.validation.models import transient
+from tactgen.validation.models.transient import Phase
 
 CASES = {(group, case.id): case for group in GROUPS for case in group_cases(group)}
 ROWS = [row for case in CASES.values() for row in case.rows]

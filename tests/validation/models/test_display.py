@@ -8,8 +8,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import quantities_of
 from tactgen.validation.engine.solve import make_plan, solve
-from tactgen.validation.models.display.field import display_ports, first_frequency
-from tactgen.validation.models.five_port import five_port
+from tactgen.validation.models.backbone import five_port
+from tactgen.validation.models.display import display_ports, first_frequency
 from tactgen.validation.models.model import Modes, Refined
 from tactgen.validation.scene.inputs import scene_warnings
 from tactgen.validation.scene.scene import load_scene

@@ -7,7 +7,7 @@ import pytest
 from tactgen.fem.magnetics import array_3d as array
 from tactgen.fem.magnetics import array_3d as nine
 from tactgen.fem.magnetics.array_3d import NineForces
-from tactgen.validation.models.display import field
+from tactgen.validation.models import display as field
 from tactgen.validation.scene.scene import load_scene
 
 #: Pull per square of current, of the unit's own and of one neighbour's beside and on the diagonal.

@@ -9,11 +9,11 @@ from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.models.backbone import (
     STATES,
     LoadedDeflection,
+    five_port,
     held_head,
     loaded_deflection,
     voltage_for,
 )
-from tactgen.validation.models.five_port import five_port
 from tactgen.validation.scene.scene import load_scene
 
 

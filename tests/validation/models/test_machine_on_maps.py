@@ -11,8 +11,8 @@ from tactgen.tmm.reluctance.map_range import map_grid, network_map
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.catalogue.models import map_model
 from tactgen.validation.engine.solve import make_plan, solve
-from tactgen.validation.models.generator.small_signal import HalvedMap
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
+from tactgen.validation.models.small_signal import HalvedMap
 from tactgen.validation.scene import scene as scenes
 from tactgen.validation.scene.scene import load_scene
 

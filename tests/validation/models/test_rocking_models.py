@@ -5,8 +5,7 @@ import pytest
 
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.backbone import RESOLUTION, held_head
-from tactgen.validation.models.five_port import five_port
+from tactgen.validation.models.backbone import RESOLUTION, five_port, held_head
 from tactgen.validation.scene.scene import load_scene
 
 #: Below the peak, where the moment softens the support a little.

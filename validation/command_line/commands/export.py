@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
             "--fmu FILE.fmu, --machine FILE.npz"
         )
     if "fmu" in wanted:
-        from tactgen.validation.models.generator.transient import support_warnings
+        from tactgen.validation.models.transient import support_warnings
 
         warn(support_warnings(scene))
     with announcer() as announce:

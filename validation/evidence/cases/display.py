@@ -9,14 +9,14 @@ from tactgen.geometry.device.display import Display
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import drawn_units, levels
 from tactgen.geometry.reluctance.sector_tets import UNITS
-from tactgen.tmm.display.array import between_heads, network_forces
+from tactgen.tmm.display import between_heads, network_forces
 from tactgen.tmm.ports.multiport import Multiport, passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.quantities import CROSSTALK_LARGEST, SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.mesh_levels import cached
 from tactgen.validation.models.classes import make_model
-from tactgen.validation.models.display.field import display_ports, with_device
+from tactgen.validation.models.display import display_ports, with_device
 from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import Scene, load_scene
 

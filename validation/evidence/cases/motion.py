@@ -20,7 +20,7 @@ from tactgen.validation.evidence.mesh_levels import steps
 from tactgen.validation.models.model import Estimate
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.generator.transient import Phase, Simulation
+    from tactgen.validation.models.transient import Phase, Simulation
     from tactgen.validation.scene.scene import Scene
 
 _ONE, _UNIT = np.ones(1), np.eye(1)
@@ -82,7 +82,7 @@ def _pull_in_current() -> Estimate:
 
 def _phase(name: str, after: float) -> Phase:
     """First phase of a name that starts after a time (s)."""
-    from tactgen.validation.models.generator.transient import phases
+    from tactgen.validation.models.transient import phases
 
     return next(p for p in phases(_paper_run()) if p.name == name and p.start > after)
 
@@ -108,7 +108,7 @@ def _flight_to_contact() -> float:
 
     1 or more also where the tip moves more while the rod rises than while it falls.
     """
-    from tactgen.validation.models.generator.transient import phases
+    from tactgen.validation.models.transient import phases
 
     largest: dict[str, float] = {}
     for phase in phases(_finger_run()):
@@ -124,7 +124,7 @@ def _held_to_pressed() -> float:
     By what two runs have in common whose drives are a quarter of a period apart: the smallest of
     all times held over the largest of all times pressed.
     """
-    from tactgen.validation.models.generator.transient import common_oscillation, phases
+    from tactgen.validation.models.transient import common_oscillation, phases
 
     angles = (0.0, 0.5 * math.pi)
     runs = [_finger_run(angle) for angle in angles]
@@ -170,7 +170,7 @@ def _scene_run(
     sources: Sources, until: float, accuracy: float, name: str = "paper",
     overrides: tuple[str, ...] = ("load.kind=none",),
 ) -> Simulation:  # fmt: skip
-    from tactgen.validation.models.generator.transient import run_scene
+    from tactgen.validation.models.transient import run_scene
     from tactgen.validation.scene.scene import load_scene
 
     scene, _ = load_scene(name, list(overrides))

@@ -11,9 +11,8 @@ from functools import cache
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.tmm.generator.transient.results import Run
 from tactgen.tmm.generator.transient.system import Coil, System
-from tactgen.tmm.generator.transient.time_integration import simulate_steps
+from tactgen.tmm.generator.transient.time_integration import Run, simulate_steps
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.continuation import Branch, folds, follow, peaks, steady_orbit

@@ -27,8 +27,8 @@ from tactgen.validation.evidence.cases.actuator import SQUARE_LAW_GAP, field_poi
 from tactgen.validation.evidence.cases.ball import ball_error, potential_of
 from tactgen.validation.evidence.mesh_levels import cached, degree, intervals, size
 from tactgen.validation.models.classes import map_of
-from tactgen.validation.models.generator.small_signal import rod_of
 from tactgen.validation.models.model import Estimate
+from tactgen.validation.models.small_signal import rod_of
 from tactgen.validation.scene.scene import load_scene
 
 _AXISYMMETRIC = "model axisymmetric: quadrilaterals of order 4 to 6 in the half section"

@@ -81,11 +81,7 @@ class BimorphModel(Model):
 
     def _machine(self, need: Need) -> Any:
         """Machine's answer, with this bimorph on its rod."""
-        from tactgen.validation.models.generator.small_signal import (
-            SmallSignal,
-            machine_of,
-            measured_poles,
-        )
+        from tactgen.validation.models.small_signal import SmallSignal, machine_of, measured_poles
 
         linear = self.run("machine", lambda: machine_of(self.scene, self.scene.pull))
         if need == "machine_poles":
@@ -94,7 +90,7 @@ class BimorphModel(Model):
 
     def _crosstalk(self) -> Any:
         """Crosstalk of one unit at the others, all on this bimorph."""
-        from tactgen.validation.models.display.field import crosstalk
+        from tactgen.validation.models.display import crosstalk
 
         return self.run("crosstalk", lambda: crosstalk(self.scene, self.ports()))
 
@@ -144,7 +140,7 @@ class BeamTheoryModel(BimorphModel):
         return self._spread() if need == "spread" else super().answer(need)
 
     def _spread(self) -> Any:
-        from tactgen.validation.models.display.field import first_frequency, spread
+        from tactgen.validation.models.display import first_frequency, spread
 
         def first(scene: Scene) -> Estimate:
             return first_frequency(type(self)(scene, self.stages)._modes(open_circuit=False))

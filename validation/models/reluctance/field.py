@@ -17,7 +17,7 @@ from tactgen.geometry.store.store import cached_result
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
 from tactgen.validation.catalogue.models import MODELS, STROKE
-from tactgen.validation.models.display.field import by_field  # its result may be in the store
+from tactgen.validation.models.display import by_field  # its result may be in the store
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.model import MagneticModel
 from tactgen.validation.models.reluctance.switching import MagneticPoint, Solver

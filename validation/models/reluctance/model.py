@@ -177,7 +177,7 @@ class NetworkModel(MagneticModel):
         )
 
     def _neighbours(self) -> Any:
-        from tactgen.validation.models.display.field import by_network
+        from tactgen.validation.models.display import by_network
 
         return by_network(self.scene)
 

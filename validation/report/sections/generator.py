@@ -27,9 +27,9 @@ from tactgen.validation.catalogue.quantities import (
 )
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.classes import map_of
-from tactgen.validation.models.generator.small_signal import machine_of, measured_poles, of_rod
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.model import NetworkModel, RodLoop, rod_loop
+from tactgen.validation.models.small_signal import machine_of, measured_poles, of_rod
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.scene.scene import Scene

@@ -33,7 +33,7 @@ from tactgen.validation.show.page import inline
 from tactgen.validation.show.run import fragment
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.generator.transient import Simulation
+    from tactgen.validation.models.transient import Simulation
 
 
 def backbone_plot(found: Backbone) -> str:
@@ -207,7 +207,7 @@ def _row(state: RockingState, linear: Floats, *, beside: bool) -> DeflectionRow:
 def run_in_time(study: Study) -> Simulation | str:
     """Run of the paper's Fig 16, or why there is none."""
     from tactgen.validation.evidence.cases.motion import SOURCES
-    from tactgen.validation.models.generator.transient import run_scene
+    from tactgen.validation.models.transient import run_scene
 
     study.announce("the run of Fig 16")
     try:
@@ -226,7 +226,7 @@ def run_in_time(study: Study) -> Simulation | str:
 def _time(study: Study) -> Context:
     """Run of the paper's Fig 16, as a film and as pictures for paper."""
     from tactgen.validation.evidence.cases.motion import SOURCES
-    from tactgen.validation.models.generator.transient import phases
+    from tactgen.validation.models.transient import phases
     from tactgen.validation.show.run import still_of_run
     from tactgen.validation.studies.simulate import film_of, time_plot
 

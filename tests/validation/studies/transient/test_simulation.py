@@ -26,8 +26,8 @@ from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands.studies import simulate
-from tactgen.validation.models.generator import transient
-from tactgen.validation.models.generator.transient import (
+from tactgen.validation.models import transient
+from tactgen.validation.models.transient import (
     _NEAR,
     Phase,
     above_the_head,

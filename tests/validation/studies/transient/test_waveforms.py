@@ -22,7 +22,7 @@ from tactgen.tmm.generator.transient.waveform import (
     Step,
 )
 from tactgen.validation.evidence.cases.iron import IdealGap
-from tactgen.validation.models.generator.transient import scene_machine
+from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
 

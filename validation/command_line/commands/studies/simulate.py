@@ -14,7 +14,7 @@ from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
     from tactgen.tmm.generator.transient.waveform import Waveform
-    from tactgen.validation.models.generator.transient import Simulation
+    from tactgen.validation.models.transient import Simulation
 
 
 def add(commands: Commands) -> None:
@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.tmm.generator.transient.waveform import Sources
     from tactgen.tmm.reluctance.coenergy_fit import read_map
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.models.generator.transient import run_scene, support_warnings
+    from tactgen.validation.models.transient import run_scene, support_warnings
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
 
@@ -124,7 +124,7 @@ def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[st
 
 def as_json(result: Simulation) -> dict[str, Any]:
     """Summary of a run: ends and extremes, phases, balance, errors."""
-    from tactgen.validation.models.generator.transient import phases
+    from tactgen.validation.models.transient import phases
     from tactgen.validation.studies.simulate import series
 
     answer = result.answer
@@ -165,7 +165,7 @@ def as_json(result: Simulation) -> dict[str, Any]:
 def _print(result: Simulation) -> None:
     import numpy as np
 
-    from tactgen.validation.models.generator.transient import phases
+    from tactgen.validation.models.transient import phases
 
     print(f"{'phase':10} {'from (ms)':>10} {'to (ms)':>10}  lateral amplitude (um)")
     for phase in phases(result):

@@ -94,9 +94,9 @@ def joined(
     units : dict of str to Multiport
         As :func:`unit_ports`, by name.
     board : Multiport or None
-        As :func:`tmm.display.array.board`; None holds every head's board still.
+        As :func:`board`; None holds every head's board still.
     sheet : Multiport or None
-        As :func:`tmm.display.array.sheet`; None ties no tips.
+        As :func:`sheet`; None ties no tips.
     """
     whole: Multiport | None = board
     for name, unit in units.items():

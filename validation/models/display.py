@@ -14,7 +14,7 @@ from tactgen.geometry.display.bill import bill_of_parts
 from tactgen.geometry.display.layout import drawn_units, unit_names
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.display.array import board, joined, sheet, tip_motions, unit_ports
+from tactgen.tmm.display import board, joined, sheet, tip_motions, unit_ports
 from tactgen.tmm.ports.multiport import Multiport, in_series
 from tactgen.validation.models.model import Estimate, Modes, Refined
 from tactgen.validation.scene.scene import Scene
@@ -53,7 +53,7 @@ class NeighbourField:
 
 def by_network(scene: Scene) -> NeighbourField:
     """Network's estimate."""
-    from tactgen.tmm.display.array import network_forces
+    from tactgen.tmm.display import network_forces
     from tactgen.tmm.reluctance.circuit import CELLS
 
     current, gap = scene.display.coil_current, scene.gap

@@ -1,1 +1,0 @@
-"""Array of generators coupled through board and skin."""

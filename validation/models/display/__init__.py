@@ -1,1 +1,0 @@
-"""The display on any model of its generators."""

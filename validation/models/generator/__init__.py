@@ -1,1 +1,0 @@
-"""The whole machine on any model of the lateral actuator."""
