@@ -212,23 +212,21 @@ def links(skin: Skin) -> tuple[float, float]:
 
 def sheet(skin: Skin, display: Display, frequencies: Floats, units: tuple[str, ...]) -> Multiport:
     """Sheet over the tips' lateral motions, ``w_UNIT``; frequencies (n,) in Hz."""
-    along_x, along_y = links(skin)
-    count = len(units)
-    ties = np.zeros((count, count))
-    for i in range(count):
-        row, column = divmod(i, display.columns)
-        if column + 1 < display.columns:
-            _tie(ties, i, i + 1, along_x)
-        if row + 1 < display.rows:
-            _tie(ties, i, i + display.columns, along_y)
+    ties, count = _ties(display, *links(skin)), len(units)
     f = np.asarray(frequencies, dtype=float)
     stiffness = np.broadcast_to(ties * (1.0 + 1j * skin.loss_factor), (f.size, count, count))
     return Multiport(f, stiffness.copy(), tuple(Port(f"w_{unit}", LATERAL) for unit in units))
 
 
-def _tie(ties: Floats, i: int, j: int, stiffness: float) -> None:
-    ties[[i, j], [i, j]] += stiffness
-    ties[[i, j], [j, i]] -= stiffness
+def _ties(display: Display, along_x: float, along_y: float) -> Floats:
+    """Matrix (units, units) of springs between all neighbours along x and along y."""
+    ties = np.zeros((display.rows * display.columns,) * 2)
+    at = np.arange(len(ties)).reshape(display.rows, display.columns)
+    for i, j, tie in ((at[:, :-1], at[:, 1:], along_x), (at[:-1], at[1:], along_y)):
+        for pair in zip(i.ravel(), j.ravel(), strict=True):
+            ties[pair, pair] += tie
+            ties[pair, pair[::-1]] -= tie
+    return ties
 
 
 #: Nearest neighbours in a square array.
@@ -315,15 +313,7 @@ def head_levels(display: Display, ratio: float) -> Floats:
 
     `ratio` is the permeance between two heads over a unit's own.
     """
-    count = display.rows * display.columns
-    nodes = np.eye(count)
-    for i in range(count):
-        row, column = divmod(i, display.columns)
-        following = [i + 1] if column + 1 < display.columns else []
-        following += [i + display.columns] if row + 1 < display.rows else []
-        for j in following:
-            nodes[[i, j], [i, j]] += ratio
-            nodes[[i, j], [j, i]] -= ratio
-    source = np.zeros(count)
+    ties = _ties(display, ratio, ratio)
+    source = np.zeros(len(ties))
     source[(display.rows - 1) // 2 * display.columns + (display.columns - 1) // 2] = 1.0
-    return np.asarray(np.linalg.solve(nodes, source))
+    return np.asarray(np.linalg.solve(np.eye(len(ties)) + ties, source))

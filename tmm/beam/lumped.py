@@ -156,18 +156,12 @@ def _attached(
 
 def _first_mode(stiffness: Floats, mass: Floats, free: slice) -> Floats:
     """Lowest elastic mode (4,) with a unit tip displacement."""
+    inverse = np.linalg.inv(np.linalg.cholesky(mass[free, free]))
+    values, vectors = np.linalg.eigh(inverse @ stiffness[free, free] @ inverse.T)
+    elastic = int(np.flatnonzero(values > 1e-9 * values[-1])[0])  # not a rigid motion
     shape = np.zeros(4)
-    shape[free] = _lowest_mode(stiffness[free, free], mass[free, free])
+    shape[free] = inverse.T @ vectors[:, elastic]
     return np.asarray(shape / shape[2])
-
-
-def _lowest_mode(stiffness: Floats, mass: Floats) -> Floats:
-    """Shape of the lowest mode that is not rigid-body motion."""
-    lower = np.linalg.cholesky(mass)
-    inverse = np.linalg.inv(lower)
-    values, vectors = np.linalg.eigh(inverse @ stiffness @ inverse.T)
-    elastic = int(np.flatnonzero(values > 1e-9 * values[-1])[0])
-    return np.asarray(inverse.T @ vectors[:, elastic])
 
 
 def _static_transfer(element: Section | Joint, length: float) -> Complex:

@@ -197,35 +197,6 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
     )
 
 
-@dataclass(frozen=True)
-class IronPlaces:
-    """Places of the circuit's iron elements (E,): k of the rod, k of the sleeve, the head's."""
-
-    #: (E,) What belongs to these; the rest are shaft and head
-    flange: Bools
-    sleeve: Bools
-    #: (k + 1,) Ends of the first k and of the sleeve's, from the lowest up (m above the sleeve's
-    #: top)
-    ends: Floats
-
-    @property
-    def middles(self) -> Floats:
-        """Heights (k,) of their middles (m)."""
-        return np.asarray(0.5 * (self.ends[1:] + self.ends[:-1]))
-
-
-def iron_places(device: Device, gap: float) -> IronPlaces:
-    """Where the iron elements of the full circuit at a gap (m) lie."""
-    path = _path(device, np.array([gap]), CELLS, parasitic_gap=True)
-    length = path.length[0]
-    none, head = np.zeros(length.size, dtype=bool), np.zeros(_RINGS + 1, dtype=bool)
-    return IronPlaces(
-        flange=np.concatenate([path.in_flange[0], none, head]),
-        sleeve=np.concatenate([none, ~none, head]),
-        ends=np.append(-np.cumsum(length[::-1])[::-1], 0.0),
-    )
-
-
 def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _Path:
     """Divide the path into zones of equal kind, each into equal cells.
 

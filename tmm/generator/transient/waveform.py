@@ -7,11 +7,11 @@ time inside the piece that is meant.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol
 
 from tactgen.geometry.errors import InputError
 
@@ -20,37 +20,33 @@ _TURN = 2.0 * math.pi
 _MOST = 1_000_000
 
 
-class Waveform(Protocol):
+class Waveform(ABC):
     """A value over time."""
 
     def breaks(self, until: float) -> tuple[float, ...]:
         """Times (s) in (0, until) at which the value jumps or has a kink."""
-        ...
+        return ()
 
+    @abstractmethod
     def value(self, time: float, inside: float) -> float:
         """Value at `time` as the limit from the piece in which `inside` lies."""
-        ...
 
     @property
+    @abstractmethod
     def peak(self) -> float:
         """Largest size that the value reaches."""
-        ...
 
     @property
     def shortest(self) -> float:
         """The shortest time (s) over which it changes smoothly; inf if it does not."""
-        ...
+        return math.inf
 
 
 @dataclass(frozen=True)
-class Constant:
+class Constant(Waveform):
     """The same at all times."""
 
     level: float
-
-    def breaks(self, until: float) -> tuple[float, ...]:
-        """None."""
-        return ()
 
     def value(self, time: float, inside: float) -> float:
         """Level."""
@@ -60,11 +56,6 @@ class Constant:
     def peak(self) -> float:
         """Size of the level."""
         return abs(self.level)
-
-    @property
-    def shortest(self) -> float:
-        """Infinite."""
-        return math.inf
 
 
 @dataclass(frozen=True)
@@ -84,7 +75,7 @@ class Step(Constant):
 
 
 @dataclass(frozen=True)
-class Sine:
+class Sine(Waveform):
     """amplitude · sin(2π f (t − start) + phase) from `start` on, 0 before (s, Hz, rad)."""
 
     amplitude: float
@@ -114,7 +105,7 @@ class Sine:
 
 
 @dataclass(frozen=True)
-class Square:
+class Square(Waveform):
     """`high` for the first `duty` of each period from `start` on, then `low`; `low` before."""
 
     high: float
@@ -150,14 +141,9 @@ class Square:
         """The larger level's size."""
         return max(abs(self.high), abs(self.low))
 
-    @property
-    def shortest(self) -> float:
-        """Infinite: it is constant between its switching times."""
-        return math.inf
-
 
 @dataclass(frozen=True)
-class Chirp:
+class Chirp(Waveform):
     """A sine whose frequency runs evenly from `first` to `last` within `duration`, and stays."""
 
     amplitude: float
@@ -188,7 +174,7 @@ class Chirp:
 
 
 @dataclass(frozen=True)
-class Sampled:
+class Sampled(Waveform):
     """Straight between samples (s, value), held at the ends; two at one time are a jump."""
 
     times: tuple[float, ...]
@@ -213,11 +199,6 @@ class Sampled:
     def peak(self) -> float:
         """The largest sample's size."""
         return max(map(abs, self.values))
-
-    @property
-    def shortest(self) -> float:
-        """Infinite: it is straight between its breaks."""
-        return math.inf
 
 
 @dataclass(frozen=True)
