@@ -33,12 +33,13 @@ _LEAST = 500_000_000
 
 #: Where the commands are declared.
 _HOME = "tactgen.validation.command_line.commands"
-#: The commands in the order of the help, by the folder or the module that declares them.
+#: The commands in the order of the help, by the module that declares them where it has several.
 _COMMANDS = {
-    "report": "", "solve": "", "view": "", "whatif": "studies", "compare": "studies",
-    "design": "studies", "sensitivity": "studies", "identify": "studies", "backbone": "studies",
-    "positions": "studies", "simulate": "studies", "plan": "", "bill": "", "export": "",
-    "verify": "evidence", "coverage": "evidence", "stress": "evidence", "bench": "evidence",
+    **dict.fromkeys(
+        ("report", "solve", "view", "whatif", "compare", "design", "sensitivity", "identify",
+         "backbone", "positions", "simulate", "plan", "bill", "export"), ""
+    ),
+    **dict.fromkeys(("verify", "coverage", "stress", "bench"), "evidence"),
     **dict.fromkeys(("scenes", "cache", "init", "completion"), "without_solving"),
 }  # fmt: skip
 
@@ -216,11 +217,8 @@ def _parser(only: str | None = None) -> argparse.ArgumentParser:
     added = parser.add_subparsers(title="commands", metavar="COMMAND")
     for name in _COMMANDS if only is None else (only,):
         home = _COMMANDS[name]
-        if home == "without_solving":
-            getattr(importlib.import_module(f"{_HOME}.{home}"), f"add_{name}")(added)
-        else:
-            path = ".".join(part for part in (_HOME, home, name) if part)
-            importlib.import_module(path).add(added)
+        module = importlib.import_module(f"{_HOME}.{home or name}")
+        getattr(module, f"add_{name}" if home else "add")(added)
     return parser
 
 

@@ -6,8 +6,8 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import VOLTAGE
+from tactgen.validation.command_line.commands import backbone, design, positions, simulate
 from tactgen.validation.command_line.commands.common import low_high, values_of
-from tactgen.validation.command_line.commands.studies import backbone, design, positions, simulate
 from tactgen.validation.command_line.study_options import whole_number
 from tactgen.validation.scene.files import parse_frequencies
 from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed

@@ -13,7 +13,7 @@ from unittest.mock import Mock
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.evidence import bench as command
+from tactgen.validation.command_line.commands import evidence as command
 from tactgen.validation.evidence import bench_beam as beam
 from tactgen.validation.evidence import bench_reluctance as magnetics
 from tactgen.validation.evidence import single_core as one_core
@@ -138,7 +138,7 @@ def test_command_shows_fields(monkeypatch, tmp_path, capsys):
     """The same command for the magnetic part: its own columns, its own files."""
     made = Bench("magnetics", "on paper", tuple(field_timings(1e-4)), (), 0.0)
     monkeypatch.setattr(magnetics, "run", lambda *_: made)
-    assert command.run(options(only=["magnetics"], out=str(tmp_path))) == 0
+    assert command._bench(options(only=["magnetics"], out=tmp_path)) == 0
     assert "flux linkage" in capsys.readouterr().out
     head = (tmp_path / "bench-magnetics.csv").read_text().splitlines()[0]
     assert head == "way,fineness,result,unknowns,seconds,value,unit,error"
@@ -178,7 +178,7 @@ def options(**changes):
 
 def test_command(made_up, tmp_path, capsys):
     """Tables on stdout; with --out a CSV file and the time-against-error plot, named on stderr."""
-    assert command.run(options(only=["tmm"], out=str(tmp_path))) == 0
+    assert command._bench(options(only=["tmm"], out=tmp_path)) == 0
     text, err = capsys.readouterr()
     assert "100,000" in text
     assert "not met" in text
@@ -188,7 +188,7 @@ def test_command(made_up, tmp_path, capsys):
 
 def test_command_as_json(made_up, tmp_path, capsys):
     """Timings and verdicts, machine-readable; files are named elsewhere."""
-    command.run(options(only=["tmm"], json=True, out=str(tmp_path)))
+    command._bench(options(only=["tmm"], json=True, out=tmp_path))
     said = capsys.readouterr()
     told = json.loads(said.out)
     assert "bench-tmm.svg" in said.err
@@ -199,4 +199,4 @@ def test_command_as_json(made_up, tmp_path, capsys):
 def test_unknown_part_is_refused():
     """With the nearest known name."""
     with pytest.raises(InputError, match='did you mean "tmm"'):
-        command.run(options(only=["tm"]))
+        command._bench(options(only=["tm"]))

@@ -8,7 +8,7 @@ import pytest
 
 from tactgen.fem import beam
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient import results as record
+from tactgen.tmm.generator.transient.time_integration import output_at
 from tactgen.validation.evidence import stress_driven as sweep
 from tactgen.validation.evidence import stress_machine as machine
 from tactgen.validation.evidence.stress import PartRequest
@@ -102,7 +102,7 @@ def test_values_between_a_runs_times_are_those_of_the_cubic():
         time=time, position=cubic(time)[:, None], velocity=cubic.deriv()(time)[:, None]
     )
     at = np.linspace(0.0, 1.0, 9)
-    assert record.output_at(run, np.ones(1), at) == pytest.approx(cubic(at), rel=1e-12)
+    assert output_at(run, np.ones(1), at) == pytest.approx(cubic(at), rel=1e-12)
 
 
 def test_stiff_circuits_drive_fifty_milliamperes():

@@ -10,7 +10,7 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.span import error_bound
-from tactgen.validation.command_line.commands.evidence import stress as command
+from tactgen.validation.command_line.commands import evidence as command
 from tactgen.validation.evidence import stress_beam as beam
 from tactgen.validation.evidence import stress_magnetics as magnetics
 from tactgen.validation.evidence.stress import WANTED, PartRequest, Point, Stress, answered, judged
@@ -175,7 +175,7 @@ def test_files_are_there_where_nobody_reads(made_up_stress, tmp_path, monkeypatc
 
     monkeypatch.setattr(sys, "stdout", Shut())
     with pytest.raises(ValueError, match="closed"):
-        command.run(options(only=["tmm"], out=str(tmp_path)))
+        command._stress(options(only=["tmm"], out=tmp_path))
     assert list(tmp_path.glob("*.csv"))
 
 
@@ -185,7 +185,7 @@ def test_command_quotes_refusals(monkeypatch, tmp_path, capsys):
     rows = (answered("family", "what", [synthetic(1e-13)], said),)
     made = Stress("magnetics", "words", rows, (), (), 0.0)
     monkeypatch.setattr(magnetics, "run", lambda *_: made)
-    assert command.run(options(only=["magnetics"], out=str(tmp_path))) == 0
+    assert command._stress(options(only=["magnetics"], out=tmp_path)) == 0
     out = capsys.readouterr().out
     assert "magnetics: refused 2 x: come nearer\n" in out
     assert "magnetics: refused 2 x, such as: 1.5 mm is off\n" in out
@@ -195,13 +195,13 @@ def test_command_quotes_refusals(monkeypatch, tmp_path, capsys):
 def test_command_fails_if_a_family_does(made_up_stress):
     """The exit code is 1."""
     made_up_stress([synthetic(1e-3)])
-    assert command.run(options(only=["tmm"])) == 1
+    assert command._stress(options(only=["tmm"])) == 1
 
 
 def test_command_as_json(made_up_stress, capsys):
     """Standard JSON: what is not finite is null."""
     made_up_stress([synthetic(1e-13)])
-    command.run(options(only=["tmm"], json=True))
+    command._stress(options(only=["tmm"], json=True))
     told = json.loads(capsys.readouterr().out)
     assert told["verdicts"] == {"tmm": ["holds"]}
     assert told["parts"][0]["maps"][0]["naive"] == [[None, None]]
@@ -210,7 +210,7 @@ def test_command_as_json(made_up_stress, capsys):
 def test_unknown_part_is_refused():
     """With the nearest known name."""
     with pytest.raises(InputError, match='did you mean "tmm"'):
-        command.run(options(only=["tmn"]))
+        command._stress(options(only=["tmn"]))
 
 
 def test_accuracy_is_promised_up_to_the_condition_that_takes_it():

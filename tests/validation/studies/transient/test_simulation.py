@@ -25,7 +25,7 @@ from tactgen.tmm.ports.elements import chain_of
 from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.command_line.commands.studies import simulate
+from tactgen.validation.command_line.commands import simulate
 from tactgen.validation.models import transient
 from tactgen.validation.models.transient import (
     _NEAR,

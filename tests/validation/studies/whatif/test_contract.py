@@ -7,7 +7,7 @@ import pytest
 from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.command_line.commands.studies import whatif
+from tactgen.validation.command_line.commands import whatif
 from tactgen.validation.engine import comparison as ladders
 from tactgen.validation.engine.comparison import FidelityLevel, choose
 from tactgen.validation.models.bimorph import solid

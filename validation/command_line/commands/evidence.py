@@ -1,0 +1,239 @@
+"""``tactgen verify``, ``coverage``, ``stress`` and ``bench``: evidence in parts, and its files."""
+
+from __future__ import annotations
+
+import argparse
+import secrets
+from collections.abc import Callable, Collection, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from tactgen.validation.command_line.commands.common import Commands
+from tactgen.validation.command_line.streams import name_files, print_json, say
+from tactgen.validation.command_line.study_options import MOST_SEED, whole_number
+
+if TYPE_CHECKING:
+    from tactgen.validation.evidence.verification import Extent, Verified
+
+Part = TypeVar("Part")
+
+#: Most devices for each part.
+_MOST = 999_999_999
+
+
+def _declare(
+    commands: Commands,
+    name: str,
+    words: str,
+    parts: Callable[[], Collection[str]],
+    run: Callable[[argparse.Namespace], int],
+) -> argparse.ArgumentParser:
+    """Parser of a command that runs parts; these are listed when help is asked for."""
+    parser: argparse.ArgumentParser = commands.add_parser(name, help=words)
+    listed = words.capitalize() + ("" if words.endswith("?") else ".")
+    parser.listing = lambda: (listed, f"parts: {', '.join(parts())}")  # type: ignore[attr-defined]
+    only = "one of the parts below; may be repeated, all by default"
+    parser.add_argument("--only", action="append", metavar="PART", help=only)
+    parser.add_argument("--out", type=Path, metavar="DIR", help="also write tables and plots there")
+    parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
+    parser.set_defaults(run=run)
+    return parser
+
+
+def _run(
+    options: argparse.Namespace,
+    known: Collection[str],
+    work: Callable[[Sequence[str], Callable[[str], None]], list[Part]],
+    write: Callable[[list[Part], Path, Callable[[str], None]], Sequence[Path]],
+    show: Callable[[list[Part]], None],
+    record: Callable[[list[Part]], dict[str, Any]],
+) -> list[Part]:
+    """Run the chosen parts, write files, print tables or JSON, name the files; return the parts.
+
+    Files come first: nobody may be there to read what is printed.
+    """
+    from tactgen.geometry.files import writable_folder
+    from tactgen.validation.command_line.streams import announcer
+    from tactgen.validation.scene.files import choices
+
+    names = choices(",".join(options.only or known), tuple(known), "part", "--only")
+    if options.out is not None:
+        writable_folder(options.out)
+    with announcer() as announce:
+        found = work(names, announce)
+        files = write(found, options.out, announce) if options.out is not None else ()
+    if options.json:
+        print_json(record(found))
+    else:
+        show(found)
+    name_files(files)
+    return found
+
+
+# ---- verify ----
+
+
+def _groups() -> Collection[str]:
+    from tactgen.validation.evidence.verification import GROUPS
+
+    return GROUPS
+
+
+def add_verify(commands: Commands) -> None:
+    """Declare ``verify``."""
+    words = "the suite's own checks against known answers; --out writes the verification book"
+    extent = _declare(commands, "verify", words, _groups, _verify).add_mutually_exclusive_group()
+    extent.add_argument("--quick", action="store_true", help="only the first row of each case")
+    extent.add_argument("--heavy", action="store_true", help="also what takes minutes")
+
+
+def _verify(options: argparse.Namespace) -> int:
+    """Run the command; the exit code is 1 if a check fails."""
+    from tactgen.validation.evidence.verification import GROUPS, verify
+
+    extent: Extent = "heavy" if options.heavy else "quick" if options.quick else "light"
+
+    def book(rows: list[Verified], out: Path, announce: Callable[[str], None]) -> list[Path]:
+        from tactgen.validation.book.book import write_book
+
+        return [write_book(rows, out, announce)]
+
+    rows = _run(
+        options, GROUPS, lambda names, announce: verify(names, extent=extent, announce=announce),
+        book, _print_checks, lambda rows: {"rows": [row.plain() for row in rows]},
+    )  # fmt: skip
+    return int(any(row.verdict == "fail" for row in rows))
+
+
+def _print_checks(rows: list[Verified]) -> None:
+    from tactgen.geometry.formats import engineering, percent
+    from tactgen.validation.evidence.verification import VERDICTS
+
+    print(f"{'id':9} {'verdict':10} {'measured':>14} {'deviation':>12}  requirement")
+    for row in rows:
+        check, found = row.check, row.outcome
+        measured = "-" if found is None else engineering(found.measured, check.unit)
+        deviation = "-" if found is None else percent(found.deviation)
+        print(f"{check.id:9} {row.verdict:10} {measured:>14} {deviation:>12}  {check.requirement}")
+        if row.verdict == "explained":
+            print(f"{'':20} {check.explanation}")
+    verdicts = [row.verdict for row in rows]
+    print(", ".join(f"{verdicts.count(v)} {v}" for v in VERDICTS))
+
+
+# ---- coverage and stress, which draw at random ----
+
+
+def _add_seed(parser: argparse.ArgumentParser, same: str) -> None:
+    parser.add_argument("--seed", metavar="N", help=f"of an earlier run, to draw the same {same}")
+
+
+def _seed(options: argparse.Namespace) -> int:
+    """Seed of a run; InputError if what is given is none."""
+    if options.seed is None:
+        return secrets.randbelow(MOST_SEED + 1)
+    return whole_number(options.seed, "--seed", 0, MOST_SEED, "1")
+
+
+def _say_seed(seed: int) -> None:
+    say(f"note: seed {seed}; a run that was stopped goes on with --seed {seed}")
+
+
+def _covered() -> Collection[str]:
+    from tactgen.validation.evidence.coverage import PARTS
+
+    return PARTS
+
+
+def add_coverage(commands: Commands) -> None:
+    """Declare ``coverage``."""
+    words = "do the error bars hold on random devices?"
+    parser = _declare(commands, "coverage", words, _covered, _coverage)
+    parser.add_argument("--devices", metavar="N", help="devices for each part; by default its own")
+    _add_seed(parser, "devices")
+
+
+def _coverage(options: argparse.Namespace) -> int:
+    """Run the command; the exit code is 1 if a part's bars are too narrow, not if they are wide."""
+    from tactgen.validation.evidence.coverage import PARTS, run_parts, table, write
+
+    devices, seed = None, _seed(options)
+    if options.devices is not None:
+        devices = whole_number(options.devices, "--devices", 1, _MOST, "20")
+
+    def work(names: Sequence[str], announce: Callable[[str], None]) -> list[Any]:
+        _say_seed(seed)
+        return list(run_parts(names, devices, seed, announce))
+
+    parts = _run(
+        options, PARTS, work, lambda parts, out, _: write(parts, out),
+        lambda parts: print(table(parts)),
+        lambda parts: {
+            "seed": seed, "rows": {part.name: part.rows for part in parts}, "answers": parts
+        },
+    )  # fmt: skip
+    return int(not all(part.holds for part in parts))
+
+
+def _stressed() -> Collection[str]:
+    from tactgen.validation.evidence.stress import PARTS
+
+    return PARTS
+
+
+def add_stress(commands: Commands) -> None:
+    """Declare ``stress``."""
+    words = "errors against exact answers, far beyond any use"
+    parser = _declare(commands, "stress", words, _stressed, _stress)
+    parser.add_argument("--quick", action="store_true", help="a coarser grid")
+    _add_seed(parser, "scenes")
+
+
+def _stress(options: argparse.Namespace) -> int:
+    """Run the command; the exit code is 1 if a family fails."""
+    from tactgen.validation.evidence.stress import PARTS, print_stress, run_parts, write_stress
+
+    seed = _seed(options)
+
+    def work(names: Sequence[str], announce: Callable[[str], None]) -> list[Any]:
+        _say_seed(seed)
+        return run_parts(names, options.quick, seed, announce)
+
+    def record(parts: list[Any]) -> dict[str, Any]:
+        found = {part.part: [row.verdict for row in part.rows] for part in parts}
+        return {"parts": parts, "seed": seed, "verdicts": found}
+
+    parts = _run(
+        options, PARTS, work, lambda parts, out, _: write_stress(parts, out), print_stress, record
+    )
+    return int(any(row.verdict == "fails" for part in parts for row in part.rows))
+
+
+# ---- bench ----
+
+
+def _benched() -> Collection[str]:
+    from tactgen.validation.evidence.bench import PARTS
+
+    return PARTS
+
+
+def add_bench(commands: Commands) -> None:
+    """Declare ``bench``."""
+    words = "measure speed, memory and accuracy on one core"
+    parser = _declare(commands, "bench", words, _benched, _bench)
+    parser.add_argument("--quick", action="store_true", help="fewer points")
+
+
+def _bench(options: argparse.Namespace) -> int:
+    """Run the command; a slow machine is no error, so the exit code is 0."""
+    from tactgen.validation.evidence.bench import PARTS, print_bench, run_parts, write_bench
+
+    def work(names: Sequence[str], announce: Callable[[str], None]) -> list[Any]:
+        return run_parts(names, options.quick, announce)
+
+    def record(parts: list[Any]) -> dict[str, Any]:
+        return {"parts": parts, "met": {p.part: [t.met for t in p.targets] for p in parts}}
+
+    _run(options, PARTS, work, lambda parts, out, _: write_bench(parts, out), print_bench, record)
+    return 0
