@@ -88,6 +88,7 @@ class QuantityRow:
     #: Whether studies of uncertainty look at it: a response at a few frequencies, of modes the
     #: first
     varied: bool = False
+    is_limit: bool = False  #: Whether its least value over a band counts, not its largest
     #: If it can be measured as a frequency response: what its column is called, and the magnitudes
     #: that can be meant
     curve: Unit | None = None
@@ -155,6 +156,11 @@ class QuantityRow:
     def has_level(self) -> bool:
         """Whether it is held against a level, which is stated in a range only."""
         return isinstance(self.read, Readout) and self.read.level is not None
+
+    @cached_property
+    def is_response(self) -> bool:
+        """Whether it is one number at each frequency of the bimorph's drive."""
+        return self.needs == ("harmonic",) and not isinstance(self.read, PortMatrix)
 
     @cached_property
     def is_transduced(self) -> bool:
@@ -274,6 +280,7 @@ CERAMIC_STRESS = QuantityRow(
 VOLTAGE_LIMIT = QuantityRow(
     "voltage_limit", "V", "largest drive voltage by strength, depoling field and amplifier current",
     DrivenReadout(lambda driven, limits, _: np.min(voltage_limits(driven, limits), axis=0)),
+    is_limit=True,
 )  # fmt: skip
 
 LOAD_IMPEDANCE = QuantityRow(

@@ -9,6 +9,7 @@ import numpy as np
 from tactgen.geometry.formats import engineering, share
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES, Actuator
+from tactgen.validation.engine.answers import Representative, representative
 from tactgen.validation.engine.solve import Solution
 from tactgen.validation.models.model import Quantity
 
@@ -43,8 +44,10 @@ def print_overview(solution: Solution) -> None:
             print(f"0 by symmetry, or without voltage, current, coupling or load: {idle}")
         print()
     print(
-        f"± is the numerical error, left out below {100 * _FINE:g} %.  More: --quantity all or "
-        "NAME for every value,\n--json for all frequencies, tactgen report for why models differ"
+        "Largest and least values are searched between the frequencies, at each model's own "
+        f"resonances.\n± is the numerical error, left out below {100 * _FINE:g} %.  More: "
+        "--quantity all or NAME for every value,\n--json for all frequencies, tactgen report "
+        "for why models differ"
     )
 
 
@@ -86,13 +89,25 @@ def _rows(name: str, solution: Solution, models: list[str]) -> list[tuple[str, l
             (text, [_cell(found.get(m), i, of_class=True) for m in models])
             for text, i in zip(labels, listed, strict=False)
         ]
-    sizes = np.abs(first.value)
-    if not np.isfinite(sizes).any():
+    shown = {m: representative(q) for m, q in found.items()}
+    places = sorted(r.at for r in shown.values() if r.at is not None)
+    if all(math.isnan(r.value) for r in shown.values()):
         return []
-    at = int(np.nanargmax(sizes))
-    several = ", largest" if sizes.size > 1 else ""
-    where = engineering((first.frequency or ())[at], "Hz", 4)
-    return [(f"{label}{several} at {where}", [_cell(found.get(m), at) for m in models])]
+    if not places:
+        where = engineering((first.frequency or (0.0,))[0], "Hz", 4)
+        return [(f"{label} at {where}", [_cell(found.get(m), 0) for m in models])]
+    what = next(r.what for r in shown.values())
+    where = " to ".join(dict.fromkeys(engineering(f, "Hz", 4) for f in (places[0], places[-1])))
+    return [(f"{label}, {what} at {where}", [_extreme(shown.get(m)) for m in models])]
+
+
+def _extreme(found: Representative | None) -> str:
+    """Largest value over a band with its error bar, nothing where the model has none."""
+    if found is None:
+        return ""
+    if math.isnan(found.value):
+        return "no value"
+    return engineering(found.value, found.unit) + _error(found.value, found.error, found.unit)
 
 
 def _cell(q: Quantity | None, at: int | tuple[()], *, of_class: bool = False) -> str:
@@ -108,10 +123,15 @@ def _cell(q: Quantity | None, at: int | tuple[()], *, of_class: bool = False) ->
     text = _pole(number) if q.unit == "rad/s" else engineering(value, q.unit)
     if of_class and q.classes and isinstance(at, int) and q.classes[at] not in _USUAL:
         text += f" {q.classes[at].replace('bending_', '')}"
+    return text + _error(value, bar, q.unit)
+
+
+def _error(value: float, bar: float, unit: str) -> str:
+    """Error bar behind a value, as a share of it; nothing if it is small."""
     if not value:
-        return f"{text} ±{engineering(bar, q.unit, 2)}" if bar else text
+        return f" ±{engineering(bar, unit, 2)}" if bar else ""
     relative = abs(bar / value)
-    return f"{text} ±{share(relative)}" if relative >= _FINE else text
+    return f" ±{share(relative)}" if relative >= _FINE else ""
 
 
 def _pole(value: complex) -> str:

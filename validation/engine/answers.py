@@ -22,7 +22,7 @@ from tactgen.geometry.formats import engineering, share, with_error
 from tactgen.geometry.store.values import storable
 from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.models.model import Quantity
+from tactgen.validation.models.model import Extreme, Quantity
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -123,6 +123,7 @@ def quantity_json(q: Quantity) -> dict[str, Any]:
         "seconds": q.seconds,
         **({} if q.frequency is None else {"frequency": list(q.frequency)}),
         **({} if q.classes is None else {"classes": list(q.classes)}),
+        **({} if q.extreme is None else {"extreme": plain(q.extreme)}),
     }
 
 
@@ -132,11 +133,13 @@ def quantity_from_json(entry: Mapping[str, Any]) -> Quantity:
     if value.ndim == error.ndim + 1:
         value = value[..., 0] + 1j * value[..., 1]
     frequency, classes = entry.get("frequency"), entry.get("classes")
+    extreme = entry.get("extreme")
     return Quantity(
         name=entry["name"], model=entry["model"], unit=entry["unit"], value=value, error=error,
         method=entry["uncertainty_method"], seconds=entry["seconds"],
         frequency=None if frequency is None else tuple(frequency),
         classes=None if classes is None else tuple(classes),
+        extreme=None if extreme is None else Extreme(**extreme),
     )  # fmt: skip
 
 
@@ -215,25 +218,26 @@ class Representative:
     value: float
     error: float
     unit: str
-    #: ``first`` mode, ``size of the first`` pole, ``largest`` magnitude of a response, or nothing
-    #: of a single number
+    #: ``first`` mode, ``size of the first`` pole, ``largest`` magnitude of a response, ``least`` of
+    #: a limit, or nothing of a single number
     what: str
-    at: float | None = None  #: Frequency (Hz) of the largest
+    at: float | None = None  #: Frequency (Hz) of the largest or least
 
     @property
     def text(self) -> str:
         """As people read it."""
         if np.isnan(self.value):
             return "no value"
-        where = f" at {self.at:g} Hz" if self.at is not None else ""
+        where = f" at {engineering(self.at, 'Hz', 4)}" if self.at is not None else ""
         if np.isnan(self.error):
             return engineering(self.value, self.unit) + where
         return with_error(self.value, self.error, self.unit) + where
 
 
 def representative(q: Quantity) -> Representative:
-    """Number itself, of modes and poles the first, of a response the largest magnitude.
+    """Number itself, of modes and poles the first, of a response its extreme.
 
+    That is the largest magnitude, of a limit the least, over the band of a sweep.
     Of what is complex it is the magnitude: a pole's is its natural angular frequency.
     Of one frequency it is the magnitude there, of a matrix its largest entry, without an error.
     """
@@ -244,14 +248,18 @@ def representative(q: Quantity) -> Representative:
         if np.iscomplexobj(value):
             what, value = "size of the first", np.abs(value)
         return Representative(float(value), float(errors[place]), q.unit, what)
-    size = np.abs(q.value)
+    what, size = "least" if QUANTITIES[q.name].is_limit else "largest", np.abs(q.value)
+    if q.extreme is not None:
+        found = q.extreme
+        return Representative(found.value, found.error, q.unit, what, found.frequency)
     if not np.isfinite(size).any():
-        return Representative(np.nan, np.nan, q.unit, "largest")
-    place = np.unravel_index(int(np.nanargmax(size)), size.shape)
+        return Representative(np.nan, np.nan, q.unit, what)
+    best = np.nanargmin if what == "least" else np.nanargmax
+    place = np.unravel_index(int(best(size)), size.shape)
     several, matrix = len(q.frequency) > 1, q.value.ndim > 1
     return Representative(
         float(size[place]), np.nan if matrix else float(errors[place]), q.unit,
-        "largest entry" if matrix else "largest" if several else "",
+        "largest entry" if matrix else what if several else "",
         q.frequency[int(place[0])] if several else None,
     )  # fmt: skip
 

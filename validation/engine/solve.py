@@ -22,6 +22,7 @@ from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import NEEDS, QUANTITIES, Actuator
 from tactgen.validation.engine.answers import plain, quantity_json
+from tactgen.validation.engine.extremes import extreme
 from tactgen.validation.engine.readout import read
 from tactgen.validation.engine.warnings import answer_warnings, held_warnings, request_warnings
 from tactgen.validation.models.classes import make_model, map_of, model_class, stage_code
@@ -307,6 +308,7 @@ def evaluate(name: str, model: Model) -> Quantity:
         seconds=sum(seconds.get(s, 0.0) for s in stages_for(scene, model.name, name)),
         frequency=scene.frequency if row.by_frequency else None,
         classes=found.classes,
+        extreme=extreme(row, model),
     )
 
 

@@ -305,7 +305,7 @@ class Surrogate:
                 for value, error in zip(values, interpolated + own, strict=True)
             )
         return [
-            replace(example, value=value, error=error, method=self.method,
+            replace(example, value=value, error=error, method=self.method, extreme=None,
                     classes=None if example.classes is None else classes)
             for value, error, classes in rows
         ]  # fmt: skip

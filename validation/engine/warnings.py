@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
@@ -11,10 +12,12 @@ from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.loads import FINGER_RANGE, MeasuredLaw
 from tactgen.tmm.ports.readout import Readout
 from tactgen.validation.catalogue.detection import threshold_of
-from tactgen.validation.catalogue.models import MODELS, gives, ranked
+from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import CERAMIC_STRESS, QUANTITIES, DrivenReadout
+from tactgen.validation.engine.answers import representative
+from tactgen.validation.engine.extremes import extreme
 from tactgen.validation.engine.readout import read
-from tactgen.validation.models.model import Model, Quantity
+from tactgen.validation.models.model import Extreme, Model, Quantity
 from tactgen.validation.scene.scene import Scene
 
 #: Largest displacement (share of the length) that linear theory of bending is about.
@@ -82,14 +85,15 @@ def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> Iterator[str]:
 
 def _of_deflection(scene: Scene, found: Sequence[Quantity]) -> Iterator[str]:
     """A displacement beyond linear theory."""
-    tips = [q for q in found if QUANTITIES[q.name].read in _DEFLECTIONS]
-    largest = max((float(np.nanmax(np.abs(q.value))) for q in tips), default=0.0)
-    share = largest / scene.bimorph.length
-    if share > _SMALL_DEFLECTION:
+    tips = [representative(q) for q in found if QUANTITIES[q.name].read in _DEFLECTIONS]
+    largest = max(tips, key=lambda tip: abs(tip.value), default=None)
+    share = abs(largest.value) / scene.bimorph.length if largest else 0.0
+    if largest and share > _SMALL_DEFLECTION:
+        where = f" at {largest.at:.4g} Hz" if largest.at else ""
         yield (
-            f"the tip moves by up to {1e3 * largest:.3g} mm, {100.0 * share:.2g} % of the length: "
-            "all models are linear, so this says no more than that there is a resonance or too "
-            "much voltage"
+            f"the tip displacement reaches {1e3 * abs(largest.value):.3g} mm{where}, "
+            f"{100.0 * share:.2g} % of the length; all models are linear, so values above "
+            f"{100.0 * _SMALL_DEFLECTION:g} % are not valid: reduce drive.voltage"
         )
 
 
@@ -228,7 +232,7 @@ def field_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
             f"drive.voltage = {scene.drive.voltage:g} V is {1e-6 * field:.3g} kV/mm in a layer, "
             "half of each period against the poling; limits.depoling_field = "
             f"{1e-6 * limit:g} kV/mm is reached with "
-            f"{limit * scene.bimorph.piezo_thickness / share:.3g} V"
+            f"{_rounded_down(limit * scene.bimorph.piezo_thickness / share)} V"
         )
 
 
@@ -252,18 +256,30 @@ def _of_stress(
     able = [name for name in models if any(gives(name, quantity) for quantity in asked)]
     if not able or len(scene.frequency) > _FREQUENCIES:
         return
-    best = ranked(able)[-1]
-    known = [q.value for q in found if (q.name, q.model) == (CERAMIC_STRESS.name, best)]
-    stress = known[0] if known else read(CERAMIC_STRESS, models[best]).value
-    limit = scene.limits.ceramic_strength
-    if np.nanmax(stress, initial=0.0) > limit:
-        worst = int(np.nanargmax(stress))
+    limit, stresses = scene.limits.ceramic_strength, []
+    for name in able:
+        known = [q.extreme for q in found if (q.name, q.model) == (CERAMIC_STRESS.name, name)]
+        peak = known[0] if known else extreme(CERAMIC_STRESS, models[name])
+        if peak is None:
+            size = read(CERAMIC_STRESS, models[name]).value
+            worst = int(np.argmax(np.nan_to_num(size)))
+            peak = Extreme(scene.frequency[worst], float(np.nan_to_num(size[worst])), 0.0)
+        stresses.append((peak.value, peak.frequency, name))
+    stress, frequency, name = max(stresses)
+    if stress > limit:
         yield (
-            f"the ceramic's stress reaches {1e-6 * stress[worst]:.3g} MPa at "
-            f"{scene.frequency[worst]:.4g} Hz, more than limits.ceramic_strength = "
-            f"{1e-6 * limit:g} MPa: it may break; drive.voltage = "
-            f"{scene.drive.voltage * limit / stress[worst]:.3g} V stays below it"
+            f"the stress in the ceramic reaches {1e-6 * stress:.3g} MPa at {frequency:.4g} Hz "
+            f"(model {name}), more than limits.ceramic_strength = {1e-6 * limit:g} MPa, and the "
+            f"ceramic may break; with drive.voltage = "
+            f"{_rounded_down(abs(scene.drive.voltage) * limit / stress)} V it stays below that "
+            f"from {min(scene.frequency):.4g} Hz to {max(scene.frequency):.4g} Hz"
         )
+
+
+def _rounded_down(value: float) -> str:
+    """Positive number to three digits, never above itself."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return f"{math.floor(value / unit) * unit:.3g}"
 
 
 def _follows_voltage(name: str) -> bool:

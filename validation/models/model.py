@@ -45,6 +45,16 @@ class Estimate:
 
 
 @storable
+@dataclass(frozen=True)
+class Extreme:
+    """Largest size of a response over a band, of a limit the least, with its numerical error."""
+
+    frequency: float  #: Hz
+    value: float
+    error: float
+
+
+@storable
 @dataclass(frozen=True, kw_only=True)
 class Quantity(Estimate):
     """An estimate by one model: one number, or an array over frequency or mode."""
@@ -54,6 +64,8 @@ class Quantity(Estimate):
     unit: str
     seconds: float = 0.0
     frequency: tuple[float, ...] | None = None
+    #: Between the frequencies of a sweep too, at the model's own resonance
+    extreme: Extreme | None = None
 
 
 @storable

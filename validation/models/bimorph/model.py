@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import astuple, dataclass
-from typing import Any, ClassVar, TypeVar
+from copy import copy
+from dataclasses import astuple, dataclass, replace
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.segments import CentreLine, beam_pieces
 from tactgen.geometry.errors import InputError
@@ -61,6 +62,9 @@ _STUBBY = 0.1
 class BimorphModel(Model):
     """One model of the scene's lateral actuator."""
 
+    #: D(Ω) at frequencies between the scene's, of :meth:`at`
+    _between: Refined[Multiport] | None = None
+
     def __init__(self, scene: Scene, stages: Stages) -> None:
         super().__init__(scene, stages)
         self.frequencies = np.asarray(scene.frequency, dtype=float)
@@ -76,7 +80,7 @@ class BimorphModel(Model):
         if need == "static":
             return self.static()
         if need == "harmonic":
-            return self.ports()
+            return self._between or self.ports()
         return self.modes(open_circuit=need == "modes_open")
 
     def _machine(self, need: Need) -> Any:
@@ -94,6 +98,31 @@ class BimorphModel(Model):
 
         return self.run("crosstalk", lambda: crosstalk(self.scene, self.ports()))
 
+    def at(self, frequencies: Floats, *, judged: bool = True) -> Self:
+        """Copy with harmonic answers at other frequencies (n,) in the scene's band (Hz).
+
+        Unless `judged` without the basis of their error.
+        """
+        other = copy(self)
+        other.scene = self.scene.model_copy(update={"frequency": tuple(frequencies.tolist())})
+        other.frequencies = frequencies
+        found = self._ports_between(frequencies, judged=judged)
+        other._between = found if judged else replace(found, coarser=())
+        return other
+
+    def _ports_between(self, frequencies: Floats, *, judged: bool) -> Refined[Multiport]:
+        """D(Ω) between the scene's frequencies, by splines over Ω², in which it is smooth."""
+        known = self.ports()
+        order = np.unique(known.fine.frequencies, return_index=True)[1]
+        found = _spline(known.fine, order, frequencies)
+        if not judged:
+            return Refined(found, (), known.method)
+        coarser = [(_spline(port, order, frequencies), by) for port, by in known.coarser]
+        half = np.union1d(np.arange(0, order.size, 2), order.size - 1)
+        coarser.append((_spline(known.fine, order[half], frequencies), SAFETY))
+        method = f"{known.method}; interpolated, judged by every other frequency"
+        return replace(known, fine=found, coarser=tuple(coarser), method=method)
+
     @abstractmethod
     def ports(self) -> Refined[Multiport]:
         """D(Ω) with losses over the scene's frequencies, parallel wiring."""
@@ -105,6 +134,14 @@ class BimorphModel(Model):
     @abstractmethod
     def modes(self, *, open_circuit: bool) -> Refined[Modes]:
         """Lossless modes on the scene's support."""
+
+
+def _spline(port: Multiport, order: Ints, frequencies: Floats) -> Multiport:
+    """Multiport between some of its frequencies, named by their places in ascending order."""
+    from scipy.interpolate import CubicSpline  # slow to import
+
+    entries = CubicSpline(port.frequencies[order] ** 2, port.stiffness[order], axis=0)
+    return Multiport(frequencies, np.asarray(entries(frequencies**2)), port.ports)
 
 
 class BeamTheoryModel(BimorphModel):
@@ -204,6 +241,9 @@ class RowModel(BeamTheoryModel):
                 s.device, s.support, s.beam, frequencies, lossy=lossy, segments=n
             )
         )
+
+    def _ports_between(self, frequencies: Floats, *, judged: bool) -> Refined[Multiport]:
+        return self._multiport(frequencies, lossy=True)
 
     def _lossless_row(self, segments: int) -> list[Element]:
         return self._row(lossy=False, segments=segments)

@@ -1,0 +1,59 @@
+"""Largest and least values over a band: found between the frequencies of a sweep."""
+
+import numpy as np
+import pytest
+
+from tactgen.validation.engine.answers import quantity_from_json, quantity_json, representative
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
+
+SWEEP = "frequency=100:1000:10"
+
+
+def answer(name, model="tmm", *overrides):
+    scene, _ = load_scene("prototype", [SWEEP, *overrides])
+    return solve(scene, [model], [name]).get(name, model)
+
+
+@pytest.mark.parametrize("quality", [20, 2000])
+@pytest.mark.parametrize("name", ["tip_displacement", "ceramic_stress", "tip_rotation"])
+def test_peak_equals_the_largest_value_of_a_dense_sweep(name, quality):
+    """A dense sweep misses the top by less than its step squared, 1e-5 of the value here."""
+    override = f"piezo.quality_factor={quality}"
+    peak = answer(name, "tmm", override).extreme
+    width = peak.frequency / quality
+    dense = [f"frequency={peak.frequency - width}:{peak.frequency + width}:1001", override]
+    scene, _ = load_scene("prototype", dense)
+    largest = np.abs(solve(scene, ["tmm"], [name]).quantities[0].value).max()
+    assert peak.value == pytest.approx(largest, rel=1e-5)
+    assert peak.value >= 1.01 * np.abs(answer(name, "tmm", override).value).max()
+
+
+def test_voltage_limit_is_the_least_over_the_band():
+    """At that voltage the stress at resonance is the ceramic's strength."""
+    weak = "limits.ceramic_strength=1MPa"
+    limit = answer("voltage_limit", "tmm", weak)
+    assert limit.extreme.value < np.min(limit.value)
+    stress = answer("ceramic_stress", "tmm", f"drive.voltage={limit.extreme.value} V")
+    # both searches stop within 1e-9 of the top
+    assert stress.extreme.value == pytest.approx(1e6, rel=1e-6)
+
+
+def test_interpolated_peak_agrees_with_the_closed_form():
+    """Beam elements are interpolated between the frequencies, the transfer matrix is not."""
+    exact, beam = answer("tip_velocity").extreme, answer("tip_velocity", "beam").extreme
+    assert abs(beam.value - exact.value) <= beam.error + exact.error
+    assert beam.error < 1e-3 * beam.value
+    assert beam.frequency == pytest.approx(exact.frequency, rel=1e-4)
+
+
+def test_extremes_survive_json_and_represent_the_response():
+    quantity = answer("voltage_limit")
+    assert quantity_from_json(quantity_json(quantity)).extreme == quantity.extreme
+    shown = representative(quantity)
+    assert (shown.what, shown.at) == ("least", quantity.extreme.frequency)
+
+
+def test_a_few_frequencies_are_no_band():
+    assert answer("tip_displacement", "tmm", "frequency=100:1000:7").extreme is None
+    assert answer("capacitance_free").extreme is None
