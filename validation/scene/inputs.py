@@ -32,7 +32,7 @@ from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene, scene_keys
 from tactgen.validation.scene.variation import value_of
 
 #: Keys that say whose scene it is and what is asked of it.
-_ASKED = ("name", "description", "models", "quantities")
+_ASKED = ("name", "description", "start_from", "models", "quantities")
 
 
 @lru_cache

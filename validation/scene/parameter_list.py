@@ -16,6 +16,7 @@ from tactgen.geometry.files import write_text
 from tactgen.geometry.units import Unit
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.scene.conditions import NEUTRAL
 from tactgen.validation.scene.scene import Scene, load_scene
 from tactgen.validation.scene.tolerances import Tolerance
 
@@ -120,14 +121,17 @@ def _ranges(scene: Scene) -> Iterator[tuple[str, Spread]]:
 
 
 _HEAD = """\
-# A tactgen scene.  Every key is shown with the paper's value, commented out; take the
-# leading "# " away from what you change.  Quantities with a unit must be written with it.
-# A number of the device may carry its tolerance: "0.26 ± 0.01 mm", "60 (50..80)", "50 V ± 2 %".
+# A tactgen scene.  Lines without "# " are the conditions of your test: how the device is held,
+# loaded, wired and driven.  Set them first.  All other keys are commented out and show the value
+# of the paper's device; remove the leading "# " from those that you change.
+# A quantity with a unit must be written with its unit.  A number of the device may carry its
+# tolerance: "0.26 ± 0.01 mm", "60 (50..80)", "50 V ± 2 %".
 # Run:  tactgen solve THIS_FILE      tactgen report THIS_FILE      tactgen plan THIS_FILE
 
-description = "my what-if"
+description = "my device"
+start_from = "neutral"    # conditions that this file does not state: "neutral" or "paper"
 """
-_SKIPPED = ("name", "description")
+_SKIPPED = ("name", "description", "start_from")
 
 
 def write_template(path: Path) -> Path:
@@ -143,7 +147,7 @@ def write_template(path: Path) -> Path:
 
 
 def template() -> str:
-    """Template's text: valid TOML, equal to the paper's scene."""
+    """Template's text: valid TOML, the paper's device under neutral conditions."""
     scene, _ = load_scene("paper")
     rows = [row for row in parameter_rows(scene, {}) if row.key not in _SKIPPED]
     lines = [_HEAD]
@@ -176,6 +180,8 @@ def _line(row: ParameterRow, name: str) -> str:
     if row.written == "derived":
         value = '"13 GPa"'
     source = f"  [{row.source}]" if row.source else ""
+    if row.key in NEUTRAL:
+        return f'{name} = "{NEUTRAL[row.key]}"    # {row.meaning}'
     return f"# {name} = {value}    # {row.meaning}{choices}{source}"
 
 

@@ -33,6 +33,7 @@ from tactgen.tmm.ports.elements import ends_of
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, all_given, gives, map_model, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
+from tactgen.validation.scene.conditions import with_start
 from tactgen.validation.scene.files import (
     LONGEST_NAME,
     assign,
@@ -82,6 +83,11 @@ class Scene(p.Device):
 
     name: str = ""
     description: str = ""
+    start_from: Literal["paper", "neutral"] = Field(
+        default="paper",
+        description="support, load, wiring and voltage where not stated: paper: the paper's; "
+        "neutral: clamped, free tip, parallel, 1 V",
+    )
     support: p.Support = p.Support()
     load: p.Load = p.Load()
     threshold: p.Threshold = p.Threshold()
@@ -111,11 +117,17 @@ class Scene(p.Device):
     )
 
     _tolerances: dict[str, Tolerance] = PrivateAttr(default_factory=dict)
+    _not_stated: tuple[str, ...] = PrivateAttr(default=())
 
     @property
     def tolerances(self) -> Mapping[str, Tolerance]:
         """Stated tolerances by key."""
         return self._tolerances
+
+    @property
+    def not_stated(self) -> tuple[str, ...]:
+        """Conditions (support, load, wiring, voltage, gap, current) that no scene key states."""
+        return self._not_stated
 
     @property
     def device(self) -> p.Device:
@@ -285,12 +297,13 @@ def checked_scene(values: dict[str, Any]) -> Scene:
     Raises InputError in one sentence, if a value cannot be used or the device does not fit
     together.
     """
-    plain, tolerances = split_tolerances(Scene, values)
+    complete, not_stated = with_start(values)
+    plain, tolerances = split_tolerances(Scene, complete)
     try:
         scene = Scene.model_validate(plain, context={"units_required": True})
     except ValidationError as error:
         raise InputError(sentence(error)) from None
-    scene._tolerances = tolerances
+    scene._tolerances, scene._not_stated = tolerances, not_stated
     _check_together(scene)
     if "models" not in values or scene.models == tuple(MODELS):  # none, or all of them
         scene = scene.model_copy(update={"models": _able_models(scene)})

@@ -8,6 +8,7 @@ import pytest
 from tactgen.geometry.device.magnetisation import TEAM20
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
+from tactgen.validation.scene.conditions import NEUTRAL
 from tactgen.validation.scene.files import built_in_scenes, parse_frequencies
 from tactgen.validation.scene.inputs import idle, scene_warnings
 from tactgen.validation.scene.parameter_list import parameter_rows, template
@@ -268,15 +269,19 @@ def test_missing_scene_suggests_a_name():
         load_scene("papper")
 
 
-def test_template_is_the_paper_scene(tmp_path):
+def test_template_is_the_papers_device_under_neutral_conditions(tmp_path):
     """The commented template is valid as it is, and with every line switched on."""
     text = template()
     commented, full = tmp_path / "a.toml", tmp_path / "b.toml"
     commented.write_text(text, encoding="utf-8")
     full.write_text(re.sub(r"(?m)^# (\w+ = )", r"\1", text), encoding="utf-8")
-    paper = load_scene("paper")[0].model_dump(exclude={"name", "description"})
+    neutral = [f"{key}={value}" for key, value in NEUTRAL.items()]
+    paper, _ = load_scene("paper", ["start_from=neutral", *neutral])
+    paper = paper.model_dump(exclude={"name", "description"})
     for path in (commented, full):
-        scene = load_scene(str(path))[0].model_dump(exclude={"name", "description"})
+        scene, _ = load_scene(str(path))
+        assert not set(scene.not_stated) & set(NEUTRAL)
+        scene = scene.model_dump(exclude={"name", "description"})
         scene["shim"]["transverse_modulus"] = None  # shown with its derived value
         scene["beam"]["shear_correction"] = pytest.approx(paper["beam"]["shear_correction"])
         assert scene == paper

@@ -40,6 +40,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.command_line.commands.common import under_contract
     from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.solve import as_json, check_request, solve
+    from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.scene import ON_COMMAND_LINE, load_scene
 
@@ -54,7 +55,9 @@ def run(options: argparse.Namespace) -> int:
     warn(solution.warnings)
     if options.json:
         print_json(as_json(solution))
-    elif options.quantity or origins.get("quantities") == ON_COMMAND_LINE:
+        return 0
+    print(conditions(solution.scene))
+    if options.quantity or origins.get("quantities") == ON_COMMAND_LINE:
         from tactgen.validation.engine.answers import screen_lines
 
         print("\n".join(screen_lines(solution.quantities)))
