@@ -270,8 +270,8 @@ def _of_stress(
         yield (
             f"the stress in the ceramic reaches {1e-6 * stress:.3g} MPa at {frequency:.4g} Hz "
             f"(model {name}), more than limits.ceramic_strength = {1e-6 * limit:g} MPa, and the "
-            f"ceramic may break; with drive.voltage = "
-            f"{_rounded_down(abs(scene.drive.voltage) * limit / stress)} V it stays below that "
+            "ceramic may break; drive.voltage = "
+            f"{_rounded_down(abs(scene.drive.voltage) * limit / stress)} V keeps it below that "
             f"from {min(scene.frequency):.4g} Hz to {max(scene.frequency):.4g} Hz"
         )
 
@@ -279,7 +279,8 @@ def _of_stress(
 def _rounded_down(value: float) -> str:
     """Positive number to three digits, never above itself."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return f"{math.floor(value / unit) * unit:.3g}"
+    # what is a round number but for rounding stays so
+    return f"{math.floor(value / unit * (1.0 + 1e-12)) * unit:.3g}"
 
 
 def _follows_voltage(name: str) -> bool:

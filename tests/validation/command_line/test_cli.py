@@ -87,7 +87,7 @@ def test_a_deflection_beyond_linear_theory_is_warned_of(capsys):
     code, out, err = run(capsys, *asked, "--set", "drive.voltage=2100 V")
     assert code == 0
     assert json.loads(out)["quantities"][0]["value"] > 2e-3
-    assert "10 % of the length: all models are linear" in err
+    assert "10 % of the length; all models are linear" in err
 
 
 @pytest.mark.parametrize(

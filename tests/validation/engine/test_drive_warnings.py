@@ -39,7 +39,7 @@ def test_a_field_against_the_poling_is_said():
 def test_stress_beyond_strength_names_the_voltage_that_stays_below():
     """At that voltage, and no longer above it, the warning is gone."""
     text = next(w for w in warnings("paper", *FREE) if "stress" in w)
-    voltage = float(re.search(r"drive.voltage = ([\d.]+) V stays", text)[1])
+    voltage = float(re.search(r"drive.voltage = ([\d.]+) V keeps", text)[1])
     for share, said in ((0.99, False), (1.01, True)):
         texts = warnings("paper", *FREE, f"drive.voltage={share * voltage}V")
         assert any("stress" in w for w in texts) == said

@@ -19,6 +19,7 @@ def quantity(name, model, value, error=0.0):
         error=np.asarray(error),
         method="",
         seconds=0.0,
+        frequency=(10.0, 20.0) if np.ndim(value) else None,
     )
 
 
