@@ -62,3 +62,28 @@ _ = axis.legend()
 assert np.all(np.diff(tuned) > 0.0)
 assert np.ptp(glued) < 1e-9 * glued[0]
 assert 200.0 < np.ptp(tuned) < 400.0
+
+# %% [markdown]
+# ## Which tab has the stiffness that the paper fitted?
+#
+# A beam on a bare tab turns by length over bending stiffness. In the solid the ceramic's lower end
+# clamps the tab less, and glue and rod add their own rotation.
+
+# %%
+from tactgen.validation.models.bimorph import rod_joint
+
+scene, _ = tactgen.load_scene("paper")
+target = scene.support.rotational_stiffness
+tabs = rod_joint.tab_by_bricks(scene, rod_joint.TAB_LENGTHS, lambda _: None, level=0)
+joint = rod_joint.joint_by_beam(scene, scene.glue.youngs_modulus).matrix[1, 1]
+lengths = {
+    "beam, tab alone": rod_joint.tab_by_beam(scene, 1.0).rotational_stiffness / target,
+    "solid, tab alone": rod_joint.tab_for(tabs, target),
+    "solid, tab in glue and rod": rod_joint.tab_for(tabs, target, joint),
+}
+for words, length in lengths.items():
+    print(f"{words:28} {1e3 * length:.2f} mm")
+
+# %%
+beam_alone, alone, in_rod = lengths.values()
+assert in_rod < alone < beam_alone

@@ -457,13 +457,3 @@ def run_parts(
 
         found.append(run(PartRequest(quick, seed, announce, keep)))
     return found
-
-
-def section(announce: Callable[[str], None]) -> dict[str, Any]:
-    """Run the transfer matrix's part on few points, for the report."""
-    part = _run_of("tmm")(PartRequest(quick=True, announce=announce))
-    return {
-        "stress": [part],
-        "stress_maps": [map_plot(table) for table in part.maps],
-        "stress_approaches": [approach_plot(part.approaches)],
-    }

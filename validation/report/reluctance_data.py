@@ -14,7 +14,7 @@ from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE, QUANTITIES
 from tactgen.validation.engine.comparison import ComparedRow, compare
-from tactgen.validation.engine.solve import Plan, Solution, solve
+from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.model import Model, Quantity
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import (
@@ -192,23 +192,6 @@ class NormalActuator:
             planned = f"{model.name}.point" in model.stages.keys
             self._points[key] = model.point() if own and planned else model.at(current, gap)
         return self._points[key]
-
-    def merged_plan(self) -> Plan:
-        """Plan of all that ran, the map's included."""
-        return merged(self.solution.plan, self.mapped.plan)
-
-    @property
-    def seconds(self) -> dict[str, float]:
-        """Cost of each stage of that plan."""
-        return self.mapped.stages.seconds | self.solution.stages.seconds
-
-
-def merged(plan: Plan, more: Plan) -> Plan:
-    """Two plans as one; a stage that runs in one of them is not skipped."""
-    names = {step.stage for step in plan.run}
-    run = plan.run + tuple(step for step in more.run if step.stage not in names)
-    models = tuple(dict.fromkeys((*plan.models, *more.models)))
-    return Plan(run, models, plan.keys | more.keys)
 
 
 def needs_map(quantity: str) -> bool:

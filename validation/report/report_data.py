@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-import numpy as np
-
-if TYPE_CHECKING:
-    pass
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from tactgen.geometry.arrays import Complex
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.models import MODELS
-from tactgen.validation.catalogue.quantities import QUANTITIES, TIP_DISPLACEMENT
+from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.comparison import ComparedRow, compare
-from tactgen.validation.engine.solve import Plan, Solution, asks_display, solve
+from tactgen.validation.engine.solve import Solution, asks_display, solve
 from tactgen.validation.evidence.case import Outcome, run_check
 from tactgen.validation.evidence.verification import group_rows
-from tactgen.validation.report.reluctance_data import NormalActuator, merged
+from tactgen.validation.models.model import Quantity
+from tactgen.validation.report.reluctance_data import NormalActuator
 from tactgen.validation.report.request import is_of_rest, prepared, quantities_of, shown_model
+from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
 
@@ -36,70 +33,13 @@ if TYPE_CHECKING:
     from tactgen.validation.studies.parameter_uncertainty import Uncertainty
 
 
-#: What a figure says of each load.
-_TITLES = {
-    "finger": "under the finger",
-    "none": "free tip",
-    "mass": "with the tip mass",
-    "spring_damper": "on spring and damper",
-    "table": "under the measured load",
-    "pad": "under imitation skin and its weight",
-}
-
-
-@dataclass(frozen=True)
-class LoadCase:
-    """A load under which all models' responses are plotted."""
-
-    name: str
-    title: str
-    solution: Solution
-
-    @property
-    def models(self) -> tuple[str, ...]:
-        """Models that give the response."""
-        return tuple(self.solution.by_model(TIP_DISPLACEMENT.name))
-
-    def curve(self, model: str) -> Complex:
-        """Tip displacement (n,); nan where the load model does not reach."""
-        values = self.solution.get(TIP_DISPLACEMENT.name, model).value
-        outside = outside_known_range(
-            self.solution.scene.load, np.asarray(self.solution.scene.frequency)
-        )
-        return np.where(outside, np.nan, values)
-
-    def summary(self, model: str) -> dict[str, float]:
-        """Largest and first displacement (m), where (Hz), and the widest bar."""
-        q = self.solution.get(TIP_DISPLACEMENT.name, model)
-        size = np.abs(self.curve(model))
-        at = int(np.nanargmax(size))
-        known = np.isfinite(size) & (size > 0.0)
-        first = int(np.flatnonzero(known)[0]) if known.any() else 0
-        frequency = np.asarray(self.solution.scene.frequency)
-        return {
-            "largest": float(size[at]),
-            "at": float(frequency[at]),
-            "first": float(size[first]),
-            "first_at": float(frequency[first]),
-            "bar": float(np.max(q.error[known] / size[known], initial=0.0)),
-        }
-
-
-def load_cases(solution: Solution, announce: Callable[[str], None]) -> list[LoadCase]:
-    """Solution's response and, without new field solutions, that of another load."""
-    scene = solution.scene
-    kind = scene.load.kind
-    other = "none" if kind != "none" else "finger"
-    announce(f"response: {_TITLES[other]}")
-    load = scene.load.model_copy(update={"kind": other})
-    changed = scene.model_copy(update={"load": load})
-    again = solve(changed, quantities=(TIP_DISPLACEMENT.name,), reuse=solution)
-    return [LoadCase(kind, _TITLES[kind], solution), LoadCase(other, _TITLES[other], again)]
-
-
 #: Asymmetry and negative dissipation (relative) that condensing a field model may leave by
 #: rounding; a wrong sign or a missing term shows at order one.
 INVARIANT_TOLERANCE = 1e-6
+
+
+#: Groups of keys that describe the device and its conditions, not the computation.
+_DEVICE = {*Device.model_fields, "support", "load", "drive", "beam", "limits", "skin", "display"}
 
 
 class Study:
@@ -258,33 +198,22 @@ class Study:
             )
         return found
 
-    @cached_property
-    def cases(self) -> list[LoadCase]:
-        """The scene's response and, without new field solutions, that of another load."""
-        return load_cases(self.solution, self.announce)
+    def known(self, q: Quantity) -> Complex:
+        """Response (n,); nan where the load model does not reach."""
+        outside = outside_known_range(self.scene.load, np.asarray(self.scene.frequency))
+        return np.where(outside, np.nan, q.value)
 
     @cached_property
     def parameters(self) -> list[ParameterRow]:
-        """The parameters that this scene's models read."""
-        keys: set[str] = set()
-        if self.lateral:
-            keys |= {"bimorph", "piezo", "shim", "support", "load", "drive", "beam"}
-            if self.scene.support.kind == "rod":
-                keys |= {"glue", "rod", "coil", "sleeve", "gap"}
-        if self.normal:
-            keys |= {*MODELS["network"].stages["map"], "coil", "steel"}
+        """The device's parameters that this scene's models, or sections, read."""
+        # switching and heat of the coil are shown in any case
+        magnetic = {*MODELS["network"].stages["map"], "coil", "steel"} if self.normal else set()
         unread = set() if self.scene.steel.curve == "linear" else {"steel.relative_permeability"}
-        rows = parameter_rows(self.scene, self.origins)
-        return [r for r in rows if {r.key, r.key.split(".")[0]} & keys and r.key not in unread]
 
-    @property
-    def plan(self) -> Plan:
-        """The stages of the solution, and of the normal actuator's map if it came apart."""
-        plan = self.solution.plan
-        return merged(plan, self.normal.merged_plan()) if self.normal else plan
+        def read(key: str) -> bool:
+            group = key.partition(".")[0]
+            if {key, group} & magnetic:
+                return key not in unread
+            return group in _DEVICE and not idle(self.scene, key)
 
-    @property
-    def seconds(self) -> dict[str, float]:
-        """Cost of each stage of the plan."""
-        apart = self.normal.seconds if self.normal else {}
-        return apart | self.solution.stages.seconds
+        return [row for row in parameter_rows(self.scene, self.origins) if read(row.key)]

@@ -24,7 +24,6 @@ import numpy as np
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.ports.loads import finger_spring_damper
 from tactgen.validation.scene.parameter_list import parameter_rows
-from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.design import Aim, Design, lowest_margin
 from tactgen.validation.studies.length_map import actuator, tip_slopes
 
@@ -205,18 +204,6 @@ def caveat(result: Design) -> str:
         f"The detection threshold is stated at {listed}; between them it is interpolated, a "
         f"straight line in log-log{between}."
     )
-
-
-def changed_setting(scene: Scene, other: Scene) -> str:
-    """Where `other` is driven or loaded otherwise than the scene; nothing if nowhere."""
-    now, own = [], []
-    if other.drive.voltage != scene.drive.voltage:
-        now.append(f"at {other.drive.voltage:g} V")
-        own.append(f"{scene.drive.voltage:g} V")
-    if other.load.kind != scene.load.kind:
-        now.append(LOADS[other.load.kind])
-        own.append(LOADS[scene.load.kind])
-    return f"{' '.join(now)} instead of this scene's {', '.join(own)}" if now else ""
 
 
 def _mm(length: float) -> str:

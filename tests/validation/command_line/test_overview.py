@@ -26,8 +26,9 @@ def test_one_screen_without_options(capsys):
     code, out, _ = run(capsys, "solve", "--model", "lumped", "--model", "tmm")
     lines = out.splitlines()
     assert code == 0
-    assert len(lines) <= 24
-    assert lines[0].split() == ["lumped", "tmm"]
+    assert len(lines) <= 26
+    assert lines[0].startswith("Conditions: base on springs")
+    assert lines[1].split() == ["lumped", "tmm"]
     assert "--quantity all" in out
     assert not re.search(r"\d(e-|e\+)\d", out)  # units have prefixes instead
 
@@ -75,7 +76,7 @@ def test_all_values_are_one_option_away(capsys):
     _, out, _ = run(
         capsys, "solve", "--model", "tmm", "--quantity", "tip_velocity", "--frequency", "100,200"
     )
-    rows = out.splitlines()[1:]
+    rows = out.splitlines()[2:]
     assert len(rows) == 2
     assert all(re.search(r"[0-9.]+ mm/s ∠ -?[0-9.]+°", row) for row in rows)
 

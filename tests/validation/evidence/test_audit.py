@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.tmm.beam.printed_formulas import FORMULAS, MISPRINTS
-from tactgen.validation.evidence.cases.audit import AT, audit, section
+from tactgen.validation.evidence.cases.audit import AT, audit
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -77,11 +77,3 @@ def test_other_lengths_and_ceramics():
             # rounding grows by 1/λ⁴ or shrinks with length; wrong ones are off by 1e-4 or more
             assert (row.deviation < 1e-10) != bool(row.formula.correct), row.formula
     assert other.row(24).velocity.max() > 0.01
-
-
-def test_section_of_the_report():
-    """What the template needs, and a word on what is being done."""
-    said = []
-    found = section(load_scene("prototype")[0], said.append)
-    assert set(found) == {"audit", "audit_at"}
-    assert said == ["audit of the printed formulas"]

@@ -1,7 +1,5 @@
 """The length map, its minima, the optimiser and what the optimum rests on."""
 
-import re
-
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
@@ -10,12 +8,8 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports import loads as finger
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.report.page import templates
-from tactgen.validation.report.sections import drive_voltage as voltage_section
-from tactgen.validation.report.sections import length as length_section
-from tactgen.validation.report.sections.length import length_plot, section
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.scene.variation import is_papers_bimorph, value_of, with_values
+from tactgen.validation.scene.variation import value_of, with_values
 from tactgen.validation.studies.design import (
     PAPER_LENGTHS,
     Aim,
@@ -24,6 +18,7 @@ from tactgen.validation.studies.design import (
     largest_margin,
     lowest_margin,
 )
+from tactgen.validation.studies.design_picture import length_plot
 from tactgen.validation.studies.design_statements import dependences, sentences
 from tactgen.validation.studies.identify import fit_parameter
 from tactgen.validation.studies.length_map import actuator, length_map, local_minima, tip_amplitude
@@ -268,53 +263,6 @@ def test_identification_refuses_the_length_under_a_profile():
     assert fit_parameter(load_scene("paper")[0], "bimorph.length").start == 20e-3
 
 
-def test_report_says_why_it_asks_for_no_length():
-    """A plain sentence in place of the study."""
-    scene, origins = load_scene("paper", [PROFILE])
-    context = section(scene, origins, lambda _: None)
-    assert context["found"] is None
-    html = templates().get_template("length.html").render(context | {"scene": scene})
-    assert "not asked of this scene: " in html
-    assert "<svg" not in html
-
-
-OWN = ["bimorph.length=18mm", "piezo.material=PZT-5H", "drive.voltage=40V", "load.kind=none"]
-
-
-def test_another_device_is_asked_its_own_question():
-    """Its own voltage, load and lengths, not the paper's."""
-    scene, _ = load_scene("paper", OWN)
-    asked, aims = length_section._own_question(scene)
-    assert asked == scene
-    assert [aim.lengths for aim in aims] == [pytest.approx((9e-3, 36e-3))] * 2
-    assert not is_papers_bimorph(scene)
-    assert is_papers_bimorph(load_scene("prototype", ["bimorph.wiring=series"])[0])
-    short, _ = load_scene("paper", [*OWN, "bimorph.bare_above=10mm"])
-    assert length_section._own_question(short)[1][0].lengths[0] == pytest.approx(15e-3)
-
-
-@pytest.mark.heavy
-def test_what_is_said_of_another_device_is_its_own():
-    """The margin is that of its own solution, and no number of the paper's is in the text."""
-    scene, origins = load_scene("paper", OWN)
-    context = section(scene, origins, lambda _: None)
-    found = context["found"]
-    assert (found.scene.drive.voltage, found.scene.load.kind) == (40.0, "none")
-    assert found.aim.lengths == pytest.approx((9e-3, 36e-3))
-    at = np.geomspace(*BAND, 2001)
-    moved = solve(
-        scene.model_copy(update={"frequency": tuple(at)}), ("tmm",), ("tip_displacement",)
-    ).quantities[0]
-    own = (np.abs(moved.value) / DISPLAY_THRESHOLD.at(at)).min()
-    # the points of the sweep are 0.23 % apart: the dip's bottom lies between two of them
-    assert found.present[0] == pytest.approx(own, rel=0.01)
-    html = templates().get_template("length.html").render(context | {"scene": scene})
-    text = re.sub(r"<svg.*?</svg>", "", html, flags=re.DOTALL)
-    assert "40 V" in text
-    assert "with a free tip" in text
-    assert not re.search(r"50 V|under the finger|Fig 9|20 mm", text)
-
-
 @pytest.mark.parametrize("name", ["paper", "bimorph_on_rod"])
 def test_curves_pass_through_their_minima(name):
     """What is plotted is what is stated: each dot lies on its curve, which goes no lower.
@@ -511,34 +459,11 @@ def test_meaningless_aims_are_refused(wrong, message):
 
 
 def test_an_actuator_that_does_nothing_is_refused(paper):
-    """No coupling: no length reaches anything; the report leaves its section out."""
-    scene, origins = paper
+    """No coupling: no length reaches anything."""
+    scene, _ = paper
     dead = with_values(scene, {"piezo.d31": 0.0})
     with pytest.raises(InputError, match=r"piezo\.d31 is 0"):
         design(dead, Aim())
-    assert section(dead, origins, lambda _: None) is None
-
-
-@pytest.mark.heavy
-@pytest.mark.parametrize("name", ["paper", "bimorph_on_rod"])
-def test_partials_render(name):
-    """Both sections: no undefined name, no nan, pictures inside; no other setting is spoken of.
-
-    The other scenes' are in the tests of whole reports, one of which is not heavy.
-    """
-    scene, origins = load_scene(name)
-    steps = []
-    contexts = {
-        "length.html": section(scene, origins, steps.append),
-        "voltage.html": voltage_section.section(scene, steps.append),
-    }
-    assert steps == ["length design", "excitation voltage"]
-    assert contexts["length.html"]["changed"] == ""
-    for template, context in contexts.items():
-        html = templates().get_template(template).render(context | {"scene": scene})
-        assert html.count("<svg") == 1
-        text = re.sub(r"<svg.*?</svg>", "", html, flags=re.DOTALL)
-        assert not re.search(r"\bnan\b|\bNone\b|\binf\b", re.sub(r"<[^>]+>", " ", text))
 
 
 @pytest.mark.parametrize("at", [1.1, 19.9])

@@ -144,7 +144,7 @@ def _length_design(options: argparse.Namespace) -> int:
         rows = dependences(result, origins)
         if options.plot:
             from tactgen.geometry.files import write_text
-            from tactgen.validation.report.sections.length import length_plot
+            from tactgen.validation.studies.design_picture import length_plot
 
             write_text(Path(options.plot), length_plot(study, result))
     warn((*field_warnings(scene, (TIP_DISPLACEMENT.name,)), *result.warnings))

@@ -9,7 +9,6 @@ computed as the paper does it, with transfer matrices (eqs 6-12).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -160,12 +159,6 @@ class Audit:
     def row(self, equation: int) -> AuditRow:
         """Row of an equation."""
         return next(row for row in self.rows if row.formula.equation == equation)
-
-
-def section(scene: Scene, announce: Callable[[str], None]) -> dict[str, Any]:
-    """Report section: audit of this scene's bimorph."""
-    announce("audit of the printed formulas")
-    return {"audit": audit(scene), "audit_at": AT}
 
 
 def audit(scene: Scene) -> Audit:

@@ -1,4 +1,4 @@
-"""Plots of the lateral actuator: responses, model differences, stress."""
+"""Plots of the lateral actuator: responses and model differences."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tactgen.geometry.formats import percent
+from tactgen.geometry.formats import engineering, percent, prefixed
 from tactgen.validation.show.figures import AMBER, BLUE, GREEN, GREY, ORANGE, panels, svg
 
 if TYPE_CHECKING:
     from tactgen.validation.models.difference import Step
 
 Array = NDArray[Any]
+#: (n,) complex response by title of the quantity and by model.
+Curves = Mapping[str, Mapping[str, Array]]
 
 #: One colour and line style per model, used in every plot.
 MODEL_STYLE: dict[str, dict[str, Any]] = {
@@ -25,68 +27,78 @@ MODEL_STYLE: dict[str, dict[str, Any]] = {
     "solid": {"color": ORANGE, "linestyle": "-.", "linewidth": 2.0},
     "cad": {"color": GREEN, "linestyle": (0, (1, 1)), "linewidth": 2.0},
 }
+#: Responses that are drawn, with their SI units.
+UNITS = {"tip displacement": "m", "admittance": "S"}
 
 
-def response_plot(
-    frequencies: Array, curves: dict[str, dict[str, Array]], labels: dict[str, str]
-) -> str:
-    """Plot tip displacement per model, one column per load case.
-
-    Magnitude, phase, and the magnitude's difference from the last model's in percent.
+def magnitude_plot(frequencies: Array, curves: Curves) -> str:
+    """Plot the magnitude of each response, one panel a quantity.
 
     Parameters
     ----------
     frequencies : (n,) array
         Hz.
-    curves : dict of str to dict of str to (n,) complex array
-        Load case to model to tip displacement (m).
-    labels : dict
-        Title of each load case.
+    curves : mapping
+        (n,) complex curve by title of the quantity and by model (SI).
     """
-    figure, axes = panels(10.0, 7.6, nrows=3, ncols=len(curves), sharex=True, squeeze=False)
-    first_phase = {
-        case: np.rad2deg(np.angle(list(models.values())[-1][0])) for case, models in curves.items()
-    }
-    for column, (case, models) in enumerate(curves.items()):
-        top, bottom, ratio = (axes[row][column] for row in range(3))
-        reference = np.abs(models[list(models)[-1]])
+    figure, axes = panels(10.0, 3.4, ncols=len(curves), squeeze=False)
+    for axis, (title, models) in zip(axes[0], curves.items(), strict=True):
+        factor, unit = prefixed(max(_largest(v) for v in models.values()), UNITS[title])
         for model, values in models.items():
-            top.plot(frequencies, np.abs(values) * 1e6, label=model, **MODEL_STYLE.get(model, {}))
-            phase = np.rad2deg(np.unwrap(np.angle(values)))
-            # ±180° at the start is a matter of rounding
-            phase += 360.0 * np.round((first_phase[case] - phase[0]) / 360.0)
-            bottom.plot(frequencies, phase, **MODEL_STYLE.get(model, {}))
-            with np.errstate(invalid="ignore"):  # 0/0 where nothing moves
-                difference = 100.0 * (np.abs(values) / reference - 1.0)
-            ratio.plot(frequencies, difference, **MODEL_STYLE.get(model, {}))
-        ratio.set_ylim(-25.0, 25.0)
-        if any(np.nanmax(np.abs(v)) > 0.0 for v in models.values()):
-            top.set_yscale("log")
-        top.set_title(labels[case])
-        ratio.set_xlabel("frequency (Hz)")
-    axes[2][0].set_ylabel(f"|w| against {list(next(iter(curves.values())))[-1]} (%)")
-    axes[0][0].set_ylabel("tip displacement |w| (µm)")
-    axes[1][0].set_ylabel("phase (°)")
+            axis.plot(frequencies, factor * np.abs(values), label=model, **MODEL_STYLE[model])
+        if any(_largest(v) > 0.0 for v in models.values()):
+            axis.set_yscale("log")
+        axis.set(title=title, xlabel="frequency (Hz)", ylabel=f"magnitude ({unit})")
+        _along(axis, frequencies)
     axes[0][0].legend(frameon=False)
-    if _spans_decades(frequencies):
-        axes[0][0].set_xscale("log")
-    if len(frequencies) > 1:  # the page tells the values where it is pointed at
-        axes[0][0].set_xlim(frequencies[0], frequencies[-1])
     return svg(figure)
 
 
-def response_values(
-    frequencies: Array, curves: dict[str, dict[str, Array]], labels: dict[str, str]
-) -> str:
-    """Values of :func:`response_plot` for the pointer, as JSON.
+def difference_plot(frequencies: Array, curves: Curves) -> str:
+    """Plot phase, and magnitude against the last model's in percent; see `magnitude_plot`."""
+    figure, axes = panels(10.0, 4.6, nrows=2, ncols=len(curves), sharex=True, squeeze=False)
+    for (phases, ratio), (title, models) in zip(axes.T, curves.items(), strict=True):
+        reference = list(models.values())[-1]
+        first = np.rad2deg(np.angle(reference[0]))
+        for model, values in models.items():
+            phase = np.rad2deg(np.unwrap(np.angle(values)))
+            # ±180° at the start is a matter of rounding
+            phase += 360.0 * np.round((first - phase[0]) / 360.0)
+            phases.plot(frequencies, phase, label=model, **MODEL_STYLE[model])
+            with np.errstate(invalid="ignore"):  # 0/0 where nothing moves
+                difference = 100.0 * (np.abs(values) / np.abs(reference) - 1.0)
+            ratio.plot(frequencies, difference, **MODEL_STYLE[model])
+        ratio.set(ylim=(-25.0, 25.0), xlabel="frequency (Hz)")
+        phases.set_title(title)
+        _along(ratio, frequencies)
+    axes[0][0].set_ylabel("phase (°)")
+    axes[1][0].set_ylabel(f"magnitude against {list(next(iter(curves.values())))[-1]} (%)")
+    axes[0][0].legend(frameon=False)
+    return svg(figure)
+
+
+def _largest(values: Array) -> float:
+    return float(np.nanmax(np.abs(values), initial=0.0))
+
+
+def _along(axis: Any, frequencies: Array) -> None:
+    """Scale of the frequency axis; its ends are the band's, which the pointer reads."""
+    if _spans_decades(frequencies):
+        axis.set_xscale("log")
+    if len(frequencies) > 1:
+        axis.set_xlim(frequencies[0], frequencies[-1])
+
+
+def response_values(frequencies: Array, curves: Curves) -> str:
+    """Values of :func:`magnitude_plot` for the pointer, as JSON.
 
     Where a model has no value (nan), null.
     """
 
-    def told(values: Array) -> dict[str, list[str | None]]:
-        there = [(value if np.isfinite(value) else None) for value in values]
+    def values(title: str, curve: Array) -> dict[str, list[str | None]]:
+        there = [(value if np.isfinite(value) else None) for value in curve]
         return {
-            "size": [v if v is None else f"{1e6 * abs(v):.4g}" for v in there],
+            "size": [v if v is None else engineering(abs(v), UNITS[title], 4) for v in there],
             "phase": [v if v is None else f"{np.rad2deg(np.angle(v)):.1f}" for v in there],
         }
 
@@ -94,11 +106,11 @@ def response_values(
         "frequency": [float(f"{f:.6g}") for f in frequencies],
         "log": _spans_decades(frequencies),
         "cases": [
-            {"title": labels[case], "models": {name: told(v) for name, v in models.items()}}
-            for case, models in curves.items()
+            {"title": title, "models": {name: values(title, v) for name, v in models.items()}}
+            for title, models in curves.items()
         ],
     }
-    return json.dumps(shown, separators=(",", ":"))
+    return json.dumps(shown, separators=(",", ":"), ensure_ascii=False)
 
 
 def breakdown_plot(steps: Sequence[Step], titles: Mapping[str, str], reference: str) -> str:
@@ -138,47 +150,6 @@ def breakdown_plot(steps: Sequence[Step], titles: Mapping[str, str], reference: 
             axis.text(high + 0.6 * span, place, text, ha="right", va="center", fontsize=9)
         axis.set(title=title, xlabel=f"difference from {reference} (%)")
     axes[0][0].invert_yaxis()
-    return svg(figure)
-
-
-def support_plot(
-    lengths: Array, rotations: Mapping[str, Array], target: float, best: Mapping[str, float]
-) -> str:
-    """Plot rotation per moment of a support over its tab's free length.
-
-    Parameters
-    ----------
-    lengths : (n,) array
-        Free length of the tab (m).
-    rotations : mapping of str to (n,) array
-        Rotation per moment (rad/(N m)) by what holds the tab.
-    target : float
-        The fitted one.
-    best : mapping of str to float
-        Length (m) at which each reaches it; nan where none does.
-    """
-    figure, axes = panels(10.0, 3.8, squeeze=False)
-    axis = axes[0][0]
-    # the first, which the second follows closely, is told on the other side of its line
-    left, right = ((-3, 6), "right"), ((3, -14), "left")
-    styles = ((GREY, ":", right), (BLUE, "-", left), (ORANGE, "-.", left))
-    for (name, values), (colour, line, side) in zip(rotations.items(), styles, strict=False):
-        axis.plot(1e3 * lengths, values, color=colour, linestyle=line, linewidth=2.0, label=name)
-        if np.isfinite(best[name]):
-            axis.plot(1e3 * best[name], target, "o", color=colour)
-            axis.annotate(
-                f"{1e3 * best[name]:.2f} mm",
-                (1e3 * best[name], target),
-                xytext=side[0],
-                ha=side[1],
-                textcoords="offset points",
-                color=colour,
-            )
-    axis.axhline(target, color="black", linewidth=0.9)
-    axis.text(0.99e3 * lengths[-1], target, "fitted, 1/c_s", ha="right", va="bottom")
-    axis.set(xlabel="free length of the tab (mm)", ylabel="rotation per moment (rad/(N m))")
-    axis.set(xlim=(0.0, 1e3 * lengths[-1]), ylim=(0.0, None))
-    axis.legend(frameon=False)
     return svg(figure)
 
 

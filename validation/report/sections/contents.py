@@ -2,30 +2,21 @@
 
 from __future__ import annotations
 
+import math
+
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.report.report_data import INVARIANT_TOLERANCE, Study
-from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.report.sections.uncertainty import credibility_section
-
-#: What is looked up rather than read.
-APPENDIX = ("audit", "parameters", "plan")
 
 
 def sections(study: Study) -> tuple[Section, ...]:
     """Sections of a study; only those asked for are imported."""
-    found = [Section("what", "What was studied", _what)]
-    after: list[Section] = []
-    lateral: tuple[Section, ...] = ()
+    found: list[Section] = []
     if study.lateral:
-        from tactgen.validation.report.sections.bimorph import LATERAL, PRINTED_FORMULAS
+        from tactgen.validation.report.sections.bimorph import LATERAL
 
-        lateral, after = LATERAL, [PRINTED_FORMULAS]
-    if study.machine:
-        story, lateral = _machine(lateral)
-        found, after = found + story, []
-    found += lateral
+        found += _machine(LATERAL) if study.machine else LATERAL
     if study.normal:
         from tactgen.validation.report.sections.reluctance import NORMAL
 
@@ -37,38 +28,23 @@ def sections(study: Study) -> tuple[Section, ...]:
     return (
         *found,
         Section("checks", "Checks of this scene", _checks),
-        Section("credibility", "How far this report can be trusted", credibility_section),
-        *after,
         Section("parameters", "Parameters and assumptions", _parameters),
-        Section("plan", "What ran, what was skipped, what it cost", _plan),
     )
 
 
-#: Sections about the lateral actuator that tell of the machine's response, after its support ...
-_RESPONSE = ("response",)
-#: ... what ends the story, and what belongs to the report of the lateral actuator alone.
-_LIMITS, _APART = ("drive_limits",), ("holding", "length", "voltage", "stress")
-
-
-def _machine(lateral: tuple[Section, ...]) -> tuple[list[Section], tuple[Section, ...]]:
-    """Machine's story, and the sections about its bimorph that follow it."""
+def _machine(lateral: tuple[Section, ...]) -> list[Section]:
+    """Machine's own sections, then those about its bimorph."""
     from tactgen.validation.report.sections.generator import MOTIONS, POSITIONS, SUPPORT
     from tactgen.validation.report.sections.large_motion import AMPLITUDE, TIME
 
-    by_id = {section.id: section for section in lateral}
-    response, limits = ([by_id[name] for name in names] for names in (_RESPONSE, _LIMITS))
-    told = {*_RESPONSE, *_LIMITS, *_APART}
-    story = [POSITIONS, SUPPORT, *response, MOTIONS, AMPLITUDE, TIME, *limits]
-    return story, tuple(section for section in lateral if section.id not in told)
-
-
-def _what(study: Study) -> Context:
-    return {"pictures": gallery.pictures(study)}
+    return [POSITIONS, SUPPORT, MOTIONS, AMPLITUDE, TIME, *lateral]
 
 
 def _checks(study: Study) -> Context:
+    cells = [row.cells[-1] for row in study.compared if math.isfinite(row.cells[-1].value)]
     return {
-        "comparison": study.compared,
+        "bars": len(cells),
+        "widest": max((c.error / abs(c.value) for c in cells if c.value), default=0.0),
         "outcomes": study.outcomes,
         "invariants": study.invariants,
         "invariant_tolerance": INVARIANT_TOLERANCE,
@@ -76,8 +52,9 @@ def _checks(study: Study) -> Context:
 
 
 def _parameters(study: Study) -> Context:
-    return {"parameters": study.parameters}
-
-
-def _plan(study: Study) -> Context:
-    return {"plan": study.plan, "stage_seconds": study.seconds, "origin": this_origin()}
+    ranges = study.shown.get("uncertainty", {}).get("uncertain_parameters", ())
+    return {
+        "parameters": study.parameters,
+        "ranges": {row.key: row for row in ranges},
+        "origin": this_origin(),
+    }

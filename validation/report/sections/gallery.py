@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
@@ -13,62 +15,51 @@ from tactgen.validation.report.request import shown_model
 from tactgen.validation.show.page import fragment, inline
 
 if TYPE_CHECKING:
-    from tactgen.validation.engine.solve import Solution
     from tactgen.validation.show.field import FieldResult
 
 #: Mode stills, and their size in pixels.
 _MODES = 4
 _STILL = 340, 600
+_LYING = 1000, 420
 
 _KIND = {"tetra": "tetrahedra with 10 nodes", "tetra10": "curved tetrahedra with 10 nodes"}
 
 
 def pictures(study: Study) -> list[dict[str, str]]:
-    """Pictures of the CAD solids and, with a field model, of its mesh."""
+    """Pictures of the CAD solids of each actuator."""
     found = bimorph(study) if study.lateral else []
     whole = study.lateral and study.scene.support.kind == "rod"
     return found if whole or not study.normal else [*found, _normal(study)]
 
 
 def bimorph(study: Study) -> list[dict[str, str]]:
-    """Pictures of the bimorph; none of one that only the beam models know."""
+    """Picture of the bimorph; none of one that only the beam models know."""
     if beyond_plain_layers(study.scene.bimorph):
         return []
-    from tactgen.validation.models.bimorph.solid import cells_of
     from tactgen.validation.show.export import scene_solids
-    from tactgen.validation.show.pictures import mesh_picture, solids_picture
+    from tactgen.validation.show.pictures import solids_picture
 
     study.announce("picture of the geometry")
     solids = solids_picture(scene_solids(study.scene))
-    found = [{"caption": "CAD solids", "png": inline(solids)}]
-    solved = study.shown_mesh
-    if solved is not None:
-        study.announce("picture of the mesh")
-        mesh = cells_of(solved)
-        name = shown_model(study.scene)
-        caption = f"mesh of the model {name}: {mesh.cells.shape[0]} {_kind(solved, mesh)}"
-        found.append({"caption": caption, "png": inline(mesh_picture(mesh))})
-        found.append({"caption": "the same at its held end", "png": _close_up(mesh)})
-    return found
+    return [{"caption": "bimorph", "png": inline(solids)}]
 
 
-def beside(study: Study) -> dict[str, Any] | None:
-    """Tetrahedra of the CAD solids, where they stand beside bricks."""
-    if "cad" not in study.scene.models or shown_model(study.scene) in (None, "cad"):
-        return None
-    study.announce("picture of the tetrahedra")
-    return tetrahedra(study.solution)
-
-
-def tetrahedra(solution: Solution) -> dict[str, Any]:
-    """Picture of the tetrahedra that a solution has solved on."""
+def meshes(study: Study) -> list[dict[str, str]]:
+    """Pictures of the solved meshes at their held end."""
     from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
     from tactgen.validation.models.bimorph.solid import cells_of
 
-    cad = solution.models["cad"]
-    assert isinstance(cad, TwoMeshModel)
-    shown = cells_of(cad.meshes()[0])
-    return {"cells": shown.cells.shape[0], "png": _close_up(shown)}
+    found = []
+    for name, model in study.solution.models_of("bimorph").items():
+        if not isinstance(model, TwoMeshModel):
+            continue
+        study.announce(f"picture of the mesh of {name}")
+        solved = study.shown_mesh if name == "solid" else model.meshes()[0]
+        assert solved is not None
+        mesh = cells_of(solved)
+        caption = f"mesh of {name}: {mesh.cells.shape[0]} {_kind(solved, mesh)}"
+        found.append({"caption": caption, "png": _close_up(mesh)})
+    return found
 
 
 def _normal(study: Study) -> dict[str, str]:
@@ -78,7 +69,7 @@ def _normal(study: Study) -> dict[str, str]:
 
     study.announce("picture of the normal actuator")
     solids = solids_picture(normal_actuator_solids(study.scene.device))
-    caption = "normal actuator: the rod inside coil and sleeve, these cut open"
+    caption = "reluctance actuator, coil and sleeve cut open"
     return {"caption": caption, "png": inline(solids)}
 
 
@@ -106,8 +97,10 @@ def moving(study: Study) -> dict[str, Any]:
     request = Request(None, "edges")
     gathered = (gather_from(solution, name, request, study.announce) for name in models)
     results = [standing(study.scene, result) for result in gathered]
+    drawn = shown_model(study.scene) is not None
     return {
-        "stills": _stills(results[0], study.announce) if shown_model(study.scene) else [],
+        "stills": _stills(results[0], study.announce) if drawn else [],
+        "stress": _stress_still(results[0], study.announce) if drawn else None,
         "viewer": fragment(payload(results), [], light=True),
     }
 
@@ -131,6 +124,23 @@ def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[dict[s
         caption = f"{words.title}: {words.number}, {words.detail}"
         found.append({"caption": caption, "png": inline(png)})
     return found
+
+
+def _stress_still(result: FieldResult, announce: Callable[[str], None]) -> dict[str, str] | None:
+    """Axial stress of the driven state at the first natural frequency."""
+    from tactgen.validation.show.field import SHADES
+    from tactgen.validation.show.stills import Picture, still
+
+    driven = [state for state in result.states if state.kind == "harmonic"]
+    if not driven:
+        return None
+    announce("picture of the stress")
+    shade = next(shade for shade in SHADES if shade.key == "stress_zz")
+    amplitude = np.asarray(shade.amplitude(driven[-1]))
+    phase = -float(np.angle(amplitude[np.abs(amplitude).argmax()]))  # of its largest value
+    png = still(result, driven[-1], Picture(*_LYING, shade=shade), phase)
+    caption = f"axial stress by the model {result.model} at {driven[-1].frequency:.4g} Hz"
+    return {"caption": f"{caption}, {result.voltage:g} V", "png": inline(png)}
 
 
 def _kind(solved: Mesh | Bricks, shown: Mesh) -> str:
