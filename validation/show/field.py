@@ -101,6 +101,7 @@ class FieldResult:
     lines: Floats | None = None  #: (m, 2, 3) Segments of flux lines (m)
     #: Regions that move as rigid bodies: of these only the displacement is known
     rigid: tuple[str, ...] = ()
+    conditions: str = ""  #: How the device is held, loaded, wired and driven
 
     @property
     def has(self) -> tuple[str, ...]:

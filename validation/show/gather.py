@@ -18,6 +18,7 @@ from tactgen.validation.catalogue.quantities import (
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.model import Model, Quantity
 from tactgen.validation.models.transient import Simulation, scene_beam
+from tactgen.validation.scene.conditions import conditions
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import Circuit, FieldResult, State
 from tactgen.validation.show.moving import MovingBody, moving_body
@@ -134,8 +135,9 @@ def gather_from(
         found = fields.harmonic(frequency, voltage)
         states.append(_state(f"{frequency:.5g} Hz", "harmonic", frequency, found, layer))
     return FieldResult(
-        scene.name, name, fields.mesh, tuple(states), scene.drive.voltage, MODELS[name].theory
-    )
+        scene.name, name, fields.mesh, tuple(states), scene.drive.voltage, MODELS[name].theory,
+        conditions=conditions(scene),
+    )  # fmt: skip
 
 
 def _fields(model: Model, detail: Detail) -> Fields:

@@ -16,6 +16,7 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
+from tactgen.validation.scene.conditions import conditions
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import FieldResult, State
 
@@ -89,7 +90,16 @@ def gather_magnetic(
         pull=(float(force.value), float(force.error)),
     )
     lines = flux_lines(field, section) if opened else None
-    return FieldResult(scene.name, "axisymmetric", mesh, (state,), 0.0, "field", lines)
+    return FieldResult(
+        scene.name,
+        "axisymmetric",
+        mesh,
+        (state,),
+        0.0,
+        "field",
+        lines,
+        conditions=conditions(scene),
+    )  # fmt: skip
 
 
 def section_of(field: MagneticField) -> Section:

@@ -96,6 +96,7 @@ def payload(
     others = ranges or (None,) * len(results)
     return {
         "scene": results[0].scene,
+        "conditions": results[0].conditions,
         "palettes": {"magnitude": magnitude_stops(), "signed": signed_stops()},
         "results": [
             _result(block, result, other) for result, other in zip(results, others, strict=True)

@@ -23,6 +23,7 @@ import numpy as np
 
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.ports.loads import finger_spring_damper
+from tactgen.validation.scene.conditions import conditions
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.studies.design import Aim, Design, lowest_margin
 from tactgen.validation.studies.length_map import actuator, tip_slopes
@@ -36,15 +37,6 @@ _FINGER = "paper table 1 (one subject's finger, 2.5 g preload)"
 NEGLIGIBLE = 5e-4
 #: Most frequencies of a threshold that are named one by one.
 _LISTED = 5
-#: What the tip pushes against, by the scene's ``load.kind``.
-LOADS = {
-    "none": "with a free tip",
-    "finger": "under the finger",
-    "mass": "with the tip mass",
-    "spring_damper": "on spring and damper",
-    "table": "under the measured load",
-    "pad": "under imitation skin and its weight",
-}
 
 
 @dataclass(frozen=True)
@@ -135,12 +127,7 @@ def _listed(result: Design, origins: dict[str, str]) -> Iterator[tuple[str, str,
 
 def sentences(result: Design) -> tuple[str, ...]:
     """Design in sentences: drive, length, margin, present length, limits."""
-    scene = result.scene
-    setting = (
-        f"Driven with {scene.drive.voltage:g} V, wired in {scene.bimorph.wiring}, "
-        f"{LOADS[scene.load.kind]}."
-    )
-    return setting, *statements(result), caveat(result)
+    return conditions(result.scene), *statements(result), caveat(result)
 
 
 def statements(result: Design) -> tuple[str, str, str]:

@@ -53,6 +53,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.geometry.units import VOLTAGE
     from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.models.backbone import backbone, held_head
+    from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.inputs import scene_warnings
 
     scene, origins = lateral_scene(options.scene, options.overrides, "backbone")
@@ -77,6 +78,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json(_as_json(scene, options.model, result))
     else:
+        print(conditions(scene))
         _print(scene, result)
     return 0
 

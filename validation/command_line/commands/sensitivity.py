@@ -68,6 +68,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.catalogue.models import models_of
     from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.warnings import request_warnings
+    from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.parameter_list import ranges
     from tactgen.validation.scene.scene import load_scene
@@ -111,6 +112,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json(_as_json(scene.name, columns, uncertain, known))
         return 0
+    print(conditions(scene))
     shown = thinned(columns)
     if len(shown) < len(columns):
         say(f"note: {len(shown)} of {len(columns)} columns are shown; --json gives all")

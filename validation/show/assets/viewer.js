@@ -728,7 +728,9 @@
           onclick: () => this.stretch(-1) }, 'As in the scene')),
         element('p', { class: 'tv-help' }, own.note))];
       const isMoving = this.results.some((r) => r.states.some((s) => s.moves));
+      const { conditions } = this.payload;
       this.panel.append(
+        ...(conditions ? [element('p', { class: 'tv-help' }, conditions)] : []),
         group('State', ...several, ...(isMoving ? [this.circuits] : []), this.stateList),
         ...lengths,
         group('Colour', pick('field', 'Colour by', [['', 'part']], (v) => { this.options.field = v; this.refresh(); })),
