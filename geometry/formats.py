@@ -66,6 +66,26 @@ def with_error(value: float, bar: float, unit: str) -> str:
     return f"{scaled:z.{decimals}f} ± {shown:.{decimals}f}{prefix}"
 
 
+#: Bars below this share of their value are not shown.
+FINE = 1e-5
+
+
+def with_share(value: float, bar: float, unit: str, text: str = "") -> str:
+    """Value to five digits ± bar in percent of it, which is left out below :data:`FINE`.
+
+    A value of zero has its bar in its own unit.  `text` stands for the value if it is given.
+    """
+    if math.isnan(value):
+        return "no value"
+    text = text or engineering(value, unit)
+    if math.isnan(bar):
+        return text
+    if not value:
+        return f"{text} ±{engineering(bar, unit, 2)}" if bar else text
+    relative = abs(bar / value)
+    return f"{text} ±{share(relative)}" if relative >= FINE else text
+
+
 def signed(value: float, decimals: int) -> str:
     """Number with its sign and so many decimals; what rounds to zero has no sign."""
     text = f"{value:+.{decimals}f}"

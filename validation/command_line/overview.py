@@ -6,22 +6,18 @@ import math
 
 import numpy as np
 
-from tactgen.geometry.formats import engineering, share
+from tactgen.geometry.formats import FINE, engineering, with_share
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES, Actuator
-from tactgen.validation.engine.answers import Representative, representative
+from tactgen.validation.engine.answers import Representative, class_suffix, representative
 from tactgen.validation.engine.solve import Solution
 from tactgen.validation.models.model import Quantity
 
-#: Error bars below this share of their value are not shown.
-_FINE = 1e-5
 #: What each part of the screen is about.
 _TITLES: dict[Actuator, str] = {
     "bimorph": "bimorph", "reluctance": "normal actuator", "generator": "machine, small motions",
     "display": "display",
 }  # fmt: skip
-#: Classes of listed entries that go without saying.
-_USUAL = ("bending_x", "decays")
 #: Entries that are shown of each list.
 _ORDINALS = ("first", "second")
 
@@ -45,7 +41,7 @@ def print_overview(solution: Solution) -> None:
         print()
     print(
         "Largest and least values are searched between the frequencies, at each model's own "
-        f"resonances.\n± is the numerical error, left out below {100 * _FINE:g} %.  More: "
+        f"resonances.\n± is the numerical error, left out below {100 * FINE:g} %.  More: "
         "--quantity all or NAME for every value,\n--json for all frequencies, tactgen report "
         "for why models differ"
     )
@@ -98,16 +94,12 @@ def _rows(name: str, solution: Solution, models: list[str]) -> list[tuple[str, l
         return [(f"{label} at {where}", [_cell(found.get(m), 0) for m in models])]
     what = next(r.what for r in shown.values())
     where = " to ".join(dict.fromkeys(engineering(f, "Hz", 4) for f in (places[0], places[-1])))
-    return [(f"{label}, {what} at {where}", [_extreme(shown.get(m)) for m in models])]
+    return [(f"{label}, {what} at {where}", [_value(shown.get(m)) for m in models])]
 
 
-def _extreme(found: Representative | None) -> str:
-    """Largest value over a band with its error bar, nothing where the model has none."""
-    if found is None:
-        return ""
-    if math.isnan(found.value):
-        return "no value"
-    return engineering(found.value, found.unit) + _error(found.value, found.error, found.unit)
+def _value(found: Representative | None) -> str:
+    """Largest value over a band with its numerical error, nothing where the model has none."""
+    return "" if found is None else with_share(found.value, found.error, found.unit)
 
 
 def _cell(q: Quantity | None, at: int | tuple[()], *, of_class: bool = False) -> str:
@@ -118,20 +110,10 @@ def _cell(q: Quantity | None, at: int | tuple[()], *, of_class: bool = False) ->
     value, bar = abs(number), float(q.error[at])
     if not np.iscomplexobj(q.value):
         value = float(q.value[at])
-    if math.isnan(value):
-        return "no value"
     text = _pole(number) if q.unit == "rad/s" else engineering(value, q.unit)
-    if of_class and q.classes and isinstance(at, int) and q.classes[at] not in _USUAL:
-        text += f" {q.classes[at].replace('bending_', '')}"
-    return text + _error(value, bar, q.unit)
-
-
-def _error(value: float, bar: float, unit: str) -> str:
-    """Error bar behind a value, as a share of it; nothing if it is small."""
-    if not value:
-        return f" ±{engineering(bar, unit, 2)}" if bar else ""
-    relative = abs(bar / value)
-    return f" ±{share(relative)}" if relative >= _FINE else ""
+    if of_class and isinstance(at, int):
+        text += class_suffix(q, at)
+    return with_share(value, bar, q.unit, text)
 
 
 def _pole(value: complex) -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.files import write_text, written_whole
-from tactgen.geometry.formats import engineering, share, with_error
+from tactgen.geometry.formats import engineering, share, with_share
 from tactgen.geometry.store.values import storable
 from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
@@ -56,10 +56,10 @@ class Answer:
 
 
 #: Columns after those of the point.  `frequency` (Hz) is that of a response; `index` the number of
-#: a mode, or the place in a matrix over the ports row by row, from 1.  Numbers are None where there
-#: is no answer.
+#: a mode, or the place in a matrix over the ports row by row, from 1; `class` that of the mode's
+#: motion.  Numbers are None where there is no answer.
 COLUMNS = (
-    "quantity", "model", "frequency", "index", "value", "value_im", "uncertainty", "unit",
+    "quantity", "model", "frequency", "index", "class", "value", "value_im", "uncertainty", "unit",
     "status", "reason",
 )  # fmt: skip
 #: One number of the table, in the order of :data:`COLUMNS`.
@@ -73,7 +73,7 @@ def rows(model: str, names: Iterable[str], answer: Answer) -> Iterator[Row]:
         if found is not None:
             yield from quantity_rows(found, answer.status, answer.reason)
         elif gives(model, name):
-            none = (None,) * 5
+            none = (None,) * 6
             yield name, model, *none, QUANTITIES[name].unit, answer.status, answer.reason
 
 
@@ -82,8 +82,9 @@ def quantity_rows(q: Quantity, status: str = "ok", reason: str = "") -> Iterator
     errors, imaginary = np.broadcast_to(q.error, q.value.shape), np.iscomplexobj(q.value)
     for place in itertools.product(*map(range, q.value.shape)):
         value, (frequency, index) = q.value[place], _labels(q, place)
+        kind = q.classes[place[0]] if q.classes else None
         parts = float(value.real), float(value.imag) if imaginary else None, float(errors[place])
-        yield q.name, q.model, frequency, index, *parts, q.unit, status, reason
+        yield q.name, q.model, frequency, index, kind, *parts, q.unit, status, reason
 
 
 def _labels(q: Quantity, place: tuple[int, ...]) -> tuple[float | None, int | None]:
@@ -211,6 +212,17 @@ def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str]]:
         yield labels[i], format_value(values[i], q.unit), error
 
 
+#: Classes of motion that go without saying.
+_USUAL = ("bending_x", "decays")
+
+
+def class_suffix(q: Quantity, at: int) -> str:
+    """Class of one of a list of modes after a space, nothing if it goes without saying."""
+    if not q.classes or q.classes[at] in _USUAL:
+        return ""
+    return f" {q.classes[at].replace('bending_', '')}"
+
+
 @dataclass(frozen=True)
 class Representative:
     """The one number (SI) that stands for a quantity, with its error."""
@@ -222,16 +234,13 @@ class Representative:
     #: a limit, or nothing of a single number
     what: str
     at: float | None = None  #: Frequency (Hz) of the largest or least
+    suffix: str = ""  #: The mode's class as of :func:`class_suffix`
 
     @property
     def text(self) -> str:
         """As people read it."""
-        if np.isnan(self.value):
-            return "no value"
         where = f" at {engineering(self.at, 'Hz', 4)}" if self.at is not None else ""
-        if np.isnan(self.error):
-            return engineering(self.value, self.unit) + where
-        return with_error(self.value, self.error, self.unit) + where
+        return with_share(self.value, self.error, self.unit) + self.suffix + where
 
 
 def representative(q: Quantity) -> Representative:
@@ -247,7 +256,8 @@ def representative(q: Quantity) -> Representative:
         what, value = "first" if q.value.ndim else "", q.value[place]
         if np.iscomplexobj(value):
             what, value = "size of the first", np.abs(value)
-        return Representative(float(value), float(errors[place]), q.unit, what)
+        suffix = class_suffix(q, 0)
+        return Representative(float(value), float(errors[place]), q.unit, what, suffix=suffix)
     what, size = "least" if QUANTITIES[q.name].is_limit else "largest", np.abs(q.value)
     if q.extreme is not None:
         found = q.extreme
@@ -329,6 +339,9 @@ def dataset(
         variables[name] = variable(dimensions, value.reshape(of), row.meaning, row.unit)
         bars = f"numerical error bar of {name}, absolute, of the magnitude"
         variables[f"{name}_uncertainty"] = variable(dimensions, error.reshape(of), bars, row.unit)
+        if any(q.classes for q in known):
+            kinds = _classes(found, value.shape).reshape(of)
+            variables[f"{name}_class"] = variable(dimensions, kinds, "class of the mode's motion")
 
     def each(of: Callable[[Answer], Any], kind: Any, meaning: str, unit: str = "") -> Variable:
         values = [[of(answer[m]) for answer in answers] for m in models]
@@ -356,6 +369,16 @@ def _filled(found: list[list[Quantity | None]], known: list[Quantity]) -> tuple[
             place: Any = (m, n, *(slice(size) for size in q.value.shape))
             value[place], error[place] = q.value, q.error
     return value, error
+
+
+def _classes(found: list[list[Quantity | None]], shape: tuple[int, ...]) -> Array:
+    """Class of each mode over model, point and mode; empty where there is none."""
+    kinds = np.full(shape, "", dtype=object)
+    for m, n in np.ndindex(shape[:2]):
+        q = found[m][n]
+        if q is not None and q.classes:
+            kinds[m, n, : len(q.classes)] = q.classes
+    return kinds.astype(np.str_)
 
 
 def write_netcdf(path: Path, found: Dataset, attributes: Mapping[str, str]) -> Path:

@@ -12,7 +12,7 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.inputs import scene_warnings, values_read
 from tactgen.validation.scene.scene import load_scene, scene_values
-from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict
+from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdicts
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import run_study
 
@@ -71,7 +71,8 @@ def test_aims_ask_for_it(felt):
     values, _ = scene_values("paper", ("frequency=40", *felt[1:]))
     statement = Statement("paper", values, ("threshold.kind=paper,table",), ("tmm",),
                           ("tip_displacement",))  # fmt: skip
-    found = verdict(run_study(statement), parse_aims(["first(tip_displacement / threshold) >= 0"]))
+    aims = parse_aims(["first(tip_displacement / threshold) >= 0"])
+    (found,) = verdicts(run_study(statement), aims)
     paper, own = (judged.margins[0][0] for judged in found.judged)
     assert own == pytest.approx(paper / 2.0, rel=1e-9)
 

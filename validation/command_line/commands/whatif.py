@@ -92,7 +92,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.studies.whatif.aim_evaluation import (
         named_quantities,
         parse_aims,
-        verdict,
+        verdicts,
     )
     from tactgen.validation.studies.whatif.definition import write_statement
     from tactgen.validation.studies.whatif.pictures import study_picture
@@ -113,7 +113,7 @@ def run(options: argparse.Namespace) -> int:
         write_statement(writable_folder(folder), statement)
     with announcer() as announce:
         study = run_study(statement, processes, announce, retry=options.retry, scheduler=scheduler)
-        found = verdict(study, aims) if aims else None
+        found = verdicts(study, aims) if aims else None
         if folder is not None:
             announce("writing")
             _write(folder, study, found)
@@ -169,38 +169,55 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
     return stated(options, before)
 
 
-def _write(folder: Path, study: Study, found: Verdict | None) -> None:
+def _write(folder: Path, study: Study, found: Sequence[Verdict] | None) -> None:
     from tactgen.validation.studies.whatif.output_files import write_netcdf, write_tidy
     from tactgen.validation.studies.whatif.page import write_page
+    from tactgen.validation.studies.whatif.sample_statistics import (
+        sample_statistics,
+        write_statistics,
+    )
 
     write_tidy(folder, study)
+    if study.statement.samples:
+        write_statistics(folder, study, sample_statistics(study))
     write_netcdf(folder, study)
     if any(answer.status == "ok" for _, _, answer in study.rows):
         write_page(folder, study, found)
 
 
 def _show(
-    options: argparse.Namespace, study: Study, found: Verdict | None, choice: Choice | None
+    options: argparse.Namespace,
+    study: Study,
+    found: Sequence[Verdict] | None,
+    choice: Choice | None,
 ) -> None:
     from tactgen.validation.studies.whatif.aim_evaluation import as_values, sentences
     from tactgen.validation.studies.whatif.output_files import table_lines
+    from tactgen.validation.studies.whatif.sample_statistics import (
+        sample_statistics,
+        statistics_lines,
+    )
 
-    warnings = study.warnings
+    warnings, statistics = study.warnings, sample_statistics(study)
     warn(warnings[:_WARNINGS])
     if len(warnings) > _WARNINGS:
         warn([f"{len(warnings) - _WARNINGS} more kinds of warnings"
               + (f", see {options.out}/study.csv" if options.out else "")])  # fmt: skip
     if options.json:
-        aims = {"aims": as_values(study, found)} if found else {}
+        aims = {} if found is None else {"aims": [as_values(study, each) for each in found]}
         ladders = {"ladders": choice.ladders} if choice else {}
-        print_json({**_as_json(study), **aims, **ladders})
+        print_json({**_as_json(study), "statistics": statistics, **aims, **ladders})
     else:
-        print("\n".join([*table_lines(study), *(sentences(study, found) if found else ())]))
+        rest = f"{options.out}/study.csv has all" if options.out else "--out STUDY writes all"
+        said = [] if found is None else sentences(study, found)
+        lines = [*table_lines(study, rest), *statistics_lines(study, statistics), *said]
+        print("\n".join(lines))
     counts = study.counts
     where = f", written to {options.out}" if options.out else ""
+    by = f" by {many} models" if (many := len(study.statement.models)) > 1 else ""
     between = f", {counts.interpolated} interpolated" if counts.interpolated else ""
     print(
-        f"{len(study.points)} points: {counts.computed} answers computed"
+        f"{len(study.points)} points{by}: {counts.computed} answers computed"
         f"{between}, {counts.recalled} kept "
         f"from before, {counts.failed} failed, {counts.refused} refused{where}",
         file=sys.stderr,

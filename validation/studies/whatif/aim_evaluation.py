@@ -15,7 +15,7 @@ from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.studies.whatif.aims import THRESHOLD, Aim, at_threshold, parse_aim
-from tactgen.validation.studies.whatif.axes import scene_field
+from tactgen.validation.studies.whatif.axes import shown_point
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import Study
 
@@ -39,10 +39,11 @@ class Judged:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Verdict of a study's aims on its points."""
+    """Verdict of a study's aims on its points, by one choice of models."""
 
+    models: str  #: The model, or several together where no single one gives what the aims name
     aims: tuple[Aim, ...]  #: Conditions and at most two goals
-    judged: tuple[Judged, ...]  #: Points that could be judged, by the models that could
+    judged: tuple[Judged, ...]  #: Points that could be judged
     #: Those that meet all conditions, and those among all that are nearer to the edge of one than
     #: its error bar
     met: tuple[Judged, ...]
@@ -93,10 +94,17 @@ def judged(
     return found
 
 
-def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
-    """Verdict of the aims on every point."""
+def verdicts(study: Study, aims: tuple[Aim, ...]) -> tuple[Verdict, ...]:
+    """Verdict of each model on every point; none where no point can be judged."""
     each = enumerate(zip(study.points, study.answers, strict=True))
-    every = [one for n, at in each for one in judged(study.statement, aims, n, *at)]
+    by_models: dict[str, list[Judged]] = {}
+    for n, at in each:
+        for one in judged(study.statement, aims, n, *at):
+            by_models.setdefault(one.models, []).append(one)
+    return tuple(_verdict(models, aims, every) for models, every in by_models.items())
+
+
+def _verdict(models: str, aims: tuple[Aim, ...], every: Sequence[Judged]) -> Verdict:
     conditions = [n for n, aim in enumerate(aims) if aim.kind == "condition"]
     met = [j for j in every if all(j.margins[n][0] >= 0.0 for n in conditions)]
     undecided = [
@@ -108,7 +116,7 @@ def verdict(study: Study, aims: tuple[Aim, ...]) -> Verdict:
     else:
         by = (goals or conditions)[0]
         best = sorted(met, key=lambda j: -j.margins[by][0])
-    return Verdict(aims, tuple(every), tuple(met), tuple(undecided), tuple(best))
+    return Verdict(models, aims, tuple(every), tuple(met), tuple(undecided), tuple(best))
 
 
 def _felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
@@ -158,15 +166,21 @@ def yield_interval(met: int, of: int) -> tuple[float, float]:
 _LISTED = 5
 
 
-def sentences(study: Study, found: Verdict) -> list[str]:
-    """Sentences on the points that meet the aims, and the best of them."""
-    total = len(found.judged)
-    if not total:
+def sentences(study: Study, found: Sequence[Verdict]) -> list[str]:
+    """Sentences on the points that meet the aims, and the best of them, model by model."""
+    if not found:
         return ["no point can be judged: at each, what the aims name is missing or not finite"]
+    return [line for each in found for line in _sentences(study, each)]
+
+
+def _sentences(study: Study, found: Verdict) -> list[str]:
+    total = len(found.judged)
     conditions = [aim.text for aim in found.aims if aim.kind == "condition"]
     lines = []
     if conditions:
-        share = f"{len(found.met)} of {total} points meet {' and '.join(conditions)}"
+        which = "points" if total == len(study.points) else "points that can be judged"
+        share = f"{found.models}: {len(found.met)} of {total} {which} meet "
+        share += " and ".join(conditions)
         if study.statement.samples:
             low, high = (100.0 * end for end in yield_interval(len(found.met), total))
             share += f": a yield of {100.0 * len(found.met) / total:.3g} % (95 % interval "
@@ -181,21 +195,20 @@ def sentences(study: Study, found: Verdict) -> list[str]:
         return lines
     goals = [aim for aim in found.aims if aim.kind == "goal"]
     if len(goals) == 2:
-        lines.append(f"{len(found.best)} points cannot be bettered in both {goals[0].text} and "
-                     f"{goals[1].text}:")  # fmt: skip
+        lines.append(f"{found.models}: {len(found.best)} points cannot be bettered in both "
+                     f"{goals[0].text} and {goals[1].text}:")  # fmt: skip
         listed = found.best
     else:
-        lines.append("best:" if goals else f"farthest inside {conditions[0]}:")
+        what = "best" if goals else f"farthest inside {conditions[0]}"
+        lines.append(f"{what} by {found.models}:")
         listed = found.best[:_LISTED]
     return lines + [f"  {_line(study, found, one)}" for one in listed]
 
 
 def _line(study: Study, found: Verdict, one: Judged) -> str:
-    at = ", ".join(
-        f"{key} = {scene_field(key).show(value)}" for key, value in study.points[one.number].items()
-    )
     each = zip(found.aims, one.margins, strict=True)
-    return f"{at} ({one.models}): {', '.join(shown(aim, *margin) for aim, margin in each)}"
+    margins = ", ".join(shown(aim, *margin) for aim, margin in each)
+    return f"{shown_point(study.points[one.number])}: {margins}"
 
 
 def takes_prefix(aim: Aim) -> bool:
@@ -215,13 +228,10 @@ def shown(aim: Aim, margin: float, bar: float) -> str:
 
 def as_values(study: Study, found: Verdict) -> dict[str, Any]:
     """Verdict as plain JSON values, SI units."""
-    share = yield_interval(len(found.met), len(found.judged)) if found.judged else None
+    share = list(yield_interval(len(found.met), len(found.judged)))
     return {
-        "aims": [aim.text for aim in found.aims], "judged": len(found.judged),
-        "met": len(found.met), "undecided": len(found.undecided),
-        "yield_interval_95": list(share) if share and study.statement.samples else None,
-        "best": [
-            {"at": study.points[one.number], "models": one.models, **one.values}
-            for one in found.best
-        ],
+        "models": found.models, "aims": [aim.text for aim in found.aims],
+        "judged": len(found.judged), "met": len(found.met), "undecided": len(found.undecided),
+        "yield_interval_95": share if study.statement.samples else None,
+        "best": [{"at": study.points[one.number], **one.values} for one in found.best],
     }  # fmt: skip

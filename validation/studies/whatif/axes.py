@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Annotated, Any
@@ -104,6 +104,22 @@ def scene_field(key: str) -> SceneField:
         owner = owner.model_fields[group].annotation
     info: FieldInfo = owner.model_fields[name]
     return SceneField(key, info, u.FREQUENCY if key == "frequency" else unit_of(info))
+
+
+#: Digits of a value that was drawn, as people read it.
+_DIGITS = 6
+
+
+def shown_value(key: str, value: Any) -> str:
+    """Value of an axis as people read it."""
+    if isinstance(value, float):
+        value = float(f"{value:.{_DIGITS}g}")
+    return scene_field(key).show(value)
+
+
+def shown_point(point: Mapping[str, Any]) -> str:
+    """Values of all axes at a point as people read them."""
+    return ", ".join(f"{key} = {shown_value(key, value)}" for key, value in point.items())
 
 
 def as_stated(key: str, value: Any) -> Any:

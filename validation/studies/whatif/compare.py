@@ -20,7 +20,7 @@ from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene, checked_scene, load_scene, scene_values
 from tactgen.validation.show.figures import BLUE, ORANGE, panels, plain_numbers, svg
 from tactgen.validation.show.page import inline, plain_page, table
-from tactgen.validation.studies.whatif.axes import scene_field
+from tactgen.validation.studies.whatif.axes import scene_field, shown_value
 from tactgen.validation.studies.whatif.defaults import chosen
 from tactgen.validation.studies.whatif.definition import FILE, Statement, read_statement
 from tactgen.validation.studies.whatif.output_files import TABLE, aligned
@@ -287,13 +287,20 @@ def lines(
 
 def place(key: Key) -> str:
     """Where a number is: the point, frequency, index."""
-    parts = []
-    for heading, value in key.point:
-        field = scene_field(heading.partition(" (")[0])
-        parts.append(f"{field.key} {field.show(float(value)) if field.numeric else value}")
+    parts = _axis_words(key.point)
     parts += [f"{float(key.frequency):.6g} Hz"] if key.frequency else []
     parts += [f"no. {key.number}"] if key.number else []
     return ", ".join(parts)
+
+
+def _axis_words(point: Iterable[tuple[str, str]]) -> list[str]:
+    """Values of axes by the headings of their columns, as people read them."""
+    found = []
+    for heading, value in point:
+        key = heading.partition(" (")[0]
+        number = float(value) if scene_field(key).numeric else value
+        found.append(f"{key} {shown_value(key, number)}")
+    return found
 
 
 def _shown(number: Number) -> str:
@@ -383,22 +390,25 @@ def _curves(sides: tuple[Side, ...]) -> str:
     found = {q: of for q, of in found.items() if of}
     if not found:
         return ""
-    figure, grid = panels(8.0, 3.0 * len(found), nrows=len(found), squeeze=False)
+    figure, grid = panels(11.0, 3.0 * len(found), nrows=len(found), squeeze=False)
     for axis, (quantity, curves) in zip(grid[:, 0], found.items(), strict=True):
         sizes = np.array([y for both in curves.values() for line in both for _, y in line])
         along, unit = labels[quantity]
         scale, unit = prefixed(float(sizes.max()), unit)
         for curve, both in list(curves.items())[:_CURVES]:
             for points, colour, name in zip(both, (BLUE, ORANGE), "AB", strict=True):
-                line = np.array(sorted(points)).reshape(-1, 2)
-                axis.plot(line[:, 0], scale * line[:, 1], "--" if name == "B" else "-",
-                          color=colour, linewidth=1.2, label=f"{name} {curve}")  # fmt: skip
+                if points:
+                    line = np.array(sorted(points))
+                    axis.plot(line[:, 0], scale * line[:, 1], "--" if name == "B" else "-",
+                              color=colour, linewidth=1.2, label=f"{name} {curve}")  # fmt: skip
+        if len(curves) > _CURVES:
+            axis.set_title(f"{_CURVES} of {len(curves)} curves", fontsize=9)
         axis.set_ylabel(f"{quantity.replace('_', ' ')} ({unit})")
         axis.set_xlabel(along)
         if sizes.min() > 0.0 and sizes.max() > 30.0 * sizes.min():
             axis.set_yscale("log")
             plain_numbers(axis.yaxis)
-        axis.legend(fontsize=8)
+        axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return svg(figure)
 
 
@@ -414,7 +424,7 @@ def _place(key: Key) -> tuple[str, float, str] | None:
         along = numeric[0]
         x = float(rest.pop(along))
     index = (f"no. {key.number}",) if key.number else ()
-    return along, x, " ".join((key.model, *index, *rest.values()))
+    return along, x, ", ".join((key.model, *index, *_axis_words(rest.items())))
 
 
 def _is_number(text: str) -> bool:

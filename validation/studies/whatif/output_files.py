@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
@@ -14,7 +15,7 @@ import numpy as np
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.engine import answers
 from tactgen.validation.engine.answers import Representative, representative
-from tactgen.validation.studies.whatif.axes import scene_field
+from tactgen.validation.studies.whatif.axes import shown_value
 from tactgen.validation.studies.whatif.definition import FORMAT
 from tactgen.validation.studies.whatif.point_answers import code_of
 from tactgen.validation.studies.whatif.study import Study
@@ -83,25 +84,49 @@ def _provenance(study: Study) -> dict[str, str]:
     }
 
 
-#: Lines that are shown; of longer studies evenly spaced ones.
+#: Lines that are shown at most; of longer studies evenly spaced points by every model.
 _SHOWN = 60
 
 
-def table_lines(study: Study) -> list[str]:
-    """Table's lines; of modes the first, of a response its largest magnitude."""
+def table_lines(study: Study, rest: str = "") -> list[str]:
+    """Table's lines; of modes the first, of a response its largest magnitude.
+
+    `rest` says where all points are, if some are left out.
+    """
     quantities, axes = study.statement.quantities, study.statement.axes
-    lines = [[*(axis.key for axis in axes), "model", *(heading(study, q) for q in quantities)]]
-    rows = list(study.rows)
-    picked = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _SHOWN)).astype(int))
-    for point, model, answer in (rows[number] for number in picked):
-        at = [scene_field(key).show(value) for key, value in point.items()]
-        shown = {q.name: representative(q).text for q in answer.quantities}
-        missing = {name: answer.status if gives(model, name) else "-" for name in quantities}
-        lines.append([*at, model, *({**missing, **shown}[name] for name in quantities)])
+    heads = [axis.key.replace(".", ".\n") for axis in axes]
+    heads += ["model", *(heading(study, q).replace(", ", ",\n") for q in quantities)]
+    places, lines = _spaced_points(study), headed(heads)
+    for place in places:
+        at = [shown_value(key, value) for key, value in study.points[place].items()]
+        for model, answer in study.answers[place].items():
+            shown = {q.name: representative(q).text for q in answer.quantities}
+            missing = {name: answer.status if gives(model, name) else "-" for name in quantities}
+            lines.append([*at, model, *({**missing, **shown}[name] for name in quantities)])
     found = aligned(lines, str.rjust)
-    if len(picked) < len(rows):
-        found.append(f"{len(picked)} of {len(rows)} lines are shown; --out STUDY writes all")
+    if len(places) < len(study.points):
+        left_out = f"{len(places)} of {len(study.points)} points are shown"
+        found.append(f"{left_out}; {rest}" if rest else left_out)
     return found
+
+
+def _spaced_points(study: Study) -> list[int]:
+    """Places of the points that are shown: every first, second, third ... along each dimension."""
+    sizes = tuple(study.statement.shape.values())
+    shown = [range(size) for size in sizes]
+    most = max(1, _SHOWN // len(study.statement.models))
+    while math.prod(map(len, shown)) > most:
+        longest = max(range(len(shown)), key=lambda n: len(shown[n]))
+        shown[longest] = range(0, sizes[longest], shown[longest].step + 1)
+    places: list[int] = np.ravel_multi_index(np.ix_(*shown), sizes).ravel().tolist()
+    return places
+
+
+def headed(heads: Sequence[str]) -> list[list[str]]:
+    """Rows of headings that have several lines each, the last at the bottom."""
+    stacks = [head.split("\n") for head in heads]
+    most = max(map(len, stacks))
+    return [list(row) for row in zip(*([""] * (most - len(s)) + s for s in stacks), strict=True)]
 
 
 def aligned(

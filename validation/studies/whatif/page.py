@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from tactgen.validation.studies.whatif.aim_evaluation import Verdict, sentences
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.output_files import column, heading, table_lines
 from tactgen.validation.studies.whatif.pictures import aim_picture, study_picture
+from tactgen.validation.studies.whatif.sample_statistics import sample_statistics, statistics_lines
 from tactgen.validation.studies.whatif.study import Study
 
 #: File of the page, and the script that moves it.
@@ -27,17 +28,19 @@ _SCRIPT = Path(__file__).with_name("slider.js")
 _MOST = 20_000
 
 
-def write_page(folder: Path, study: Study, found: Verdict | None = None) -> Path:
-    """Write the page, whole or not at all; `found` is the verdict of the aims."""
+def write_page(folder: Path, study: Study, found: Sequence[Verdict] | None = None) -> Path:
+    """Write the page, whole or not at all; `found` is what the models say of the aims."""
     stated = study.statement
     parts = [f"<p>{html.escape(_asked(stated))}</p>"]
     if found is not None:
         parts += ["<h2>Aims</h2>", _text(sentences(study, found))]
-        if found.judged:
+        if found:
             parts += _figure(lambda: aim_picture(study, found))
     if _has_sliders(stated):
         parts += _sliders(study)
     parts += ["<h2>Picture</h2>", *_figure(lambda: study_picture(study))]
+    if statistics := sample_statistics(study):
+        parts += ["<h2>Statistics</h2>", _text(statistics_lines(study, statistics))]
     parts += ["<h2>Points</h2>", _text(table_lines(study))]
     parts.append(
         "<p>The bars are numerical: how far a number is from the same model solved exactly. All "

@@ -24,7 +24,7 @@ from tactgen.validation.show.figures import (
     svg,
 )
 from tactgen.validation.studies.whatif.aim_evaluation import Judged, Verdict, takes_prefix
-from tactgen.validation.studies.whatif.axes import Axis, scene_field
+from tactgen.validation.studies.whatif.axes import Axis, scene_field, shown_point
 from tactgen.validation.studies.whatif.output_files import column, heading
 from tactgen.validation.studies.whatif.study import Study
 
@@ -131,17 +131,22 @@ def _lines(study: Study, axes: Sequence[Axis]) -> Figure:
 
 
 def _maps(study: Study, axes: Sequence[Axis]) -> Figure:
-    """Filled contours over the first two axes."""
+    """Filled contours over the first two axes, a row for each quantity."""
     first, second, *others = axes
     middle = {axis.key: axis.values[len(axis.values) // 2] for axis in others}
     shown = [n for n, point in enumerate(study.points) if middle.items() <= point.items()]
-    groups, rows = _by_choices(study, shown), _quantities(study)
+    groups = _by_choices(study, shown)
+    rows = [list(row) for _, row in itertools.groupby(_quantities(study), key=lambda q: q[0])]
+    columns = max(map(len, rows)) * len(groups)
     figure, grid = panels(
-        5.0 * len(groups), 4.0 * len(rows), nrows=len(rows), ncols=len(groups), squeeze=False
+        5.0 * columns, 4.0 * len(rows), nrows=len(rows), ncols=columns, squeeze=False
     )
-    fixed = ", ".join(f"{key} = {scene_field(key).show(value)}" for key, value in middle.items())
-    for sides, (label, model, values, _) in zip(grid, rows, strict=True):
-        for side, (at, places) in zip(sides, groups.items(), strict=True):
+    fixed = shown_point(middle)
+    for sides, row in zip(grid, rows, strict=True):
+        maps = list(itertools.product(row, groups.items()))
+        for side in sides[len(maps) :]:
+            side.remove()
+        for side, ((label, model, values, _), (at, places)) in zip(sides, maps, strict=False):
             x, x_label = _along(first, [study.points[n] for n in places])
             y, y_label = _along(second, [study.points[n] for n in places])
             side.set_title(f"{model} {at} {fixed}".strip(), fontsize=9)
@@ -162,41 +167,52 @@ def _maps(study: Study, axes: Sequence[Axis]) -> Figure:
 _Direction = Callable[[Sequence[Judged]], tuple[Floats, Any, str]]
 
 
-def aim_picture(study: Study, found: Verdict) -> str:
+def aim_picture(study: Study, found: Sequence[Verdict]) -> str:
     """Picture as an SVG element: what meets the aims, what does not, and what is best.
 
-    Of two goals one over the other; else the plane of two axes, or every aim over each axis.
+    Of two goals one over the other; else the plane of two axes, or every aim over each axis.  Each
+    model has panels of its own: side by side if they are one column, else below each other.
 
     Raises InputError if no axis is a number.
     """
-    goals = [n for n, aim in enumerate(found.aims) if aim.kind == "goal"]
-    axes = _numeric(study) if len(goals) < 2 else []
-    if len(goals) == 2:
-        rows = [[(_of_aim(found, goals[0]), _of_aim(found, goals[1]))]]
-    elif len(axes) == 2:
-        rows = [[(_of_axis(study, axes[0]), _of_axis(study, axes[1]))]]
+    blocks = [[[(one, *of) for of in row] for row in _directions(study, one)] for one in found]
+    if len(blocks[0][0]) == 1:
+        rows = [list(itertools.chain(*row)) for row in zip(*blocks, strict=True)]
     else:
-        rows = [
-            [(_of_axis(study, axis), _of_aim(found, n)) for axis in axes]
-            for n in range(len(found.aims))
-        ]
+        rows = list(itertools.chain(*blocks))
     columns = len(rows[0])
     figure, grid = panels(
         max(6.4, 3.6 * columns), 3.6 * len(rows), nrows=len(rows), ncols=columns, squeeze=False
     )
-    best = found.best if len(goals) == 2 else found.best[:1]
-    for side, (across, up) in zip(grid.flat, itertools.chain(*rows), strict=True):
-        for name, colour, which in (*_sorted(found), ("best", "none", best)):
+    named: dict[str, Any] = {}
+    for side, (one, across, up) in zip(grid.flat, itertools.chain(*rows), strict=True):
+        best = one.best if sum(aim.kind == "goal" for aim in one.aims) == 2 else one.best[:1]
+        for name, colour, which in (*_sorted(one), ("best", "none", best)):
             x, x_bar, x_label = across(which)
             y, y_bar, y_label = up(which)
-            side.errorbar(
+            named[name] = side.errorbar(
                 x, y, y_bar, x_bar, fmt="o", markersize=8 if name == "best" else 4, capsize=2,
                 color=colour, markeredgecolor=DARK if name == "best" else colour, label=name,
             )  # fmt: skip
+            side.set_title(f"by {one.models}", fontsize=9)
             side.set_xlabel(x_label, fontsize=8)
             side.set_ylabel(y_label, fontsize=8)
-    grid[0, -1].legend(fontsize=8)
+    figure.legend(named.values(), named, loc="outside upper center", ncols=len(named), fontsize=8)
     return svg(figure)
+
+
+def _directions(study: Study, found: Verdict) -> list[list[tuple[_Direction, _Direction]]]:
+    """What a verdict's panels show, across and up, by rows."""
+    goals = [n for n, aim in enumerate(found.aims) if aim.kind == "goal"]
+    axes = _numeric(study) if len(goals) < 2 else []
+    if len(goals) == 2:
+        return [[(_of_aim(found, goals[0]), _of_aim(found, goals[1]))]]
+    if len(axes) == 2:
+        return [[(_of_axis(study, axes[0]), _of_axis(study, axes[1]))]]
+    return [
+        [(_of_axis(study, axis), _of_aim(found, n)) for axis in axes]
+        for n in range(len(found.aims))
+    ]
 
 
 def _of_axis(study: Study, axis: Axis) -> _Direction:

@@ -15,7 +15,7 @@ from tactgen.validation.engine.surrogate import Ranges, Surrogate
 from tactgen.validation.scene.files import choices
 from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.scene.variation import ScenesNearby
-from tactgen.validation.studies.whatif.axes import as_stated
+from tactgen.validation.studies.whatif.axes import as_stated, shown_point
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.executor import Job, execute
 from tactgen.validation.studies.whatif.interpolation import Part, find_parts
@@ -24,9 +24,11 @@ from tactgen.validation.studies.whatif.point_answers import Question, question, 
 #: A point's number with a model's name, and what was asked there: a question's number or a refusal.
 _Place = tuple[int, str]
 _Asked = int | Answer
+#: A sentence, the number of its point, its model.
+_Said = tuple[str, int, str]
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-#: Of sentences that differ in their numbers, the first is told.
-_OTHERS = " (other numbers at other points)"
+#: Sentences with this word are the worse the smaller their numbers are.
+_SMALLER = "stubby"
 
 
 @dataclass(frozen=True)
@@ -64,18 +66,30 @@ class Study:
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the answers, each once with its number of points.
 
-        Sentences that differ in their numbers alone are one.
+        Sentences that differ in their numbers alone are one: the worst, with its point.
         """
-        found: dict[str, list[str]] = {}
-        for _, model, each in self.rows:
-            failure = [f"{model} has no answer: {each.reason}"] if each.status != "ok" else []
-            for text in (*each.warnings, *failure):
-                found.setdefault(_NUMBER.sub("#", text), []).append(text)
-        total = len(self.points)
-        return tuple(
-            f"at {len(texts)} of {total} points{_OTHERS if len(set(texts)) > 1 else ''}: {texts[0]}"
-            for texts in found.values()
-        )
+        found: dict[str, list[_Said]] = {}
+        for number, answers in enumerate(self.answers):
+            for model, each in answers.items():
+                failure = [f"{model} has no answer: {each.reason}"] if each.status != "ok" else []
+                for text in (*each.warnings, *failure):
+                    found.setdefault(_NUMBER.sub("#", text), []).append((text, number, model))
+        return tuple(map(self._grouped, found.values()))
+
+    def _grouped(self, said: Sequence[_Said]) -> str:
+        """Worst of sentences that differ in their numbers, with how often they are said."""
+        points, models = (dict.fromkeys(of) for of in list(zip(*said, strict=True))[1:])
+        head = f"at {len(points)} of {len(self.points)} points by {', '.join(models)}"
+        if len({text for text, *_ in said}) > 1:
+            said = sorted(said, key=lambda each: _severity(each[0]))
+            head += f", worst by {said[-1][2]} at {shown_point(self.points[said[-1][1]])}"
+        return f"{head}: {said[-1][0]}"
+
+
+def _severity(text: str) -> list[float]:
+    """Numbers of a warning: of two that differ in these alone, the larger list is the worse."""
+    sign = -1.0 if _SMALLER in text else 1.0
+    return [sign * float(number) for number in _NUMBER.findall(text)]
 
 
 def run_study(

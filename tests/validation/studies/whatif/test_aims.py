@@ -18,7 +18,7 @@ from tactgen.validation.studies.whatif.aim_evaluation import (
     parse_aims,
     sentences,
     shown,
-    verdict,
+    verdicts,
     yield_interval,
 )
 from tactgen.validation.studies.whatif.aims import at_threshold, parse_aim
@@ -152,16 +152,33 @@ def test_conditions_and_goals_pick_points():
     found = study("bimorph.length=14mm:22mm:5", quantities=both)
     condition = "static_tip_displacement >= 0.7 um"
     goal = "maximise first(short_circuit_frequencies)"
-    met = verdict(found, parse_aims([condition]))
+    (met,) = verdicts(found, parse_aims([condition]))
     assert [one.number for one in met.met] == [2, 3, 4]
     assert [one.number for one in met.best] == [4, 3, 2]
     assert not met.undecided
-    best = verdict(found, parse_aims([condition, goal]))
+    (best,) = verdicts(found, parse_aims([condition, goal]))
     assert [one.number for one in best.best] == [2, 3, 4]
-    front = verdict(found, parse_aims([goal, "maximise static_tip_displacement"]))
+    (front,) = verdicts(found, parse_aims([goal, "maximise static_tip_displacement"]))
     assert [one.number for one in front.best] == [0, 1, 2, 3, 4]
     with pytest.raises(InputError, match="more than two goals"):
         parse_aims([goal, goal, goal])
+
+
+def test_each_model_has_a_verdict_of_its_own():
+    """The limit lies between the first frequencies of two models: the one meets it, the other not.
+
+    A yield is counted over the points, not over points times models.
+    """
+    lengths = "bimorph.length=normal(14mm,0.01%)"
+    found = study(lengths, models=("tmm", "lumped"), quantities=("short_circuit_frequencies",),
+                  samples=4)  # fmt: skip
+    first = {m: [at[m].quantities[0].value[0] for at in found.answers] for m in ("tmm", "lumped")}
+    assert max(first["tmm"]) < min(first["lumped"])
+    limit = 0.5 * (max(first["tmm"]) + min(first["lumped"]))
+    both = verdicts(found, parse_aims([f"first(short_circuit_frequencies) >= {limit} Hz"]))
+    met = {one.models: (len(one.met), len(one.judged)) for one in both}
+    assert met == {"tmm": (0, 4), "lumped": (4, 4)}
+    assert as_values(found, both[1])["yield_interval_95"] == list(yield_interval(4, 4))
 
 
 def test_an_aim_over_both_actuators():
@@ -170,8 +187,8 @@ def test_an_aim_over_both_actuators():
         "gap=100um,200um", models=("tmm", "network"),
         quantities=("magnetic_force", "static_tip_displacement"),
     )  # fmt: skip
-    judged = verdict(found, parse_aims(["magnetic_force / static_tip_displacement > 0 N / 1 m"]))
-    assert [one.models for one in judged.judged] == ["tmm with network"] * 2
+    (both,) = verdicts(found, parse_aims(["magnetic_force / static_tip_displacement > 0 N / 1 m"]))
+    assert (both.models, len(both.judged)) == ("tmm with network", 2)
 
 
 def test_the_command_says_yield_and_best(capsys, tmp_path):
@@ -187,7 +204,9 @@ def test_the_command_says_yield_and_best(capsys, tmp_path):
     found = study("bimorph.length=normal(20mm,2%)", quantities=("short_circuit_frequencies",),
                   samples=8)  # fmt: skip
     met = sum(a.quantities[0].value[0] >= 440.0 for _, _, a in found.rows)
-    assert f"{met} of 8 points meet first(short_circuit_frequencies) >= 440 Hz: a yield of" in out
+    assert (
+        f"tmm: {met} of 8 points meet first(short_circuit_frequencies) >= 440 Hz: a yield of" in out
+    )
     assert picture.read_text().startswith("<svg")
 
 
@@ -215,19 +234,16 @@ def test_a_verdict_as_plain_values():
     """Points and margins of the best; an interval of the yield only of drawn devices."""
     aim = parse_aim("first(short_circuit_frequencies) > 0.5 kHz")
     best, other = (Judged(n, "tmm", ((10.0 * n, 0.5), (1.0, 0.1))) for n in (1, 2))
-    found = Verdict((aim,), (best, other), (best,), (), (best,))
+    found = Verdict("tmm", (aim,), (best, other), (best,), (), (best,))
     study = SimpleNamespace(points=[{}, {"gap": 1e-4}, {}], statement=SimpleNamespace(samples=2))
     said = as_values(study, found)
     assert said["aims"] == [aim.text]
     assert (said["judged"], said["met"], said["undecided"]) == (2, 1, 0)
     assert said["yield_interval_95"] == list(yield_interval(1, 2))
-    assert said["best"] == [
-        {"at": {"gap": 1e-4}, "models": "tmm", "margins": [10.0, 1.0], "bars": [0.5, 0.1]}
-    ]
+    assert said["models"] == "tmm"
+    assert said["best"] == [{"at": {"gap": 1e-4}, "margins": [10.0, 1.0], "bars": [0.5, 0.1]}]
     study.statement.samples = 0
     assert as_values(study, found)["yield_interval_95"] is None
-    study.statement.samples = 2
-    assert as_values(study, Verdict((aim,), (), (), (), ()))["yield_interval_95"] is None
 
 
 def test_what_a_verdict_says():
@@ -237,11 +253,12 @@ def test_what_a_verdict_says():
     study = SimpleNamespace(
         points=[{"gap": 1e-4 * n} for n in range(7)], statement=SimpleNamespace(samples=7)
     )
-    found = sentences(study, Verdict((condition,), points, points[6:], points[:1], points[6:]))
+    said = Verdict("tmm", (condition,), points, points[6:], points[:1], points[6:])
+    found = sentences(study, [said])
     low, high = (100.0 * end for end in yield_interval(1, 7))
-    assert found[0].startswith("1 of 7 points meet first(short_circuit_frequencies) > 0.5 kHz")
+    assert found[0].startswith("tmm: 1 of 7 points meet first(short_circuit_frequencies) > 0.5 kHz")
     assert f"{low:.3g} to {high:.3g} %" in found[0]
     assert "nearer to the edge" in found[1]
-    assert "gap = 0.6 mm (tmm): margin 60.00 ± 0.50 Hz" in found[-1]
-    (only,) = sentences(study, Verdict((condition,), (), (), (), ()))
+    assert "gap = 0.6 mm: margin 60.00 ± 0.50 Hz" in found[-1]
+    (only,) = sentences(study, [])
     assert only.startswith("no point can be judged: ")

@@ -1,5 +1,6 @@
 """Two scenes or studies side by side: what differs, and what the error bars cover."""
 
+import itertools
 import json
 import re
 
@@ -24,6 +25,7 @@ from tactgen.validation.studies.whatif.output_files import TABLE
 
 KEY = Key((), "capacitance_free", "solid", "", "")
 SCENE = load_scene("prototype")[0]
+WIDTH = "bimorph.width 1.5 mm"
 HEAD = ",".join(["gap (m)", *COLUMNS])
 
 
@@ -60,19 +62,24 @@ def test_the_largest_change_beyond_the_bars_is_shown():
 @pytest.mark.parametrize(
     ("frequencies", "along", "abscissae", "curves"),
     [
-        (("",), "length", [1.0, 2.0], ("rough 7", "fine 7")),
+        (("",), "gap (m)", [1.0, 2.0], (f"load.kind {load}, {WIDTH}" for load in ("none", "mass"))),
         (("10", "50"), "frequency (Hz)", [10.0, 50.0],
-         ("rough 1 7", "rough 2 7", "fine 1 7", "fine 2 7")),
+         (f"load.kind {load}, gap {gap}, {WIDTH}"
+          for load in ("none", "mass") for gap in ("1000 mm", "2000 mm"))),
     ],
 )  # fmt: skip
 def test_curves_run_along_the_first_axis_of_numbers(
     monkeypatch, frequencies, along, abscissae, curves
 ):
-    """Words before it and numbers after it tell the curves apart; over frequency all values do."""
+    """Words before it and numbers after it tell the curves apart; over frequency all values do.
+
+    Numbers stand in the unit of their key, without digits of rounding.
+    """
     drawn = []
     monkeypatch.setattr(compare, "svg", drawn.append)
-    values = [("rough", "1", "7"), ("rough", "2", "7"), ("fine", "1", "7"), ("fine", "2", "7")]
-    points = [tuple(zip(("mesh", "length", "width"), value, strict=True)) for value in values]
+    heads = ("load.kind", "gap (m)", "bimorph.width (m)")
+    values = itertools.product(("none", "mass"), ("1", "2"), ("0.0015000000000000001",))
+    points = [tuple(zip(heads, value, strict=True)) for value in values]
     held = {
         Key(point, "force", "tmm", frequency, ""): Number(n + 1.0, 0.0, "N")
         for n, point in enumerate(points)
@@ -81,7 +88,7 @@ def test_curves_run_along_the_first_axis_of_numbers(
     compare._curves((Side("a", {}, held, 0, SCENE), Side("b", {}, held, 0, SCENE)))
     (axis,) = drawn[0].axes
     assert axis.get_xlabel() == along
-    assert [line.get_label() for line in axis.lines[::2]] == [f"A tmm {which}" for which in curves]
+    assert [line.get_label() for line in axis.lines[::2]] == [f"A tmm, {which}" for which in curves]
     assert axis.lines[0].get_xdata().tolist() == abscissae
 
 
@@ -181,7 +188,7 @@ def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
         (None, "is not the table of a study ([Errno 2]"),
         ("", "is not the table of a study"),
         ("length,quantity\n", "is not the table of a study (other columns)"),
-        (f"{HEAD}\n1,gap,tmm,,,1 mm,,,m,ok,\n", "is not the table of a study (could not convert"),
+        (f"{HEAD}\n1,gap,tmm,,,,1 mm,,,m,ok,\n", "is not the table of a study (could not convert"),
         (f"{HEAD}\n1,gap,tmm\n", "is not the table of a study (zip"),
     ],
 )  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 from tactgen.validation.engine.answers import representative
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import output_files as text_table
-from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict
+from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdicts
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.page import write_page
 from tactgen.validation.studies.whatif.study import run_study
@@ -57,15 +57,20 @@ def test_a_study_over_words_has_no_picture_and_says_why(tmp_path):
 
 
 def test_a_long_table_is_thinned_and_says_so(monkeypatch):
-    """The first and the last line stay."""
-    monkeypatch.setattr(text_table, "_SHOWN", 3)
+    """Evenly spaced points along each axis, every model at each; where the rest is, if known."""
+    monkeypatch.setattr(text_table, "_SHOWN", 12)
     values, _ = scene_values("prototype", ["modes=1"])
-    study = run_study(
-        Statement("prototype", values, ("bimorph.length=14mm:18mm:5",), ("lumped",), STATIC)
-    )
-    _, *lines, last = text_table.table_lines(study)
-    assert [line.split()[0] for line in lines] == ["14", "16", "18"]
-    assert last == "3 of 5 lines are shown; --out STUDY writes all"
+    axes = ("bimorph.length=14mm:18mm:5", "bimorph.width=2mm:2.1mm:2")
+    study = run_study(Statement("prototype", values, axes, ("lumped", "tmm"), STATIC))
+    _, _, *lines, last = text_table.table_lines(study, "look there")
+    rows = [line.split() for line in lines]
+    assert [(row[0], row[2], row[4]) for row in rows] == [
+        (length, width, model)
+        for length in ("14", "16", "18") for width in ("2", "2.1") for model in ("lumped", "tmm")
+    ]  # fmt: skip
+    assert last == "6 of 10 points are shown; look there"
+    monkeypatch.setattr(text_table, "_SHOWN", 20)
+    assert len(text_table.table_lines(study, "look there")) == 2 + 20
 
 
 def test_samples_have_no_sliders_but_a_picture(tmp_path):
@@ -80,9 +85,9 @@ def test_the_page_begins_with_what_the_aims_say(tmp_path):
     """Words and picture stand before the sliders."""
     study, _, _ = written(tmp_path, "bimorph.length=14mm:22mm:5", quantities=(*STATIC, MODES))
     aim = f"first({MODES}) >= 500 Hz"
-    found = verdict(study, parse_aims([aim]))
+    found = verdicts(study, parse_aims([aim]))
     page = write_page(tmp_path, study, found).read_text(encoding="utf-8")
-    said = f"{len(found.met)} of 5 points meet {aim}".replace(">", "&gt;")
+    said = f"{len(found[0].met)} of 5 points meet {aim}".replace(">", "&gt;")
     assert page.index("<h2>Aims</h2>") < page.index(said) < page.index("<h2>Slide</h2>")
 
 

@@ -8,7 +8,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import pictures
-from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdict
+from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdicts
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import run_study
 
@@ -71,11 +71,27 @@ def test_aims_are_shown_over_axes_or_over_each_other(drawn, vary, aims, panels):
     study = run_study(
         replace(study.statement, vary=vary, quantities=(*STATIC, "short_circuit_frequencies"))
     )
-    figure = pictures.aim_picture(study, verdict(study, parse_aims(aims)))
+    figure = pictures.aim_picture(study, verdicts(study, parse_aims(aims)))
     assert len(figure.axes) == panels
     for side in figure.axes:
         groups = [of for of in side.containers if of.get_label() != "best"]
         assert sum(len(of.lines[0].get_xdata()) for of in groups) == len(study.points)
+
+
+def test_each_model_has_a_panel_with_its_own_verdict(drawn):
+    """A limit between the first frequencies of two models: one panel is met, one is not."""
+    study, _ = drawn("bimorph.length=14mm,15mm")
+    study = run_study(replace(
+        study.statement, vary=("bimorph.length=14mm,14.001mm", "bimorph.width=2.0999mm,2.1mm"),
+        models=("tmm", "lumped"), quantities=("short_circuit_frequencies",),
+    ))  # fmt: skip
+    first = {m: [at[m].quantities[0].value[0] for at in study.answers] for m in ("tmm", "lumped")}
+    assert max(first["tmm"]) < min(first["lumped"])
+    limit = 0.5 * (max(first["tmm"]) + min(first["lumped"]))
+    found = verdicts(study, parse_aims([f"{FIRST} >= {limit} Hz"]))
+    figure = pictures.aim_picture(study, found)
+    groups = {side.get_title(): [of.get_label() for of in side.containers] for side in figure.axes}
+    assert groups == {"by tmm": ["not met", "best"], "by lumped": ["met", "best"]}
 
 
 def test_what_cannot_be_drawn_is_refused(drawn):

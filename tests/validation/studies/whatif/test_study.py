@@ -16,7 +16,7 @@ from tactgen.validation.studies.whatif import point_answers as questions
 from tactgen.validation.studies.whatif.definition import Statement, read_statement
 from tactgen.validation.studies.whatif.output_files import dataset
 from tactgen.validation.studies.whatif.point_answers import Question
-from tactgen.validation.studies.whatif.study import run_study
+from tactgen.validation.studies.whatif.study import Counts, Study, run_study
 
 
 def statement(
@@ -173,7 +173,7 @@ def test_the_files_open_elsewhere(tmp_path, capsys):
         "--frequency", "10,500", "--set", "modes=2", "--out", out,
     )  # fmt: skip
     assert (code, sorted(p.name for p in out.iterdir())) == (
-        0, ["study.csv", "study.html", "study.json", "study.nc"],
+        0, ["statistics.csv", "study.csv", "study.html", "study.json", "study.nc"],
     )  # fmt: skip
     assert "refused" in err
     with xarray.open_dataset(out / "study.nc") as data:
@@ -185,6 +185,8 @@ def test_the_files_open_elsewhere(tmp_path, capsys):
         assert data["bimorph.length"].attrs["units"] == "m"
         assert data.tip_displacement_re.attrs["units"] == "m"
         assert data.attrs["scene"] == "prototype"
+        classes = data["short_circuit_frequencies_class"]
+        assert classes.dims == data.short_circuit_frequencies.dims
         assert len(data.attrs["scene_sha256"]) == 64
         assert data.model.values.tolist() == ["tmm", "network"]
         place = {"model": "tmm", "bimorph.length": 0.016, "bimorph.bare_above": 1e-3}
@@ -198,6 +200,7 @@ def test_the_files_open_elsewhere(tmp_path, capsys):
             "prototype", ["bimorph.length=16mm", "bimorph.bare_above=1mm", "frequency=10,500"]
         )
         alone = solve(scene, ("tmm",), ("tip_displacement",)).quantities[0]
+        assert at.short_circuit_frequencies_class.values.tolist() == ["bending_x"] * 2
         np.testing.assert_array_equal(at.tip_displacement_re, alone.value.real)
         np.testing.assert_array_equal(at.tip_displacement_im, alone.value.imag)
         np.testing.assert_array_equal(at.tip_displacement_uncertainty, alone.error)
@@ -205,6 +208,10 @@ def test_the_files_open_elsewhere(tmp_path, capsys):
     with (out / "study.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0])[:3] == ["bimorph.length (m)", "bimorph.bare_above (m)", "gap (m)"]
+    kinds = {
+        r["class"] for r in rows if r["quantity"] == "short_circuit_frequencies" and r["value"]
+    }
+    assert kinds == {"bending_x"}
     mine = [r for r in rows if r["quantity"] == "magnetic_force"]
     assert [float(r["value"]) for r in mine if r["value"]] == force[np.isfinite(force)].tolist()
     response = [
@@ -312,3 +319,32 @@ def test_a_study_that_is_gone_on_with_keeps_what_it_held(tmp_path):
     text = (tmp_path / "study" / "study.csv").read_text(encoding="utf-8")
     assert "lumped" in text
     assert "tmm" in text
+
+
+def told(*warnings, points=2):
+    """Return the warnings of a study whose points were answered with these, model by model."""
+    every = iter(warnings)
+    answers = tuple(
+        {model: Answer("ok", "", warnings=(next(every),)) for model in ("tmm", "lumped")}
+        for _ in range(points)
+    )
+    at = tuple({"gap": 1e-4 * (number + 1)} for number in range(points))
+    return Study(Statement(), at, answers, Counts(0, 0, 0, 0)).warnings
+
+
+def test_a_group_of_warnings_is_its_worst_with_its_point():
+    """Numbers are compared as numbers; points are counted, not answers; alike once is enough."""
+    stress = "the stress reaches {} MPa at {} Hz, more than 28 MPa"
+    (found,) = told(*(stress.format(*of) for of in ((30, 7), (9e2, 5), (1e3, 6), (1e3, 5))))
+    assert found == (
+        "at 2 of 2 points by tmm, lumped, worst by tmm at gap = 0.2 mm: "
+        f"{stress.format(1e3, 6)}"
+    )  # fmt: skip
+    (found,) = told(*["the same"] * 4)
+    assert found == "at 2 of 2 points by tmm, lumped: the same"
+
+
+def test_of_beams_the_stubbiest_is_the_worst():
+    """There fewer is worse."""
+    (found,) = told(*(f"{n} thicknesses, too stubby" for n in (9, 8, 2, 11)))
+    assert found.endswith("at gap = 0.2 mm: 2 thicknesses, too stubby")

@@ -1,0 +1,97 @@
+"""Statistics of drawn points: mean, standard deviation, percentiles of each quantity by model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tactgen.geometry.csv_tables import write_csv
+from tactgen.geometry.formats import engineering
+from tactgen.validation.studies.whatif.axes import shown_value
+from tactgen.validation.studies.whatif.output_files import aligned, column, heading
+from tactgen.validation.studies.whatif.study import Study
+
+#: File in a study's folder.
+FILE = "statistics.csv"
+#: The percentiles (%).
+PERCENTILES = (5, 50, 95)
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Statistics of one quantity by one model over the samples, SI units."""
+
+    at: dict[str, Any]  #: Values of the axes that are not drawn
+    quantity: str
+    what: str  #: Number that stands for the quantity, as ``first`` or ``largest``
+    model: str
+    unit: str
+    count: int  #: Samples with a value
+    mean: float
+    deviation: float  #: Standard deviation, nan of one sample
+    percentiles: tuple[float, ...]  #: At :data:`PERCENTILES`
+
+
+def sample_statistics(study: Study) -> list[Statistics]:
+    """Statistics of every quantity by every model; nothing if no axis is drawn."""
+    stated = study.statement
+    if not stated.samples:
+        return []
+    stepped = [axis.key for axis in stated.axes if axis.drawn is None]
+    groups: dict[tuple[Any, ...], list[int]] = {}
+    for place, point in enumerate(study.points):
+        groups.setdefault(tuple(point[key] for key in stepped), []).append(place)
+    found = []
+    for name in stated.quantities:
+        for model in stated.models:
+            shown = column(study, model, name)
+            for values, places in groups.items():
+                own = [s for place in places if (s := shown[place]) and np.isfinite(s.value)]
+                if own:
+                    at = dict(zip(stepped, values, strict=True))
+                    sizes, first = [s.value for s in own], own[0]
+                    found.append(_statistics(at, name, first.what, model, first.unit, sizes))
+    return found
+
+
+def _statistics(
+    at: dict[str, Any], quantity: str, what: str, model: str, unit: str, values: Sequence[float]
+) -> Statistics:
+    deviation = float(np.std(values, ddof=1)) if len(values) > 1 else np.nan
+    ends = tuple(map(float, np.percentile(values, PERCENTILES)))
+    return Statistics(
+        at, quantity, what, model, unit, len(values), float(np.mean(values)), deviation, ends
+    )
+
+
+def statistics_lines(study: Study, found: Sequence[Statistics]) -> list[str]:
+    """Table's lines; nothing if there are none."""
+    if not found:
+        return []
+    heads = ["quantity", "model", "samples", "mean", "deviation", *(f"{p} %" for p in PERCENTILES)]
+    rows = [[*found[0].at, *heads]]
+    for one in found:
+        numbers = (one.mean, one.deviation, *one.percentiles)
+        rows.append([
+            *(shown_value(key, value) for key, value in one.at.items()),
+            heading(study, one.quantity), one.model, str(one.count),
+            *("-" if np.isnan(number) else engineering(number, one.unit) for number in numbers),
+        ])  # fmt: skip
+    return ["statistics of the samples, with percentiles:", *aligned(rows, str.rjust)]
+
+
+def write_statistics(folder: Path, study: Study, found: Sequence[Statistics]) -> Path:
+    """Write the statistics, whole or not at all."""
+    stepped = [axis.label for axis in study.statement.axes if axis.drawn is None]
+    head = ("quantity", "number", "model", "samples", "mean", "standard_deviation",
+            *(f"percentile_{p}" for p in PERCENTILES), "unit")  # fmt: skip
+    rows = (
+        (*one.at.values(), one.quantity, one.what, one.model, one.count, one.mean,
+         None if np.isnan(one.deviation) else one.deviation, *one.percentiles, one.unit)
+        for one in found
+    )  # fmt: skip
+    return write_csv(folder / FILE, (*stepped, *head), rows)
