@@ -248,6 +248,11 @@ _LEAST_POINTS, _PER_PARAMETER = 5, 2
 #: residuals are rounding.
 _UNEXPLAINED, _ROUNDING = 0.2, 1e-8
 _TINY = np.finfo(float).tiny
+#: Share of the sum of squares that is left where another reading of the data fits far better.
+_FAR_BETTER = 0.25
+_VOLTAGE = "drive.voltage"
+#: Factor within which a voltage is looked for: that of units stated wrongly, and more.
+_ANY = 1e6
 _OPPOSITE = {"low": "high", "high": "low"}
 
 
@@ -342,6 +347,7 @@ def identify(
     stats = statistics(jacobian[:, free], residuals, stated=stated)
     fitted_scene = with_values(start, dict(zip(model.keys, map(float, values), strict=True)))
     warnings += _doubts(misfit, stats, now, residuals) + _phase_hint(curve, scanned)
+    warnings += _voltage_hint(best, start, scanned, float(np.sum(residuals**2)))
     estimates = _estimates(best, parameters, values, edges, stats)
     correlation = np.full((len(parameters), len(parameters)), np.nan)
     correlation[np.ix_(free, free)] = stats.correlation
@@ -376,7 +382,10 @@ def _parameters(scene: Scene, fit: Sequence[str]) -> list[FitParameter]:
         if keys.count(key) > 1:
             raise InputError(f"--fit names {key} twice; keep one of them")
         if idle(scene, key):
-            raise InputError(f"--fit: {idle(scene, key)}")
+            raise InputError(
+                f"--fit: {idle(scene, key)}, or name another parameter, such as --fit "
+                "piezo.quality_factor"
+            )
     return parameters
 
 
@@ -534,6 +543,36 @@ def _phase_hint(curve: MeasuredCurve, scanned: Scan) -> list[str]:
         "both signs opposite (of the values and of the phase)": cost(-data.conj()),
     }
     name = min(hints, key=lambda name: hints[name])
-    if hints[name] >= 0.25 * cost(data):
+    if hints[name] >= _FAR_BETTER * cost(data):
         return []
     return [f"the data would fit far better with {name}; check how the phase was recorded"]
+
+
+def _voltage_hint(fit: Fit, start: Scene, scanned: Scan, left: float) -> list[str]:
+    """Hint at another drive voltage, a constant factor, with which the data would fit far better.
+
+    `left` is the sum of squares that the fit leaves.  The voltage is fitted beside the parameters,
+    from the node of the grid at which measured over computed varies least.
+    """
+    model, curve, stated = fit.model, fit.misfit.curve, start.drive.voltage
+    if _VOLTAGE in model.keys or left < curve.frequencies.size * _ROUNDING**2:
+        return []
+    ratios = np.log(np.abs(curve.values[scanned.points] / scanned.curves))
+    node = int(np.argmin(np.var(ratios, axis=1)))
+    first = np.append(scanned.nodes[node], stated * np.exp(np.mean(ratios[node])))
+    wider = Fit(
+        curve_model(start, model.quantity, model.frequencies, (*model.keys, _VOLTAGE)),
+        fit.misfit, np.append(fit.low, stated / _ANY), np.append(fit.high, stated * _ANY),
+    )  # fmt: skip
+    if not wider.model.sensitivities(first)[:, -1].any():  # an admittance
+        return []
+    cost, values = wider.descend(first, list(range(first.size)), most=100)
+    if cost >= _FAR_BETTER * left:
+        return []
+    hint = (
+        f"measured over computed is {values[-1] / stated:.4g} at every frequency, if {_VOLTAGE} is "
+        f"fitted too: the root mean square misfit is then {np.sqrt(cost / left):.2g} times this "
+        f"one; set {_VOLTAGE} = {values[-1]:.4g} V (the peak value), or check the gain and the "
+        "unit of the measurement"
+    )
+    return [hint]

@@ -1,5 +1,6 @@
 """Support identification: known parameters recovered, and an honest word on those that are not."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -236,6 +237,29 @@ def test_data_that_cannot_be_of_this_scene_are_doubted(change, words):
     data = synthetic(1)
     found = identify(PROTOTYPE, replace(data, values=change(data.values)))
     assert any(words in text for text in found.warnings)
+
+
+@pytest.mark.parametrize("phase", [True, False])
+@pytest.mark.parametrize("factor", [0.5, 1e3])
+def test_a_wrong_drive_voltage_is_named_with_its_factor(phase, factor):
+    """Support and voltage are then found from the same data, within their noise of 2 %."""
+    data = synthetic(1, phase=phase)
+    found = identify(PROTOTYPE, replace(data, values=factor * data.values))
+    (told,) = (text for text in found.warnings if "drive.voltage = " in text)
+    stated = re.search(r"drive\.voltage = (\S+) V", told)
+    assert float(stated[1]) == pytest.approx(factor * PROTOTYPE.drive.voltage, rel=0.02)
+    assert f"is {float(stated[1]) / PROTOTYPE.drive.voltage:.4g} at every frequency" in told
+
+
+def test_the_right_voltage_and_an_admittance_are_not_doubted():
+    """Nor is a fit that is off for another reason: a support far too stiff."""
+    assert not identify(PROTOTYPE, synthetic(1)).warnings
+    curve = synthetic(1, kind="admittance")
+    found = identify(PROTOTYPE, replace(curve, values=2.0 * curve.values))
+    assert not any("drive.voltage = " in text for text in found.warnings)
+    held = identify(PROTOTYPE, synthetic(1), ("c_s=3N*m/rad:2..5N*m/rad",))
+    assert any("unexplained" in text for text in held.warnings)
+    assert not any("drive.voltage = " in text for text in held.warnings)
 
 
 @pytest.mark.parametrize(
