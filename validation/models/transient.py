@@ -82,7 +82,7 @@ def run_scene(
     pull: CoenergyMap | None = None,
     announce: Callable[[str], None] = lambda _: None,
 ) -> Simulation:
-    """Simulation of a scene's generator from its upper stop.
+    """Simulation of a scene's generator from its upper stop, whatever its support.kind is.
 
     Parameters
     ----------
@@ -113,18 +113,6 @@ def run_scene(
         rate = answer.run.velocity @ element.direction.T
         forces[element.name] = np.asarray(element.law.force(deformed, rate).sum(axis=1))
     return Simulation(scene, found, answer, forces)
-
-
-def support_warnings(scene: Scene) -> tuple[str, ...]:
-    """Say that the machine in time stands on its rod, whatever holds the scene's bimorph."""
-    kind = scene.support.kind
-    if kind == "contact":
-        return ()
-    sentence = (
-        f'support.kind = "{kind}" is left out: in time the bimorph stands on its rod, which the '
-        "spring presses to its stop; write support.kind = contact to say so"
-    )
-    return (sentence,)
 
 
 def scene_machine(

@@ -26,6 +26,7 @@ from tactgen.tmm.generator.transient.machine import MachineStateSpace, machine_s
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import asks_display
+from tactgen.validation.models.held_bimorph import check_base_held
 from tactgen.validation.models.small_signal import rod_of
 from tactgen.validation.models.transient import scene_modes
 
@@ -38,13 +39,7 @@ def check_state_space(scene: Scene) -> None:
 
     Raises InputError if the scene has no frequency above 0 Hz, or a spring of its support is zero.
     """
-    if scene.ends.base is not None:
-        for name, unit in (("rotational_stiffness", "N m/rad"), ("lateral_stiffness", "N/m")):
-            if getattr(scene.ends.base, name) == 0.0:
-                raise InputError(
-                    f"support.{name} = 0 {unit} does not hold the base, which a state space for "
-                    'time simulation needs; give it a stiffness or set support.kind = "clamped"'
-                )
+    check_base_held(scene, "a state space for time simulation")
     if max(scene.frequency) <= 0.0:
         raise InputError(
             "frequency = 0 Hz alone gives a state space no range; "
@@ -91,15 +86,16 @@ _CONVENTIONS = (
 )
 
 
-def check_machine(scene: Scene) -> None:
+def check_machine(scene: Scene, option: str) -> None:
     """Refuse a scene whose bimorph does not stand on its rod's contact.
 
     Raises InputError with the remedy.
     """
     if scene.support.kind != "contact":
         raise InputError(
-            "--machine is the state space of the machine on its rod, of which support.kind = "
-            f'"{scene.support.kind}" says nothing; set support.kind=contact'
+            f"--{option} is of the generator on its rod, and support.kind = "
+            f'"{scene.support.kind}" holds the bimorph alone; set support.kind=contact, or take '
+            "--state-space, which has the scene's own support"
         )
 
 
@@ -108,7 +104,7 @@ def scene_state_space(scene: Scene) -> MachineStateSpace:
 
     Raises InputError if the rod rests nowhere.
     """
-    check_machine(scene)
+    check_machine(scene, "machine")
     rod = rod_of(scene, map_of(scene))
     return machine_state_space(rod, scene_modes(scene), supply=scene.coil.supply)
 
@@ -187,8 +183,9 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
         _refuse_without_lateral(scene, "to divide into a mesh")
     if "state_space" in targets:
         check_state_space(scene)
-    if "machine" in targets:
-        check_machine(scene)
+    for option in ("machine", "fmu"):
+        if option in targets:
+            check_machine(scene, option)
     if {"fields", "animated_glb"} & set(targets):
         _refuse_without_motion(scene, targets)
     with ExitStack() as stack:

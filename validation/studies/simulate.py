@@ -26,6 +26,9 @@ from tactgen.validation.show.run import PHASES, Film, run_page
 
 if TYPE_CHECKING:
     from scipy.io import netcdf_file
+
+    from tactgen.tmm.generator.transient.time_integration import Answer
+    from tactgen.validation.scene.scene import Scene
 import math
 import re
 from dataclasses import dataclass
@@ -94,6 +97,39 @@ def series(result: Simulation) -> dict[str, tuple[Floats, str, str]]:
     return rows
 
 
+def run_attributes(
+    title: str, scene: Scene, answer: Answer, drives: dict[str, str]
+) -> dict[str, Any]:
+    """Attributes of a run's file: where it comes from, and how far it can be trusted.
+
+    Plain floats would be stored in single precision.
+    """
+    parameters = leaves(scene.model_dump())
+    return {
+        "title": title,
+        "source": f"tactgen {metadata.version('tactgen')}",
+        "scene": scene.name,
+        "parameters": "; ".join(f"{key} = {value}" for key, value in parameters),
+        "conventions": "SI units; a time at which a source jumps appears twice",
+        **drives,
+        "accuracy": np.float64(answer.accuracy),
+        "error": np.float64(answer.error),
+        "certain_until_s": np.float64(answer.certain_until),
+        "energy_imbalance": np.float64(answer.run.worst_imbalance),
+    }
+
+
+def extremes(found: dict[str, tuple[Floats, str, str]]) -> dict[str, dict[str, Any]]:
+    """Least, largest and last value of everything over time, as plain values."""
+    return {
+        name: {
+            "unit": unit, "meaning": meaning, "least": float(values.min()),
+            "largest": float(values.max()), "last": float(values[-1]),
+        }
+        for name, (values, unit, meaning) in found.items()
+    }  # fmt: skip
+
+
 def write_run(path: str | Path, result: Simulation, drives: dict[str, str]) -> None:
     """Write a run, with units, errors and where it comes from, whole or not at all.
 
@@ -110,21 +146,11 @@ def write_run(path: str | Path, result: Simulation, drives: dict[str, str]) -> N
     surface = surface_of(body.mesh)
     used, corners = np.unique(surface.triangles, return_inverse=True)
     triangles, width = corners.reshape(surface.triangles.shape), body.lateral.shape[1]
-    parameters = leaves(result.scene.model_dump())
     attributes = {
-        "title": TITLE,
-        "source": f"tactgen {metadata.version('tactgen')}",
-        "scene": result.scene.name,
-        "parameters": "; ".join(f"{key} = {value}" for key, value in parameters),
-        "conventions": "SI units; a time at which a source jumps appears twice",
-        **drives,
-        "accuracy": answer.accuracy,
-        "error": answer.error,
-        "certain_until_s": answer.certain_until,
-        "energy_imbalance": answer.run.worst_imbalance,
+        **run_attributes(TITLE, result.scene, answer, drives),
         "phases": " ".join(PHASES),
-        "stroke_m": result.stroke,
-        "head_radius_m": result.scene.device.rod.head_radius,
+        "stroke_m": np.float64(result.stroke),
+        "head_radius_m": np.float64(result.scene.device.rod.head_radius),
         "body_regions": " ".join(body.mesh.regions),
     }
     rows = {"time": (answer.run.time, "s", "since the start"), **series(result)}
@@ -138,33 +164,39 @@ def write_run(path: str | Path, result: Simulation, drives: dict[str, str]) -> N
     moved = ("point", "coordinate")
     with written_whole(path) as temporary, netcdf_file(str(temporary), "w") as file:
         for name, value in attributes.items():
-            # plain floats would be stored in single precision
-            setattr(file, name, value if isinstance(value, str) else np.float64(value))
+            setattr(file, name, value)
         for name, size in (
             ("time", answer.run.time.size), ("point", used.size), ("triangle", len(triangles)),
             ("axis", 3), ("coordinate", width),
         ):  # fmt: skip
             file.createDimension(name, size)
         for name, (values, unit, meaning) in rows.items():
-            variable = _put(file, name, ("time",), values, meaning)
+            variable = put_variable(file, name, ("time",), values, meaning)
             variable.units = unit
             if name in answer.errors:
                 variable.error_bar = np.float64(answer.errors[name])
-        _put(file, "phase", ("time",), phase, "of the rod, a number of the attribute phases")
-        _put(file, "body_point", ("point", "axis"), body.mesh.points[used], "at rest (m)")
-        _put(file, "body_triangle", ("triangle", "axis"), triangles, "points of the surface")
-        _put(file, "body_region", ("triangle",), surface.region_of_triangle,
+        put_variable(
+            file, "phase", ("time",), phase, "of the rod, a number of the attribute phases"
+        )
+        put_variable(file, "body_point", ("point", "axis"), body.mesh.points[used], "at rest (m)")
+        put_variable(
+            file, "body_triangle", ("triangle", "axis"), triangles, "points of the surface"
+        )
+        put_variable(file, "body_region", ("triangle",), surface.region_of_triangle,
              "a number of the attribute body_regions")  # fmt: skip
-        _put(file, "body_lateral", moved, body.lateral[used], "motion along x per coordinate")
-        _put(file, "body_axial", moved, body.axial[used], "motion along z per coordinate")
-        _put(file, "coordinates", ("time", "coordinate"), answer.run.position[:, :width],
+        put_variable(
+            file, "body_lateral", moved, body.lateral[used], "motion along x per coordinate"
+        )
+        put_variable(file, "body_axial", moved, body.axial[used], "motion along z per coordinate")
+        put_variable(file, "coordinates", ("time", "coordinate"), answer.run.position[:, :width],
              "lift of the rod (m), lateral motion (m) and tilt (rad) of its head, "
              "modes (m kg^1/2)")  # fmt: skip
 
 
-def _put(
+def put_variable(
     file: netcdf_file, name: str, sizes: tuple[str, ...], values: np.ndarray[Any, Any], meaning: str
 ) -> Any:
+    """Variable of a file, with its values and its meaning."""
     kind = "i4" if np.issubdtype(values.dtype, np.integer) else "f8"
     variable = file.createVariable(name, kind, sizes)
     variable[:] = values
@@ -199,8 +231,10 @@ def read_film(path: Path) -> Film:
     try:
         with netcdf_file(str(path), "r", mmap=False) as file:
             if _text(file, "title") != TITLE:
-                raise InputError(f"--run {path} is no run of a generator; {remedy}")
+                raise InputError(f"--run {path} is no run of a generator on its rod; {remedy}")
             return _film(file)
+    except InputError:
+        raise
     except OSError as error:
         why = error.strerror or "it does not exist or is cut off"
         raise InputError(f"--run {path} cannot be read ({why}); {remedy}") from None

@@ -169,12 +169,24 @@ def test_fmpy_finds_no_fault_and_runs_it(machine, tmp_path):
 
 def test_the_command_writes_it(capsys, tmp_path):
     path = tmp_path / "generator.fmu"
-    assert main(["export", "paper", "--set", "load.kind=none", "--fmu", str(path)]) == 0
+    on_rod = ["export", "paper", "--set", "support.kind=contact", "--set", "coil.current=0mA"]
+    assert main([*on_rod, "--set", "load.kind=none", "--fmu", str(path)]) == 0
     assert capsys.readouterr().out.strip() == str(path)
     # with the finger it moves more coordinates than without
     other = tmp_path / "other.fmu"
-    assert main(["export", "paper", "--fmu", str(other)]) == 0
+    assert main([*on_rod, "--fmu", str(other)]) == 0
     assert _coordinates(other) > _coordinates(path)
+
+
+def test_a_held_bimorph_has_no_unit(capsys, tmp_path):
+    """The unit is of the generator on its rod: a clamp would pass unnoticed."""
+    for kind in ("clamped", "spring"):
+        asked = ["export", "paper", "--set", f"support.kind={kind}"]
+        assert main([*asked, "--fmu", str(tmp_path / "x.fmu")]) == 2
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        assert f'support.kind = "{kind}"' in said
+    assert not list(tmp_path.iterdir())
 
 
 def _coordinates(path):

@@ -81,7 +81,8 @@ def bimorph_modes(
     capacitance : complex
         With all unknowns held (F).
     base : (2,) int
-        Unknowns that are w and ψ of the base.
+        Unknowns that are w and ψ of a base that moves or is clamped; of one that springs hold, and
+        that are in `stiffness`, none (0,).
     tip : (n,) float
         Row that reads the tip's displacement.
     highest : float
@@ -103,8 +104,8 @@ def bimorph_modes(
     values, vectors = eigh(statics.T @ k.real @ statics, statics.T @ m @ statics)
     basis = np.hstack([kept, statics @ vectors])
     omega = np.sqrt(np.concatenate([squares[: kept.shape[1]], values]))
-    whole = np.zeros((mass.shape[0], 2))
-    whole[inner], whole[base] = follows, np.eye(2)
+    whole = np.zeros((mass.shape[0], base.size))
+    whole[inner], whole[base] = follows, np.eye(base.size)
     moved = np.zeros((mass.shape[0], basis.shape[1]))
     moved[inner] = basis
     return BimorphModes(

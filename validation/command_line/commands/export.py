@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import Commands, scene_options, settle, warn
+from tactgen.validation.command_line.commands.common import Commands, scene_options, settle
 
 
 def add(commands: Commands) -> None:
@@ -65,10 +65,6 @@ def run(options: argparse.Namespace) -> int:
             "--ports FILE.npz, --state-space FILE.npz, --fields FILE.vtu, --animated-glb FILE.glb, "
             "--fmu FILE.fmu, --machine FILE.npz"
         )
-    if "fmu" in wanted:
-        from tactgen.validation.models.transient import support_warnings
-
-        warn(support_warnings(scene))
     with announcer() as announce:
         for path in export(scene, wanted, announce):
             print(path)

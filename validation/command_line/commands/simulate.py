@@ -1,4 +1,4 @@
-"""``tactgen simulate``: the generator in time."""
+"""``tactgen simulate``: the generator in time, or a bimorph that its own support holds."""
 
 from __future__ import annotations
 
@@ -14,25 +14,31 @@ from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
     from tactgen.tmm.generator.transient.waveform import Waveform
+    from tactgen.validation.models.held_bimorph import HeldRun
     from tactgen.validation.models.transient import Simulation
+    from tactgen.validation.scene.scene import Scene
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("simulate", help="the generator in time: rod, tip, coil, stops")
+    parser = commands.add_parser(
+        "simulate",
+        help="the generator in time: rod, tip, coil, stops; or a bimorph on its own support",
+    )
     scene_options(parser, default="generator")
     parser.add_argument(
         "--voltage", metavar="WAVEFORM", default="0 V",
         help='across the bimorph, such as "10 V sine 200 Hz", "5 V step at 1 ms", FILE.csv',
     )  # fmt: skip
     parser.add_argument(
-        "--coil", metavar="WAVEFORM", default="0 mA",
-        help='current or voltage of the coil, such as "120 mA square 100 Hz" (on and off)',
+        "--coil", metavar="WAVEFORM",
+        help='current or voltage of the coil, such as "120 mA square 100 Hz" (on and off); with '
+        "support.kind=contact",
     )  # fmt: skip
     parser.add_argument("--until", metavar="TIME", default="30 ms", help="end (default 30 ms)")
     parser.add_argument(
         "--accuracy", metavar="SHARE", default="0.05",
-        help="error wanted, over the stroke and over the tip's static deflection (default 0.05)",
+        help="error wanted, over the tip's static deflection and over the stroke (default 0.05)",
     )  # fmt: skip
     parser.add_argument(
         "--map", metavar="FILE.nc", help="co-energy map from tactgen export (default: network's)"
@@ -53,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.tmm.generator.transient.waveform import Sources
     from tactgen.tmm.reluctance.coenergy_fit import read_map
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.models.transient import run_scene, support_warnings
+    from tactgen.validation.models.transient import run_scene
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
 
@@ -61,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     scene, _ = load_scene(options.scene, options.overrides)
     settle(scene)
     voltage = parsed(options.voltage, "--voltage", (VOLTS,))
-    coil = parsed(options.coil, "--coil", (AMPERES, VOLTS))
+    coil = parsed(options.coil or "0 mA", "--coil", (AMPERES, VOLTS))
     until, accuracy = _until(options.until), _accuracy(options.accuracy)
     for option, waveform in (("--voltage", voltage.waveform), ("--coil", coil.waveform)):
         start = getattr(waveform, "start", 0.0)
@@ -70,6 +76,8 @@ def run(options: argparse.Namespace) -> int:
                 f"{option} starts at {1e3 * start:g} ms and the run ends at {1e3 * until:g} ms; "
                 "give a later --until, or let it start earlier"
             )
+    if scene.support.kind != "contact":
+        return _run_held(options, scene, voltage.waveform, until, accuracy)
     with announcer() as announce:
         result = run_scene(
             scene,
@@ -80,7 +88,6 @@ def run(options: argparse.Namespace) -> int:
             pull=read_map(options.map) if options.map else None,
             announce=announce,
         )
-    warn(support_warnings(scene))
     warn(_doubts(result, (voltage.waveform, coil.waveform)))
     with announcer() as announce:
         _write(options, result, announce)
@@ -91,16 +98,45 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[str]:
-    """Print the limits of a run's validity."""
+def _run_held(
+    options: argparse.Namespace, scene: Scene, voltage: Waveform, until: float, accuracy: float
+) -> int:
+    """Run a bimorph that its own support holds."""
+    from tactgen.geometry.files import write_text
+    from tactgen.validation.command_line.streams import announcer
+    from tactgen.validation.models.held_bimorph import run_held
+    from tactgen.validation.studies import simulate_held as held
+
+    for option in ("coil", "map", "gif", "mp4", "fields"):
+        if getattr(options, option):
+            raise InputError(
+                f"--{option} is of the generator on its rod, and support.kind = "
+                f'"{scene.support.kind}" holds the bimorph alone; leave --{option} out, or set '
+                "support.kind=contact"
+            )
+    with announcer() as announce:
+        result = run_held(scene, voltage, until, accuracy=accuracy, announce=announce)
+    warn(_run_doubts(result, (voltage,)))
+    if options.out:
+        held.write_held_run(options.out, result, {"bimorph_voltage": options.voltage})
+    if options.plot:
+        write_text(Path(options.plot), held.held_plot(result))
+    if options.json:
+        print_json(held.held_values(result))
+    else:
+        print("\n".join(held.held_lines(result)))
+    return 0
+
+
+def _run_doubts(result: Simulation | HeldRun, waveforms: tuple[Waveform, ...]) -> list[str]:
+    """Limits of any run's validity."""
     from tactgen.tmm.generator.transient.waveform import Constant
 
-    doubts, answer, sideways = [], result.answer, result.sideways
-    if waveforms == (Constant(0.0), Constant(0.0)):
+    doubts, answer = [], result.answer
+    if set(waveforms) == {Constant(0.0)}:
         volts = f"{result.scene.drive.voltage:g} V sine 100 Hz"
-        doubts.append(
-            f'nothing drives it; give --voltage or --coil, for example --voltage "{volts}"'
-        )
+        options = "--voltage or --coil" if len(waveforms) > 1 else "--voltage"
+        doubts.append(f'nothing drives it; give {options}, for example --voltage "{volts}"')
     if result.load_misfit:
         doubts.append(
             "the load is taken as springs, dampers and masses, which only take energy; they are up "
@@ -109,9 +145,15 @@ def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[st
     if answer.error > answer.accuracy:
         doubts.append(
             f"the accuracy of {answer.accuracy:g} holds until {1e3 * answer.certain_until:.4g} ms; "
-            "later, bounces have amplified the steps' errors beyond it, and a finer --accuracy "
-            "moves that time a little"
+            "later, bounces or a resonance have amplified the steps' errors beyond it, and a finer "
+            "--accuracy moves that time a little"
         )
+    return doubts
+
+
+def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[str]:
+    """Limits of the validity of the generator's run."""
+    doubts, answer, sideways = _run_doubts(result, waveforms), result.answer, result.sideways
     if sideways.max() > result.flange_gap:
         at = float(answer.run.time[int((sideways > result.flange_gap).argmax())])
         doubts.append(
@@ -125,7 +167,7 @@ def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[st
 def as_json(result: Simulation) -> dict[str, Any]:
     """Summary of a run: ends and extremes, phases, balance, errors."""
     from tactgen.validation.models.transient import phases
-    from tactgen.validation.studies.simulate import series
+    from tactgen.validation.studies.simulate import extremes, series
 
     answer = result.answer
     return {
@@ -140,16 +182,7 @@ def as_json(result: Simulation) -> dict[str, Any]:
         "flange_gap_m": result.flange_gap,
         "error_bars": answer.errors,
         "energy_imbalance": answer.run.worst_imbalance,
-        "quantities": {
-            name: {
-                "unit": unit,
-                "meaning": meaning,
-                "least": float(values.min()),
-                "largest": float(values.max()),
-                "last": float(values[-1]),
-            }
-            for name, (values, unit, meaning) in series(result).items()
-        },
+        "quantities": extremes(series(result)),
         "phases": [
             {
                 "name": phase.name,
@@ -203,7 +236,7 @@ def _write(
     from tactgen.validation.studies.simulate import time_plot, write_run
 
     if options.out:
-        drives = {"bimorph_voltage": options.voltage, "coil_drive": options.coil}
+        drives = {"bimorph_voltage": options.voltage, "coil_drive": options.coil or "0 mA"}
         write_run(options.out, result, drives)
     if options.plot:
         write_text(Path(options.plot), time_plot(result))

@@ -36,13 +36,13 @@ from tactgen.validation.models.transient import (
     run_scene,
     scene_machine,
     scene_modes,
-    support_warnings,
 )
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.run import PHASES, run_page
 from tactgen.validation.studies.simulate import TITLE, read_film, write_run
 
 FREE = ["load.kind=none"]
+ON_ROD = ("--set", "load.kind=none", "--set", "support.kind=contact", "--set", "coil.current=0mA")
 
 
 @pytest.fixture(scope="module")
@@ -197,7 +197,7 @@ def test_the_command_says_what_it_did(capsys, tmp_path, monkeypatch):
 
     whole = transient.run_scene
     monkeypatch.setattr(transient, "run_scene", once)
-    asked = ["simulate", "paper", "--set", "load.kind=none", "--voltage", "10 V sine 200 Hz",
+    asked = ["simulate", "paper", *ON_ROD, "--voltage", "10 V sine 200 Hz",
              "--until", "50 us", "--accuracy", "0.2"]  # fmt: skip
     assert main(asked) == 0
     lines, answer = capsys.readouterr().out.splitlines(), solved[0].answer
@@ -246,7 +246,7 @@ def test_the_command_says_what_it_did(capsys, tmp_path, monkeypatch):
     ],
 )
 def test_bad_options_get_one_sentence(capsys, arguments, words):
-    code = main(["simulate", "paper", "--set", "load.kind=none", *arguments])
+    code = main(["simulate", "paper", *ON_ROD, *arguments])
     captured = capsys.readouterr()
     assert code == 2
     assert words in captured.err
@@ -255,7 +255,7 @@ def test_bad_options_get_one_sentence(capsys, arguments, words):
 
 
 def test_a_run_that_nothing_drives_says_so(capsys):
-    assert main(["simulate", "paper", "--set", "load.kind=none", "--until", "0.1 ms"]) == 0
+    assert main(["simulate", "paper", *ON_ROD, "--until", "0.1 ms"]) == 0
     assert 'nothing drives it; give --voltage or --coil, for example --voltage "50 V sine' in (
         capsys.readouterr().err
     )
@@ -444,11 +444,3 @@ def test_a_run_of_other_phases_is_refused(tmp_path):
         file.title, file.phases = TITLE.encode(), b"up down"
     with pytest.raises(InputError, match=r"\(its phases have other names\); write it with"):
         read_film(path)
-
-
-@pytest.mark.parametrize("kind", ["spring", "clamped", "contact"])
-def test_what_holds_the_bimorph_elsewhere_is_said_to_be_left_out(kind):
-    """In time it stands on its rod: a clamp or springs would pass unnoticed."""
-    warnings = support_warnings(load_scene("paper", [f"support.kind={kind}"])[0])
-    assert len(warnings) == (kind != "contact")
-    assert all(f'support.kind = "{kind}" is left out' in sentence for sentence in warnings)
