@@ -9,7 +9,7 @@ from typing import Any
 
 from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.formats import with_error
+from tactgen.geometry.formats import FINE, engineering, with_error
 from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
@@ -219,10 +219,11 @@ def takes_prefix(aim: Aim) -> bool:
 def shown(aim: Aim, margin: float, bar: float) -> str:
     """Goal's value, or a condition's margin, with its bar and unit."""
     value = aim.sign * margin if aim.kind == "goal" else margin
-    if takes_prefix(aim):
-        text = with_error(value, bar, aim.unit)
-    else:
-        text = f"{with_error(value, bar, '1')} {aim.unit}"
+    unit = aim.unit if takes_prefix(aim) else "1"
+    fine = bar < FINE * abs(value)
+    text = engineering(value, unit) if fine else with_error(value, bar, unit)
+    if unit != aim.unit:
+        text += f" {aim.unit}"
     return text if aim.kind == "goal" else f"margin {text}"
 
 

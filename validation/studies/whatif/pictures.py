@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 _COLOURS = (BLUE, ORANGE, GREEN, AMBER, SKY, DARK)
 _STYLES = ("-", "--", ":", "-.")
+_MARKS = "os^Dv"
 #: Values of an axis that span more than this factor are drawn logarithmically.
 _WIDE = 20.0
 
@@ -114,11 +115,12 @@ def _lines(study: Study, axes: Sequence[Axis]) -> Figure:
         for side, axis in zip(sides, axes, strict=True):
             x, x_label = _along(axis, study.points)
             colours = itertools.cycle(_COLOURS)
+            styles = dict(zip(study.statement.models, itertools.cycle(_STYLES), strict=False))
             for (_, model, y, bar), (at, places) in itertools.product(row, groups.items()):
                 order = np.array(places)[np.argsort(x[places])]
                 side.errorbar(
                     x[order], y[order], np.nan_to_num(bar[order]), color=next(colours), marker="o",
-                    linestyle="none" if axis.drawn else "-", markersize=3, capsize=2,
+                    linestyle="none" if axis.drawn else styles[model], markersize=3, capsize=2,
                     label=f"{model} {at}".strip(),
                 )  # fmt: skip
             if x.size > 2 and x.min() > 0.0 and x.max() > _WIDE * x.min():
@@ -171,7 +173,8 @@ def aim_picture(study: Study, found: Sequence[Verdict]) -> str:
     """Picture as an SVG element: what meets the aims, what does not, and what is best.
 
     Of two goals one over the other; else the plane of two axes, or every aim over each axis.  Each
-    model has panels of its own: side by side if they are one column, else below each other.
+    model has panels of its own: side by side if they are one column, else below each other.  Each
+    choice, as of ``load.kind``, has a mark of its own.
 
     Raises InputError if no axis is a number.
     """
@@ -185,13 +188,21 @@ def aim_picture(study: Study, found: Sequence[Verdict]) -> str:
         max(6.4, 3.6 * columns), 3.6 * len(rows), nrows=len(rows), ncols=columns, squeeze=False
     )
     named: dict[str, Any] = {}
+    choices = _by_choices(study, range(len(study.points)))
+    marks = dict(zip(choices, itertools.cycle(_MARKS), strict=False))
     for side, (one, across, up) in zip(grid.flat, itertools.chain(*rows), strict=True):
         best = one.best if sum(aim.kind == "goal" for aim in one.aims) == 2 else one.best[:1]
-        for name, colour, which in (*_sorted(one), ("best", "none", best)):
+        groups = [
+            (f"{name} {at}".strip(), colour, marks[at], [j for j in which if j.number in places])
+            for name, colour, which in _sorted(one) for at, places in choices.items()
+        ]  # fmt: skip
+        for name, colour, mark, which in (*groups, ("best", "none", "o", best)):
+            if not which:
+                continue
             x, x_bar, x_label = across(which)
             y, y_bar, y_label = up(which)
             named[name] = side.errorbar(
-                x, y, y_bar, x_bar, fmt="o", markersize=8 if name == "best" else 4, capsize=2,
+                x, y, y_bar, x_bar, fmt=mark, markersize=9 if name == "best" else 4, capsize=2,
                 color=colour, markeredgecolor=DARK if name == "best" else colour, label=name,
             )  # fmt: skip
             side.set_title(f"by {one.models}", fontsize=9)

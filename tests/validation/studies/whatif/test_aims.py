@@ -230,6 +230,11 @@ def test_margins_carry_the_unit_of_what_is_compared(text, margin, words):
     assert shown(aim, margin, bar.get(aim.unit, 0.1)) == words
 
 
+def test_a_bar_beyond_the_digits_is_left_out():
+    """Five digits and no bar, where the bar is in none of them."""
+    assert shown(parse_aim("minimise magnetic_force"), -18.6123456e-3, 1e-12) == "18.612 mN"
+
+
 def test_a_verdict_as_plain_values():
     """Points and margins of the best; an interval of the yield only of drawn devices."""
     aim = parse_aim("first(short_circuit_frequencies) > 0.5 kHz")
