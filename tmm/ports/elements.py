@@ -98,9 +98,12 @@ def chain_of(tip: TipLoad | Law) -> Chain:
         return finger_chain()
     if isinstance(tip, MeasuredLaw) and tip.fits:
         return _of_fit(tip.fits[0], tip.misfit[0])
+    remedy = 'load.kind = "none", "mass", "spring_damper" or "finger"'
+    if isinstance(tip, MeasuredLaw):
+        remedy = "load.extrapolation = passive_fit"
     raise InputError(
         "the load is a law of frequency, which time simulation takes as springs, dampers and "
-        "masses only; set load.extrapolation = passive_fit"
+        f"masses only; set {remedy}"
     )
 
 

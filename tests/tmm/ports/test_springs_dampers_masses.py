@@ -50,7 +50,7 @@ def test_the_finger_as_parts_is_as_near_as_it_says():
 
 
 def test_a_law_without_parts_is_refused():
-    with pytest.raises(InputError, match="passive_fit"):
+    with pytest.raises(InputError, match=r'set load\.kind = "none"'):
         chain_of(lambda f: 1.0 * f)
 
 

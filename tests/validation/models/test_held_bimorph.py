@@ -90,11 +90,13 @@ def test_a_free_decay_rings_at_the_first_frequency():
 
 
 def test_a_load_of_several_parts_and_a_law_without_parts():
-    """The finger has coordinates of its own; a measured table without a fit is refused."""
+    """The finger has coordinates of its own; imitation skin is refused with loads that do."""
     finger, free = (load_scene("paper", [f"load.kind={kind}"])[0] for kind in ("finger", "none"))
     parts = chain_of(finger.ends.tip).mass.shape[0] - 1
     assert parts > 0
     assert system_of(finger).mass.shape[0] == system_of(free).mass.shape[0] + parts
+    with pytest.raises(InputError, match=r'set load\.kind = "none"'):
+        chain_of(load_scene("paper", ["load.kind=pad"])[0].ends.tip)
     loose, _ = load_scene("paper", ["load.kind=none", "support.lateral_stiffness=0 N/m"])
     with pytest.raises(InputError, match=r"support\.lateral_stiffness = 0 N/m does not hold"):
         system_of(loose)

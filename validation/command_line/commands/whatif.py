@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -214,10 +214,11 @@ def _show(
         print("\n".join(lines))
     counts = study.counts
     where = f", written to {options.out}" if options.out else ""
+    size = len(study.points)
     by = f" by {many} models" if (many := len(study.statement.models)) > 1 else ""
     between = f", {counts.interpolated} interpolated" if counts.interpolated else ""
     print(
-        f"{len(study.points)} points{by}: {counts.computed} answers computed"
+        f"{size} point{'s' if size > 1 else ''}{by}: {counts.computed} answers computed"
         f"{between}, {counts.recalled} kept "
         f"from before, {counts.failed} failed, {counts.refused} refused{where}",
         file=sys.stderr,
@@ -240,5 +241,7 @@ def _as_json(study: Study) -> dict[str, Any]:
             {"at": point, "model": model, **answer_json(answer)}
             for point, model, answer in study.rows
         ],
-        "counts": study.counts,
+        "counts": {
+            "points": len(study.points), "models": len(stated.models), **asdict(study.counts),
+        },
     }  # fmt: skip

@@ -14,7 +14,7 @@ import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
-from tactgen.geometry.formats import percent, prefixed, with_error
+from tactgen.geometry.formats import engineering, percent, prefixed, with_error
 from tactgen.validation.engine.answers import COLUMNS, quantity_rows
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene, checked_scene, load_scene, scene_values
@@ -162,6 +162,8 @@ def _numbered(rows: Iterable[tuple[Point, Sequence[str]]]) -> tuple[dict[Key, Nu
 
 #: Rounding of numbers that are written and read, and of one order of summation for another.
 _ROUNDING = 1e-13
+#: Share of a value below which its bar is in none of the seven digits that are shown.
+_UNSEEN = 1e-7
 
 
 @dataclass(frozen=True)
@@ -304,8 +306,10 @@ def _axis_words(point: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def _shown(number: Number) -> str:
-    """Number with its bar; of complex ones the magnitude."""
+    """Number with its bar, unless that is beyond the digits; of complex ones the magnitude."""
     value = number.value.real if number.value.imag == 0.0 else abs(number.value)
+    if 0.0 < number.error < _UNSEEN * abs(value):
+        return engineering(value, number.unit, 7)
     return with_error(value, number.error, number.unit)
 
 

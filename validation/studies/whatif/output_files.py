@@ -88,26 +88,31 @@ def _provenance(study: Study) -> dict[str, str]:
 _SHOWN = 60
 
 
-def table_lines(study: Study, rest: str = "") -> list[str]:
-    """Table's lines; of modes the first, of a response its largest magnitude.
+def table_lines(study: Study, rest: str) -> list[str]:
+    """Table's lines; `rest` says where all points are, if some are left out."""
+    heads, rows, left_out = table_rows(study)
+    narrow = [head.replace(".", ".\n").replace(", ", ",\n") for head in heads]
+    found = aligned([*headed(narrow), *rows], str.rjust)
+    return [*found, f"{left_out}; {rest}"] if left_out else found
 
-    `rest` says where all points are, if some are left out.
+
+def table_rows(study: Study) -> tuple[list[str], list[list[str]], str]:
+    """Table's headings and rows, and a sentence if points are left out.
+
+    Of modes the first is shown, of a response its largest magnitude.
     """
     quantities, axes = study.statement.quantities, study.statement.axes
-    heads = [axis.key.replace(".", ".\n") for axis in axes]
-    heads += ["model", *(heading(study, q).replace(", ", ",\n") for q in quantities)]
-    places, lines = _spaced_points(study), headed(heads)
+    heads = [*(a.key for a in axes), "model", *(heading(study, name) for name in quantities)]
+    places, rows = _spaced_points(study), list[list[str]]()
     for place in places:
         at = [shown_value(key, value) for key, value in study.points[place].items()]
         for model, answer in study.answers[place].items():
             shown = {q.name: representative(q).text for q in answer.quantities}
             missing = {name: answer.status if gives(model, name) else "-" for name in quantities}
-            lines.append([*at, model, *({**missing, **shown}[name] for name in quantities)])
-    found = aligned(lines, str.rjust)
-    if len(places) < len(study.points):
-        left_out = f"{len(places)} of {len(study.points)} points are shown"
-        found.append(f"{left_out}; {rest}" if rest else left_out)
-    return found
+            rows.append([*at, model, *({**missing, **shown}[name] for name in quantities)])
+    whole, shown_points = len(study.points), len(places)
+    left_out = f"{shown_points} of {whole} points are shown" if shown_points < whole else ""
+    return heads, rows, left_out
 
 
 def _spaced_points(study: Study) -> list[int]:

@@ -13,12 +13,12 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.show.page import plain_page
+from tactgen.validation.show.page import plain_page, table
 from tactgen.validation.studies.whatif.aim_evaluation import Verdict, sentences
 from tactgen.validation.studies.whatif.definition import Statement
-from tactgen.validation.studies.whatif.output_files import column, heading, table_lines
+from tactgen.validation.studies.whatif.output_files import column, heading, table_rows
 from tactgen.validation.studies.whatif.pictures import aim_picture, study_picture
-from tactgen.validation.studies.whatif.sample_statistics import sample_statistics, statistics_lines
+from tactgen.validation.studies.whatif.sample_statistics import sample_statistics, statistics_rows
 from tactgen.validation.studies.whatif.study import Study
 
 #: File of the page, and the script that moves it.
@@ -40,17 +40,19 @@ def write_page(folder: Path, study: Study, found: Sequence[Verdict] | None = Non
         parts += _sliders(study)
     parts += ["<h2>Picture</h2>", *_figure(lambda: study_picture(study))]
     if statistics := sample_statistics(study):
-        parts += ["<h2>Statistics</h2>", _text(statistics_lines(study, statistics))]
-    parts += ["<h2>Points</h2>", _text(table_lines(study))]
+        parts += ["<h2>Statistics</h2>", table(*statistics_rows(study, statistics))]
+    heads, rows, left_out = table_rows(study)
+    parts += ["<h2>Points</h2>", table(heads, rows)]
+    shown = f"{left_out}. " if left_out else ""
     parts.append(
-        "<p>The bars are numerical: how far a number is from the same model solved exactly. All "
-        "numbers are in study.csv and study.nc.</p>"
+        f"<p>{shown}The bars are numerical: how far a number is from the same model solved "
+        "exactly. All numbers are in study.csv and study.nc.</p>"
     )
     return write_text(folder / FILE, plain_page(f"What if: {stated.scene}", parts))
 
 
 def _text(lines: list[str]) -> str:
-    return f'<div class="wide"><pre>{html.escape(chr(10).join(lines))}</pre></div>'
+    return f'<pre style="white-space: pre-wrap">{html.escape(chr(10).join(lines))}</pre>'
 
 
 def _figure(draw: Callable[[], str]) -> list[str]:

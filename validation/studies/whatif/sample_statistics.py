@@ -72,8 +72,15 @@ def statistics_lines(study: Study, found: Sequence[Statistics]) -> list[str]:
     """Table's lines; nothing if there are none."""
     if not found:
         return []
+    heads, rows = statistics_rows(study, found)
+    lines = aligned([heads, *rows], str.rjust)
+    return ["statistics of the samples, with percentiles:", *lines]
+
+
+def statistics_rows(study: Study, found: Sequence[Statistics]) -> tuple[list[str], list[list[str]]]:
+    """Table's headings and rows."""
     heads = ["quantity", "model", "samples", "mean", "deviation", *(f"{p} %" for p in PERCENTILES)]
-    rows = [[*found[0].at, *heads]]
+    rows = []
     for one in found:
         numbers = (one.mean, one.deviation, *one.percentiles)
         rows.append([
@@ -81,7 +88,7 @@ def statistics_lines(study: Study, found: Sequence[Statistics]) -> list[str]:
             heading(study, one.quantity), one.model, str(one.count),
             *("-" if np.isnan(number) else engineering(number, one.unit) for number in numbers),
         ])  # fmt: skip
-    return ["statistics of the samples, with percentiles:", *aligned(rows, str.rjust)]
+    return [*found[0].at, *heads], rows
 
 
 def write_statistics(folder: Path, study: Study, found: Sequence[Statistics]) -> Path:

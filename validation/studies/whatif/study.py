@@ -199,7 +199,7 @@ class StudySolver:
         found = {}
         for count, (number, model) in enumerate(places):
             if count % 100 == 0:
-                self._announce(f"points checked: {count}")
+                self._announce(f"questions checked: {count}")
             found[number, model] = self._question(points[number], model)
         return found
 
