@@ -20,7 +20,7 @@ from tactgen.fem.magnetics.axisymmetric_space import (
 )
 from tactgen.fem.solvers.newton import Factors, minimise
 from tactgen.fem.weak_forms import assemble, section_flux
-from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, actuator_regions, graded_grid
+from tactgen.geometry.reluctance.section_grid import actuator_regions, graded_grid
 
 scene, _ = tactgen.load_scene("reluctance")
 device = scene.device
@@ -41,7 +41,7 @@ class Section:
     """Π, its gradient and its Hessian over the free unknowns, at one gap (m) and current (A)."""
 
     def __init__(self, gap, current):
-        grid = graded_grid(actuator_regions(device, gap), OUTER_RADIUS)
+        grid = graded_grid(actuator_regions(device, gap))
         mesh = MeshQuad.init_tensor(grid.r, grid.z)
         self.basis = Basis(mesh, ElementQuadP(4), intorder=8)
         r, z = np.asarray(self.basis.global_coordinates())

@@ -28,7 +28,7 @@ from tactgen.fem.magnetics.error_estimate import (
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS, actuator_regions
+from tactgen.geometry.reluctance.section_grid import actuator_regions
 
 #: Polynomial order that gives the accuracy wanted in the least time on this device.
 ORDER = 4
@@ -116,7 +116,7 @@ def solve_point(
     *,
     order: int = ORDER,
     refinement: float = 1.0,
-    outer_radius: float = OUTER_RADIUS,
+    outer_radius: float | None = None,
     any_grid: bool = False,
 ) -> FieldPoint:
     """Solve the actuator's field at one current and gap.
@@ -131,8 +131,9 @@ def solve_point(
         Polynomial order, at least 2.
     refinement : float
         Fineness of the grid, see :func:`geometry.reluctance.section_grid.graded_grid`.
-    outer_radius : float
-        Radius and half height of the air (m).
+    outer_radius : float, optional
+        Radius and half height of the air (m), see
+        :func:`geometry.reluctance.section_grid.air_radius`.
     any_grid : bool
         Answer on a grid too coarse for error bars, too: to see how the error falls.
 
@@ -156,7 +157,7 @@ def solve_map(
     *,
     order: int = ORDER,
     refinement: float = 1.0,
-    outer_radius: float = OUTER_RADIUS,
+    outer_radius: float | None = None,
     any_grid: bool = False,
 ) -> tuple[tuple[FieldPoint, ...], ...]:
     """Solve the actuator's field for all gaps (m) and currents (A); rows are gaps, as given.
@@ -296,7 +297,7 @@ class FieldPath:
         *,
         order: int = ORDER,
         refinement: float = 1.0,
-        outer_radius: float = OUTER_RADIUS,
+        outer_radius: float | None = None,
     ) -> None:
         self._home = two_orders(device, gap, order, refinement, outer_radius)
         self._places: list[Floats] = []

@@ -40,8 +40,9 @@ _STRETCH = 2.5
 #: between their lines.
 _APART = 1e-10
 
-#: Air around the device (m), 26 times its diameter: costs a few lines.
-OUTER_RADIUS = 60e-3
+#: Air around a device: this part of its largest radius (60 mm for the paper's diameter of 2.3 mm),
+#: at least this part of the distance of its farthest end.  Costs a few lines.
+_RADII, _REACH = 60e-3 / 1.15e-3, 3.0
 
 
 @dataclass(frozen=True)
@@ -148,8 +149,15 @@ def _followed(lines: Floats, edges: list[tuple[float, float]]) -> Floats | None:
     return np.asarray(found) if good and (np.diff(found) > 0.0).all() else None
 
 
+def air_radius(regions: tuple[Region, ...]) -> float:
+    """Radius and half height (m) of the air around z = 0, in proportion to the device."""
+    widest = max(region.radii[1] for region in regions)
+    reach = max(abs(z) for region in regions for z in region.heights)
+    return max(_RADII * widest, _REACH * reach)
+
+
 def graded_grid(
-    regions: tuple[Region, ...], outer_radius: float, *, refinement: float = 1.0
+    regions: tuple[Region, ...], outer_radius: float | None = None, *, refinement: float = 1.0
 ) -> Grid:
     """Grid over 0 ≤ r ≤ R, −R ≤ z ≤ R, graded towards every edge of iron.
 
@@ -157,8 +165,8 @@ def graded_grid(
     ----------
     regions : tuple of Region
         What is there; the rest is air.
-    outer_radius : float
-        R (m): radius and half height of the air around z = 0.
+    outer_radius : float, optional
+        R (m): radius and half height of the air around z = 0; by default :func:`air_radius`.
     refinement : float
         Divides the cell sizes at the edges and their growth; 2 gives about twice as
         many lines in each direction.
@@ -166,6 +174,7 @@ def graded_grid(
     Raises ValueError if an edge of a moving region is level with one of a fixed region: a line can
     follow only one of them.
     """
+    outer_radius = outer_radius or air_radius(regions)
     r_marks = np.unique([0.0, outer_radius, *(x for region in regions for x in region.radii)])
     r_sizes = _edge_sizes(r_marks, [(i.radii, i.heights, i) for i in regions]) / refinement
     still = {x for region in regions if not region.moves for x in region.heights}

@@ -17,10 +17,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh, tet_volumes
 from tactgen.geometry.meshing.structured_tets import reflected, swept_tetrahedra
 from tactgen.geometry.reluctance.section_grid import (
-    OUTER_RADIUS,
     Grid,
     Region,
     actuator_regions,
+    air_radius,
     graded_grid,
     graded_lines,
 )
@@ -46,7 +46,7 @@ def sector_mesh(device: Device, gap: float, sector: Sector) -> Mesh:
     Raises InputError if the parts do not fit at this gap.
     """
     parts = actuator_regions(device, gap)
-    graded = graded_grid(parts, OUTER_RADIUS, refinement=sector.refinement)
+    graded = graded_grid(parts, refinement=sector.refinement)
     grid = replace(graded, z=without_slivers(graded.z))
     angles = np.linspace(0.0, 2.0 * np.pi / sector.copies, sector.layers + 1)
     return swept_tetrahedra(grid.r, grid.z, angles, cell_labels(grid, gap), REGIONS)
@@ -113,7 +113,7 @@ def cell_mesh(device: Device, gap: float, pitch: float, cell: Cell) -> Mesh:
             f"display.pitch = {1e3 * pitch:g} mm is no more than an actuator's diameter of "
             f"{2e3 * outer:g} mm; set display.pitch to more than that"
         )
-    graded = graded_grid(parts, max(OUTER_RADIUS, 2.0 * pitch), refinement=cell.refinement)
+    graded = graded_grid(parts, max(air_radius(parts), 2.0 * pitch), refinement=cell.refinement)
     inner = graded.r[graded.r <= outer * (1.0 + 1e-9)]
     size = min(float(np.diff(inner)[-1]), 0.5 * (wall - outer)) / cell.refinement
     beyond = graded_lines(np.array([outer, wall]), np.array([size, np.inf]), 1.0 / cell.refinement)
@@ -185,7 +185,8 @@ def nine_mesh(device: Device, gap: float, pitch: float, cell: Cell) -> Mesh:
                 walls.append(start + own.faces["mantle"])
     merged, index = merge_points(np.concatenate(points), _SAME_POINT)
     inner = index[np.concatenate(cells)]
-    outer_points, outer = _drawn_out(merged, inner, index[np.concatenate(walls)], pitch, cell)
+    ends = np.array([_WALL * pitch, max(air_radius(actuator_regions(device, gap)), 2.0 * pitch)])
+    outer_points, outer = _drawn_out(merged, inner, index[np.concatenate(walls)], ends, cell)
     far = np.full(len(outer), regions.index("far"))
     return Mesh(
         points=outer_points,
@@ -205,16 +206,17 @@ def _turn(octant: int) -> Floats:
 
 
 def _drawn_out(
-    points: Floats, cells: Ints, wall: Ints, pitch: float, cell: Cell
+    points: Floats, cells: Ints, wall: Ints, ends: Floats, cell: Cell
 ) -> tuple[Floats, Ints]:
     """All points, and the cells between the wall's triangles (n, 3) and the end of the air.
 
+    `ends` are the distances (m) of both from the middle.
     A node is drawn out along its ray from the axis, onto layers of corners with one of mid-edge
     nodes halfway between two.  The cells of a prism go up from corners of lower number to those of
     higher, so that neighbours cut their common side alike.
     """
-    marks, sizes = np.array([_WALL * pitch, OUTER_RADIUS]), np.array([_FIRST * pitch, np.inf])
-    steps = graded_lines(marks, sizes / cell.refinement, 1.0 / cell.refinement) / marks[0]
+    sizes = np.array([_FIRST / _WALL * ends[0], np.inf])
+    steps = graded_lines(ends, sizes / cell.refinement, 1.0 / cell.refinement) / ends[0]
     layers = 2 * steps.size - 1
     scales = np.interp(np.arange(layers), 2 * np.arange(steps.size), steps)
     a, b, c = np.sort(wall, axis=1).T

@@ -23,6 +23,7 @@ from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild.conform import conform
 from tactgen.geometry.meshing.tetwild.mesher import SizingField, run_ftetwild
+from tactgen.geometry.reluctance.section_grid import actuator_regions, air_radius
 from tactgen.geometry.store.store import cached_result
 
 if TYPE_CHECKING:
@@ -63,7 +64,9 @@ class ActuatorMeshing:
 
     size: float = 1.3  #: Factor on all edge lengths; at 1 they are 0.3 of the working gap in it
     growth: float = 0.7  #: Growth of the edge length per distance from there
-    far: float = 20e-3  #: Half width of the box of air (m)
+    #: Half width of the box of air, as a share of
+    #: :func:`geometry.reluctance.section_grid.air_radius`
+    far: float = 1.0 / 3.0
     slot: bool = False  #: Whether the rod has the slot for the shim's tab
     time_limit: float = 300.0  #: Processor time for the mesher, all attempts together (s)
 
@@ -122,7 +125,7 @@ def actuator_solids(device: Device, meshing: ActuatorMeshing) -> dict[str, cq.So
         built["rod"] = built["rod"].fuse(filling).clean()
     up = cq.Vector(0.0, 0.0, (device.rod.head_thickness + device.gap) * MM)
     built = {name: solid.translate(up) for name, solid in built.items()}
-    far = meshing.far * MM
+    far = meshing.far * air_radius(actuator_regions(device, device.gap)) * MM
     quarter = cq.Solid.makeBox(far, far, 2.0 * far, cq.Vector(0.0, 0.0, -far))
     cut = {name: solid.intersect(quarter) for name, solid in built.items()}
     ends = cut["coil"].BoundingBox()

@@ -12,7 +12,7 @@ import numpy as np
 from tactgen.fem.magnetics.actuator_3d import solve_solid
 from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
+from tactgen.geometry.reluctance.section_grid import actuator_regions, air_radius
 from tactgen.geometry.reluctance.sector_tets import Sector
 from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import Linearised
@@ -47,9 +47,8 @@ def judge_axisymmetric(rng: np.random.Generator) -> list[Judged]:
 
 
 def _solved(device: Device) -> Fields:
-    right = solve_point(
-        device, order=_ORDER, refinement=_REFINEMENT, outer_radius=_FARTHER * OUTER_RADIUS
-    )
+    farther = _FARTHER * air_radius(actuator_regions(device, device.gap))
+    right = solve_point(device, order=_ORDER, refinement=_REFINEMENT, outer_radius=farther)
     return solve_point(device), right
 
 

@@ -6,10 +6,11 @@ import pytest
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.device.parts import closed_form_volumes
 from tactgen.geometry.meshing.mesh import TET_FACES, jacobian_coefficients
-from tactgen.geometry.reluctance.section_grid import OUTER_RADIUS
+from tactgen.geometry.reluctance.section_grid import actuator_regions, air_radius
 from tactgen.geometry.reluctance.sector_tets import COPIES, COUNTS, UNITS, Cell, nine_mesh, part_of
 
 DEVICE, GAP, PITCH = Device(), 0.2e-3, 2.4e-3
+OUTER_RADIUS = air_radius(actuator_regions(DEVICE, GAP))
 
 
 @pytest.fixture(scope="module")
