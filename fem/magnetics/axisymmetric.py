@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric_field import MagneticField, truncation_error
-from tactgen.fem.magnetics.axisymmetric_force import eggshell_force, virtual_work_force
+from tactgen.fem.magnetics.axisymmetric_force import eggshell_force, stress_size, virtual_work_force
 from tactgen.fem.magnetics.axisymmetric_space import size_of
 from tactgen.fem.magnetics.error_estimate import (
     Pair,
@@ -195,7 +195,7 @@ def field_point(
     """
     fine = pair.fine
     values, lower = _values(model, fine), _values(model, pair.coarse)
-    errors = _errors(fine, values, lower)
+    errors = _errors(fine, values, lower, stress_size(fine, model.weight))
     if errors.coenergy > _TOO_COARSE * abs(values["coenergy"]) and not any_grid:
         raise InputError(
             f"the grid is too coarse at gap = {model.gap * 1e3:g} mm and coil.current = "
@@ -226,23 +226,27 @@ def _beyond_table(field: MagneticField) -> float:
     return beyond / total
 
 
-def _errors(fine: MagneticField, values: dict[str, float], lower: dict[str, float]) -> FieldErrors:
+def _errors(
+    fine: MagneticField, values: dict[str, float], lower: dict[str, float], stress: float
+) -> FieldErrors:
     """Error bars: the change from the lower order, never less than the coenergy's.
 
     The coenergy rises with the order towards its exact value, so its change cannot vanish
     by accident, as that of a force can.  The force counts with no less than what its two routes
-    differ by, which has the same cause.  Truncation is added, and to the incremental inductance
-    the scatter of dH/dB.
+    differ by, which has the same cause; its shares are of the `stress` (N) that adds up to it,
+    since a force may cancel to nothing.  Truncation is added, and to the incremental inductance the
+    scatter of dH/dB.
     """
     total = values["coenergy"]
     rise = abs(total - lower["coenergy"]) / total if total else 0.0
     missing = truncation_error(fine) / total if total else 0.0
 
-    def bar(name: str, truncation: float, least: float = 0.0, share: float = 1.0) -> float:
-        value = values[name]
-        change = max(share * abs(value - lower[name]), rise * abs(value), least)
-        return change + truncation * missing * abs(value)
+    def bar(name: str, truncation: float) -> float:
+        size = abs(values[name])
+        return max(abs(values[name] - lower[name]), rise * size) + truncation * missing * size
 
+    change = _FORCE_CHANGE * abs(values["force"] - lower["force"])
+    routes = abs(values["force"] - values["force_eggshell"])
     linear = values["incremental_inductance"] * float(fine.currents[0])
     saturation = abs(values["flux_linkage"] - linear) / abs(linear) if linear else 0.0
     scatter = _INDUCTANCE_SCATTER * min(1.0, saturation) * values["incremental_inductance"]
@@ -250,12 +254,9 @@ def _errors(fine: MagneticField, values: dict[str, float], lower: dict[str, floa
     return FieldErrors(
         flux_linkage=bar("flux_linkage", 2.0),
         coenergy=bar("coenergy", 1.0),
-        force=bar(
-            "force", _FORCE_TRUNCATION, abs(values["force"] - values["force_eggshell"]),
-            _FORCE_CHANGE,
-        ),
+        force=max(change, rise * stress, routes) + _FORCE_TRUNCATION * missing * stress,
         incremental_inductance=bar("incremental_inductance", 2.0) + scatter,
-    )  # fmt: skip
+    )
 
 
 def _values(model: TwoOrders, solution: MagneticField) -> dict[str, float]:

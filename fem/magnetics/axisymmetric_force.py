@@ -93,10 +93,20 @@ def _rigid(grid: Grid) -> Floats:
 
 def eggshell_force(field: MagneticField, weight: EggshellWeight) -> float:
     """Force on the moving regions along +z (N)."""
+    return -float(np.sum(_stress(field, weight)))
+
+
+def stress_size(field: MagneticField, weight: EggshellWeight) -> float:
+    """Integral of the size of the stress whose integral is the force (N): what may cancel."""
+    return float(np.sum(np.abs(_stress(field, weight))))
+
+
+def _stress(field: MagneticField, weight: EggshellWeight) -> Floats:
+    """Contribution of each quadrature point to minus the force (N)."""
     b_r, b_z = np.moveaxis(field.flux_density, -1, 0)
     # T = (B Bᵀ − B²/2) / µ0; ∇g vanishes in every part, so T is needed in air only
     along = b_r * b_z * weight.slope_r + 0.5 * (b_z**2 - b_r**2) * weight.slope_z
-    return float(-np.sum(along * field.discretisation.volumes) / MU0)
+    return np.asarray(along * field.discretisation.volumes / MU0)
 
 
 def virtual_work_force(field: MagneticField) -> float:

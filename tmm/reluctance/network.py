@@ -35,8 +35,6 @@ def network_samples(
 ) -> Samples:
     """Network's flux linkage, force, co-energy and inductance.
 
-    The force's error bar is the difference from half as many cells.
-
     Parameters
     ----------
     device : Device
@@ -58,7 +56,7 @@ def network_samples(
         force=found.force,
         coenergy=found.coenergy,
         incremental_inductance=found.incremental_inductance,
-        force_error=np.abs(found.force - coarse.force),
+        force_error=force_error(found, coarse),
         model="network",
     )
 
@@ -75,6 +73,17 @@ def fine_and_coarse(
         solve(circuit(device, gaps, refinements, n), currents) for n in (cells, max(cells // 2, 1))
     )
     return fine, coarse
+
+
+def force_error(fine: LadderSolution, coarse: LadderSolution) -> Floats:
+    """Error bar (c, m) of the force (N): the difference between two ladders.
+
+    In relation no less than the co-energy's, whose difference has one sign: that of the force
+    passes through zero between currents.
+    """
+    total = fine.coenergy
+    share = np.abs(total - coarse.coenergy) / np.where(total == 0.0, 1.0, total)
+    return np.asarray(np.maximum(np.abs(fine.force - coarse.force), share * np.abs(fine.force)))
 
 
 def iron_beyond_table(device: Device, current: float, gap: float) -> float:

@@ -11,6 +11,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.reluctance import NOMINAL_GAP
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import (
+    CELLS,
     FULL,
     ONE_GAP,
     Refinements,
@@ -145,6 +146,18 @@ def test_ladder_converges():
         assert ((ratio > 3.5) & (ratio < 4.5)).all(), ratio
     # what is left with the default number of cells
     assert (np.abs(runs[1].force / runs[2].force - 1.0) < 1e-3).all()
+
+
+def test_force_bar_holds_between_currents():
+    """Two ladders' forces cross where the steel saturates; the bar must not vanish there.
+
+    The error falls as the square of the cells, so half as many leave three times the fine error.
+    """
+    currents, gaps = np.geomspace(0.005, 20.0, 25), np.geomspace(0.02e-3, 0.4e-3, 12)
+    fine = network_samples(Device(), currents, gaps)
+    exact = network_samples(Device(), currents, gaps, cells=16 * CELLS)
+    share = np.abs(fine.force - exact.force) / fine.force_error
+    assert 1.0 / 3.0 < share.max() <= 1.0
 
 
 def test_force_does_not_jump_where_the_collar_meets_the_coil():

@@ -137,8 +137,8 @@ class NetworkModel(MagneticModel):
 
     name = "network"
     _METHOD = (
-        "difference from half as many ladder cells, of the incremental inductance no less in "
-        "relation than of the flux linkage; the network's own error is not included"
+        "difference from half as many ladder cells, in relation no less than that of the "
+        "co-energy (force) or the flux linkage (incremental inductance); the network's own error is not included"
     )
 
     @classmethod
@@ -150,7 +150,7 @@ class NetworkModel(MagneticModel):
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Values at a current (A) and gap (m)."""
-        from tactgen.tmm.reluctance.network import fine_and_coarse, iron_beyond_table
+        from tactgen.tmm.reluctance.network import fine_and_coarse, force_error, iron_beyond_table
 
         device = self.scene.device
         fine, coarse = fine_and_coarse(device, np.array([current]), np.array([gap]))
@@ -168,7 +168,7 @@ class NetworkModel(MagneticModel):
         return MagneticPoint(
             current=current,
             gap=gap,
-            force=judged("force"),
+            force=Estimate(float(fine.force[0, 0]), float(force_error(fine, coarse)[0, 0])),
             flux_linkage=linkage,
             coenergy=judged("coenergy"),
             incremental_inductance=slope,
