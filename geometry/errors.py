@@ -9,5 +9,9 @@ class InputError(ValueError):
     """
 
 
+class CoarseGridError(InputError):
+    """A grid too coarse for any answer at one point of a field, in one sentence."""
+
+
 class MeshError(InputError):
     """A mesh that could not be made, or that did not pass its checks, in one sentence."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -27,7 +28,7 @@ from tactgen.fem.magnetics.error_estimate import (
 )
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import InputError
+from tactgen.geometry.errors import CoarseGridError, InputError
 from tactgen.geometry.reluctance.section_grid import actuator_regions
 
 #: Polynomial order that gives the accuracy wanted in the least time on this device.
@@ -191,17 +192,18 @@ def field_point(
 ) -> FieldPoint:
     """Field values at a point with errors; `keep` keeps the field itself.
 
-    Raises InputError if the grid is too coarse for error bars, unless `any_grid`.
+    Raises CoarseGridError if the grid is too coarse for error bars, unless `any_grid`.
     """
     fine = pair.fine
     values, lower = _values(model, fine), _values(model, pair.coarse)
     errors = _errors(fine, values, lower, stress_size(fine, model.weight))
     if errors.coenergy > _TOO_COARSE * abs(values["coenergy"]) and not any_grid:
-        raise InputError(
-            f"the grid is too coarse at gap = {model.gap * 1e3:g} mm and coil.current = "
+        raise CoarseGridError(
+            f"the field's grid is too coarse at gap = {model.gap * 1e3:g} mm and coil.current = "
             f"{float(fine.currents[0]) * 1e3:g} mA: the co-energy's error bar is "
-            f"{100.0 * errors.coenergy / abs(values['coenergy']):.0f} % of it; use a larger "
-            "refinement or order"
+            f"{100.0 * errors.coenergy / abs(values['coenergy']):.0f} % of it; widen the "
+            "narrowest clearance: gap, spring.stop_gap, or what the sleeve's bore leaves around "
+            "rod.flange_radius"
         )
     return FieldPoint(
         current=float(fine.currents[0]),
@@ -416,10 +418,15 @@ class FieldContinuation:
             If the field does not converge.
         """
         place = np.asarray(place, dtype=float)
-        for level in range(self._first(place), len(self._refinements)):
+        finest = len(self._refinements) - 1
+        for level in range(self._first(place), finest):
+            with suppress(CoarseGridError):
+                found = self._solved(level, device, current, gap, place)
+                if found.errors.force <= self._accuracy * abs(found.force):
+                    break
+        else:
+            level = finest
             found = self._solved(level, device, current, gap, place)
-            if found.errors.force <= self._accuracy * abs(found.force):
-                break
         self._places.append(place)
         self._enough.append(level)
         return found

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tactgen.geometry.errors import InputError
+from tactgen.geometry.errors import CoarseGridError, InputError
 from tactgen.geometry.store.store import (
     SUFFIX,
     Damaged,
@@ -251,8 +252,10 @@ def solve(
     new load, support spring or voltage needs no new field solution.  Of the very same scene its
     quantities are taken as they are.  `checked` is what :func:`check_request` gave, if it ran.
 
+    A quantity whose field no grid resolves is left out, with a warning.
+
     Raises InputError if a loaded response is asked for only where the finger's load is not known,
-    or the threshold voltage alone where the threshold is not.
+    or the threshold voltage alone where the threshold is not, or no quantity is left.
     """
     names = tuple(models or scene.models)
     quantities = tuple(quantities or scene.quantities)
@@ -262,7 +265,7 @@ def solve(
     stages = Stages(plan.keys, announce)
     if reuse is not None:
         stages.adopt(reuse.stages)
-    if f"{scene.map_model}.map" in plan.keys:
+    if f"{scene.map_model}.map" in plan.keys and scene.support.kind == "contact":
         map_of(scene, stages)
     if awaited:
         map_of(scene)
@@ -270,13 +273,18 @@ def solve(
     made = {name: make_model(name, scene, stages) for name in names}
     same = reuse.quantities if reuse is not None and reuse.scene == scene else ()
     known = {(quantity.name, quantity.model): quantity for quantity in same}
-    found = [
-        known.get((name, model)) or evaluate(name, made[model])
-        for name in quantities
-        for model in names
-        if gives(model, name)
-    ]
-    warnings += answer_warnings(scene, made, quantities, found)
+    found: list[Quantity] = []
+    refused: dict[str, list[str]] = {}
+    for name, model in itertools.product(quantities, names):
+        if gives(model, name):
+            try:
+                found.append(known.get((name, model)) or evaluate(name, made[model]))
+            except CoarseGridError as error:
+                refused.setdefault(f"{model}: {error}", []).append(name)
+    if not found:
+        raise CoarseGridError(next(iter(refused)))
+    warnings += tuple(f"no {', '.join(few)} by {why}" for why, few in refused.items())
+    warnings += answer_warnings(scene, made, found)
     record({stage: stages.seconds[stage] for stage in stages.computed})
     # models of one theory say the same
     return Solution(scene, tuple(found), plan, tuple(dict.fromkeys(warnings)), made, stages)

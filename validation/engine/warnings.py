@@ -61,10 +61,15 @@ def number_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
 
 
 def answer_warnings(
-    scene: Scene, models: Mapping[str, Model], quantities: Sequence[str], found: Sequence[Quantity]
+    scene: Scene, models: Mapping[str, Model], found: Sequence[Quantity]
 ) -> tuple[str, ...]:
     """Warnings about the answers of models."""
-    own = [warning for model in models.values() for warning in model.warnings(quantities)]
+    own = [
+        warning
+        for name, model in models.items()
+        for warning in model.warnings([q.name for q in found if q.model == name])
+    ]
+    quantities = tuple(dict.fromkeys(q.name for q in found))
     return (
         *own, *number_warnings(scene, found), *_of_stress(scene, models, quantities, found),
     )  # fmt: skip

@@ -16,6 +16,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.errors import CoarseGridError
 from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport, Response, round_off
@@ -223,14 +224,20 @@ class Stages:
                 self.computed.add(name)
                 return work()
 
-            self._results[name] = (
-                cached_result(name, (self.keys[name],), code, announced, announce=self.announce)
-                if code else announced()
-            )  # fmt: skip
+            try:
+                self._results[name] = (
+                    cached_result(name, (self.keys[name],), code, announced, announce=self.announce)
+                    if code else announced()
+                )  # fmt: skip
+            except CoarseGridError as error:
+                self._results[name] = error  # not tried again for the next quantity
             spent_inside = sum(self.seconds.values()) - inner
             self.seconds[name] = time.perf_counter() - start - spent_inside
-        result: T = self._results[name]
-        return result
+        result = self._results[name]
+        if isinstance(result, CoarseGridError):
+            raise result
+        found: T = result
+        return found
 
     def adopt(self, other: Stages) -> None:
         """Take over the results of another study whose inputs, by key, were the same."""

@@ -16,7 +16,7 @@ from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE
 from tactgen.validation.engine.comparison import ComparedRow, compare
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.model import Model, Quantity
-from tactgen.validation.models.reluctance.field import AxisymmetricModel
+from tactgen.validation.models.reluctance.field import AxisymmetricModel, field_rows
 from tactgen.validation.models.reluctance.model import (
     MagneticModel,
     NetworkModel,
@@ -33,8 +33,6 @@ if TYPE_CHECKING:
 _SHARES = (0.25, 0.5, 0.75, 1.0, 1.25)
 #: Curves of a family: this many gaps, from stop to stop.
 _GAPS = 4
-#: Order of the field points that are drawn into the quick version's curves: 0.2 % in force.
-_POINT_ORDER = 3
 
 
 class NormalActuator:
@@ -102,9 +100,12 @@ class NormalActuator:
 
     @property
     def _mapped_models(self) -> dict[str, MagneticModel]:
+        given = {q.model for q in self.mapped.quantities if needs_map(q.name)}
         models = self.mapped.models
         return {
-            name: model for name in MODELS if isinstance(model := models.get(name), MagneticModel)
+            name: model
+            for name in MODELS
+            if name in given and isinstance(model := models.get(name), MagneticModel)
         }
 
     @cached_property
@@ -167,12 +168,9 @@ class NormalActuator:
         """Single solutions of the field along both families, where it has no map."""
         if self.field_model is None or self.field_model.name in self.maps:
             return ()
-        from tactgen.fem.magnetics.axisymmetric import solve_map
-
         self.announce("field at single points")
-        device, order = self.device, _POINT_ORDER
-        across = solve_map(device, self.gaps.tolist(), [self.current], order=order)
-        along = solve_map(device, [self.gap], self.currents.tolist(), order=order)
+        across = field_rows(self.device, self.gaps, np.array([self.current]))
+        along = field_rows(self.device, np.array([self.gap]), self.currents)
         return tuple(point for row in (*across, *along) for point in row)
 
     def point_by_reference(self, current: float, gap: float) -> MagneticPoint:

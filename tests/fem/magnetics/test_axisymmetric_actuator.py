@@ -268,7 +268,7 @@ def test_parts_that_collide_are_refused(device, gap, words):
 
 def test_a_grid_too_coarse_for_any_answer_is_refused():
     """Where the next order would change everything, there is no number: one sentence instead."""
-    with pytest.raises(InputError, match=r"too coarse at gap = 0.002 mm .* larger refinement"):
+    with pytest.raises(InputError, match=r"too coarse at gap = 0.002 mm .* rod.flange_radius"):
         solve_point(DEVICE, gap=2e-6, order=2, refinement=0.25)
 
 

@@ -11,7 +11,7 @@ from tactgen.fem.magnetics.axisymmetric import (
     solve_point,
 )
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import InputError
+from tactgen.geometry.errors import CoarseGridError, InputError
 
 NAMES = tuple(FieldErrors.__dataclass_fields__)
 
@@ -59,3 +59,13 @@ def test_the_next_begins_on_the_grid_that_was_fine_enough_nearby(grids):
 def test_what_does_not_fit_is_refused(grids):
     with pytest.raises(InputError, match="gap"):
         FieldContinuation((0.5,), 0.1).at(Device(), 0.13, 5e-3, np.zeros(1))
+
+
+def test_a_grid_too_coarse_for_an_answer_is_left_for_a_finer_one(grids, monkeypatch):
+    """At 2 µm the co-energy's bar is 3.0 % on few lines, and 1.4 % on twice as many."""
+    monkeypatch.setattr(walk, "_TOO_COARSE", 0.02)
+    with pytest.raises(CoarseGridError):
+        FieldContinuation((0.1,), 0.5).at(Device(), 0.13, 2e-6, np.zeros(1))
+    point = FieldContinuation((0.1, 0.5), 0.5).at(Device(), 0.13, 2e-6, np.zeros(1))
+    assert grids == [0.1, 0.1, 0.5]
+    assert point.errors.coenergy <= 0.02 * point.coenergy

@@ -6,7 +6,9 @@ import pytest
 from tactgen.fem.magnetics import axisymmetric as actuator
 from tactgen.fem.magnetics import axisymmetric as walk
 from tactgen.fem.magnetics.axisymmetric import FieldErrors, FieldPoint
+from tactgen.geometry.errors import CoarseGridError
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.reluctance.field import MAP_ORDER
 from tactgen.validation.scene.scene import load_scene
 
 SETS = ["models=axisymmetric", "accuracy=10%"]
@@ -56,6 +58,44 @@ def test_currents_are_those_of_the_closed_form(mapped):
         exact = np.sqrt(2.0 * scene.spring.preload / 4e-6) * (scene.gap + 3e-4)
         assert abs(found.value - exact) <= found.error
     assert len(mapped) == 1
+
+
+def test_a_map_that_is_too_coarse_is_solved_by_the_order_of_points(mapped, monkeypatch):
+    """A narrow clearance alone needs the higher order, all others are served by the lower one."""
+    solve_map, orders = actuator.solve_map, []
+
+    def demanding(*args, order=actuator.ORDER):
+        orders.append(order)
+        if order < actuator.ORDER:
+            raise CoarseGridError("too coarse")
+        return solve_map(*args)
+
+    monkeypatch.setattr(actuator, "solve_map", demanding)
+    scene, _ = load_scene("reluctance", SETS)
+    solve(scene, ("axisymmetric",), ("pull_in_current",))
+    assert orders == [MAP_ORDER, actuator.ORDER]
+
+
+def test_a_map_without_answer_leaves_the_point(mapped, monkeypatch):
+    """What needs the map is left out with one warning and one attempt, alone it is refused."""
+    attempts = []
+
+    def solve_map(*_, **__):
+        attempts.append(1)
+        raise CoarseGridError("too coarse")
+
+    monkeypatch.setattr(actuator, "solve_map", solve_map)
+    scene, _ = load_scene("reluctance", ["models=axisymmetric,network", SETS[1]])
+    asked = ("magnetic_force", "pull_in_current", "rod_position")
+    found = solve(scene, quantities=asked)
+    assert {(q.name, q.model) for q in found.quantities} == {
+        (name, model) for name in asked for model in ("network", "axisymmetric")
+    } - {(name, "axisymmetric") for name in asked[1:]}
+    (warning,) = (text for text in found.warnings if "too coarse" in text)
+    assert "pull_in_current, rod_position" in warning
+    assert len(attempts) == 2  # orders
+    with pytest.raises(CoarseGridError, match="too coarse"):
+        solve(scene, ("axisymmetric",), asked[1:])
 
 
 @pytest.mark.heavy

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -12,7 +13,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import InputError
+from tactgen.geometry.errors import CoarseGridError, InputError
 from tactgen.geometry.store.store import cached_result
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
@@ -124,15 +125,13 @@ class AxisymmetricModel(_FieldModel):
         )
 
     def _map(self) -> CoenergyMap:
-        from tactgen.fem.magnetics.axisymmetric import solve_map
         from tactgen.tmm.reluctance.map_range import map_grid
 
         device = self.scene.device
         currents, gaps = map_grid(device, shared=True)
 
         def work() -> Samples:
-            rows = solve_map(device, gaps.tolist(), currents.tolist(), order=MAP_ORDER)
-            return self._samples(currents, gaps, rows)
+            return self._samples(currents, gaps, field_rows(device, gaps, currents))
 
         code, announce = self.code(), self.stages.announce
         return self._fitted(
@@ -222,6 +221,21 @@ def check_solid_map(scene: Scene) -> None:
         )
 
 
+def field_rows(
+    device: Device, gaps: Floats, currents: Floats
+) -> tuple[tuple[FieldPoint, ...], ...]:
+    """Points of the half section at gaps (m) and currents (A), one row for each gap.
+
+    Where the order of maps resolves too little, of points a higher one is taken.
+    """
+    from tactgen.fem.magnetics.axisymmetric import solve_map
+
+    try:
+        return solve_map(device, gaps.tolist(), currents.tolist(), order=MAP_ORDER)
+    except CoarseGridError:
+        return solve_map(device, gaps.tolist(), currents.tolist())
+
+
 def axisymmetric_point(found: FieldPoint) -> MagneticPoint:
     """Axisymmetric field point in the form of any model."""
     return replace(_judged(found, _METHOD), force_by_stress=found.force_eggshell)
@@ -264,8 +278,10 @@ def _fine_enough(
 
     Where the first is not enough the next is tried, up to the finest.
     """
-    for fineness in finenesses(refinements, accuracy):
-        found = solve(fineness)
-        if found.errors.force <= accuracy * abs(found.force):
-            break
-    return found
+    *coarser, finest = finenesses(refinements, accuracy)
+    for fineness in coarser:
+        with suppress(CoarseGridError):
+            found = solve(fineness)
+            if found.errors.force <= accuracy * abs(found.force):
+                return found
+    return solve(finest)

@@ -138,7 +138,8 @@ class NetworkModel(MagneticModel):
     name = "network"
     _METHOD = (
         "difference from half as many ladder cells, in relation no less than that of the "
-        "co-energy (force) or the flux linkage (incremental inductance); the network's own error is not included"
+        "co-energy (force) or the flux linkage (incremental inductance); the network's own "
+        "error is not included"
     )
 
     @classmethod
