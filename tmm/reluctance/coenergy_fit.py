@@ -41,6 +41,10 @@ _LEAST_OFFSET, _MOST_OFFSET = 0.05, 20.0
 #: Smallest coefficient, relative to the largest: inductance stays positive.
 _LEAST = 1e-9
 
+#: Steps of the least squares with a sign, per coefficient: 3 are usual, saturation over six decades
+#: of gaps takes more.
+_NNLS_STEPS = 30
+
 #: What remains of the error when the samples lie twice as dense.  Smooth samples leave an
 #: eighth; magnetisation curves from tables have kinks, which can leave a half.
 _REMAINS = 0.5
@@ -201,7 +205,7 @@ def _positive_least_squares(rows: Floats, targets: Floats) -> Floats:
         return found
     from scipy.optimize import nnls  # slow to import, and rarely needed
 
-    above, _ = nnls(scaled, targets - rows.sum(axis=1) * least)
+    above, _ = nnls(scaled, targets - rows.sum(axis=1) * least, maxiter=_NNLS_STEPS * size.size)
     return np.asarray(above / size + least)
 
 
