@@ -406,6 +406,15 @@ def steel_name(text: str) -> str | None:
     return names.get(folded(text))
 
 
+def curve_in_words(name: str) -> str:
+    """Magnetisation curve that a scene names, for the reader."""
+    if name in SOFT_MAGNETS:
+        return f"magnetisation curve {name}, {SOFT_MAGNETS[name].what}"
+    return {
+        "team20": "magnetisation curve of TEAM problem 20", "linear": "straight magnetisation curve"
+    }.get(name, "magnetisation curve from a file")  # fmt: skip
+
+
 def built_in_curve(name: str) -> MagnetisationCurve:
     """Built-in curve by its name in :data:`STEELS`, ``linear`` excepted; KeyError."""
     return TEAM20 if name == "team20" else SOFT_MAGNETS[name].curve()

@@ -28,15 +28,14 @@ NOMINAL_GAP = 0.2e-3
 
 #: How far turned parts of somebody else may lie from what is said of them.
 _TURNED = Own("turned part", 0.02)
+_DIAMETER = f"{PAPER_5} (outer diameter 2.3 mm)"
 
 
 class Rod(Parameters):
     """The moving iron: shaft, head (the pole above the gap), flange, slot for the tab."""
 
     radius: u.SmallLength = field(0.64e-3, RECONSTRUCTED, "shaft radius")
-    head_radius: u.SmallLength = printed(
-        1.15e-3, PAPER_5, "head radius (outer diameter 2.3 mm)", 0.025e-3, own=_TURNED
-    )
+    head_radius: u.SmallLength = printed(1.15e-3, _DIAMETER, "head radius", 0.025e-3, own=_TURNED)
     head_thickness: u.SmallLength = field(0.5e-3, RECONSTRUCTED, "head thickness")
     flange_radius: u.SmallLength = field(0.91e-3, RECONSTRUCTED, "flange radius")
     flange_thickness: u.SmallLength = field(3.0e-3, RECONSTRUCTED, "flange thickness")
@@ -132,9 +131,7 @@ class Sleeve(Parameters):
     """
 
     inner_radius: u.SmallLength = field(0.96e-3, RECONSTRUCTED, "bore radius")
-    outer_radius: u.SmallLength = printed(
-        1.15e-3, PAPER_5, "outer radius (outer diameter 2.3 mm)", 0.025e-3, own=_TURNED
-    )
+    outer_radius: u.SmallLength = printed(1.15e-3, _DIAMETER, "outer radius", 0.025e-3, own=_TURNED)
     length: u.SmallLength = field(
         18.7e-3, RECONSTRUCTED, "axial length, the housing of the return spring included"
     )

@@ -93,6 +93,11 @@ class ComparedRow:
         return self.info.unit
 
     @property
+    def most_detailed(self) -> Cell:
+        """Value by the most detailed of the models that ran: what a report heads."""
+        return self.cells[-1]
+
+    @property
     def remarks(self) -> list[str]:
         """Reasons why models differ beyond their errors."""
         named: dict[str, list[str]] = {}

@@ -30,7 +30,7 @@ from tactgen.validation.models.classes import make_model, map_of, model_class, s
 from tactgen.validation.models.model import Model, Quantity, Stages
 from tactgen.validation.scene.conditions import conditions
 from tactgen.validation.scene.inputs import stage_keys
-from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.scene import Scene, chosen_models, chosen_quantities
 
 
 @dataclass(frozen=True)
@@ -240,13 +240,15 @@ class Solution:
 
 def solve(
     scene: Scene,
-    models: Sequence[str] | None = None,
-    quantities: Sequence[str] | None = None,
+    models: str | Sequence[str] | None = None,
+    quantities: str | Sequence[str] | None = None,
     announce: Callable[[str], None] = lambda _: None,
     reuse: Solution | None = None,
     checked: tuple[Plan, tuple[str, ...]] | None = None,
 ) -> Solution:
     """Compute the wanted quantities with the wanted models (the scene's by default).
+
+    Names are given one by one in a list, or as one text such as "tmm", "tmm,solid" or "all".
 
     Stages whose inputs are those of an earlier solution, `reuse`, are not run again: a
     new load, support spring or voltage needs no new field solution.  Of the very same scene its
@@ -257,8 +259,8 @@ def solve(
     Raises InputError if a loaded response is asked for only where the finger's load is not known,
     or the threshold voltage alone where the threshold is not, or no quantity is left.
     """
-    names = tuple(models or scene.models)
-    quantities = tuple(quantities or scene.quantities)
+    names = chosen_models(models or scene.models)
+    quantities = chosen_quantities(quantities or scene.quantities, names)
     scene = scene.asking(names)
     awaited = scene.awaits_map
     plan, warnings = checked or check_request(scene, names, quantities)

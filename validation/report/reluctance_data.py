@@ -24,6 +24,7 @@ from tactgen.validation.models.reluctance.model import (
     rod_loop,
 )
 from tactgen.validation.models.reluctance.switching import MagneticPoint, SwitchingCurrents
+from tactgen.validation.scene.variation import is_papers_actuator
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint
@@ -45,14 +46,22 @@ class NormalActuator:
         map, maps come from the network, which costs nothing.
     announce : callable
         Told what is being done.
-
+    at_rest : bool
+        Whether a map made besides also tells where the rod rests.
     """
 
-    def __init__(self, solution: Solution, announce: Callable[[str], None]) -> None:
-        self.solution, self.announce = solution, announce
+    def __init__(
+        self, solution: Solution, announce: Callable[[str], None], *, at_rest: bool = True
+    ) -> None:
+        self.solution, self.announce, self._at_rest = solution, announce, at_rest
         self.scene, self.device = solution.scene, solution.scene.device
         self.current, self.gap = self.scene.coil.current, self.scene.gap
         self._points: dict[tuple[str, float, float], MagneticPoint] = {}
+
+    @property
+    def is_papers(self) -> bool:
+        """Whether it is the paper's actuator, perhaps changed."""
+        return is_papers_actuator(self.scene)
 
     @property
     def turns_are_set(self) -> bool:
@@ -90,7 +99,7 @@ class NormalActuator:
         """The solution whose models have maps."""
         if any(needs_map(q.name) for q in self.solution.quantities):
             return self.solution
-        names = [name for name in QUANTITIES if needs_map(name)]
+        names = [n for n in QUANTITIES if needs_map(n) and (self._at_rest or not is_of_rest(n))]
         return solve(self.scene, (NetworkModel.name,), names, self.announce, reuse=self.solution)
 
     @cached_property
@@ -190,6 +199,11 @@ class NormalActuator:
             planned = f"{model.name}.point" in model.stages.keys
             self._points[key] = model.point() if own and planned else model.at(current, gap)
         return self._points[key]
+
+
+def is_of_rest(quantity: str) -> bool:
+    """Whether a quantity is about where the rod rests."""
+    return "rest" in QUANTITIES[quantity].needs
 
 
 def needs_map(quantity: str) -> bool:

@@ -19,8 +19,9 @@ from tactgen.validation.engine.solve import Solution, asks_display, solve
 from tactgen.validation.evidence.case import Outcome, run_check
 from tactgen.validation.evidence.verification import group_rows
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.report.reluctance_data import NormalActuator
-from tactgen.validation.report.request import is_of_rest, prepared, quantities_of, shown_model
+from tactgen.validation.models.reluctance.field import AxisymmetricModel
+from tactgen.validation.report.reluctance_data import NormalActuator, is_of_rest, needs_map
+from tactgen.validation.report.request import prepared, quantities_of, shown_model
 from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
@@ -76,7 +77,11 @@ class Study:
 
     @cached_property
     def normal(self) -> NormalActuator | None:
-        """The normal actuator, if the scene asks for it; at the paper's current if it has none."""
+        """The normal actuator, if the scene asks for it; at the paper's current if it has none.
+
+        Then also by the field, at points: a network's error bar does not tell that it is a tenth
+        off, and the machine's scene asks for it as a spring.
+        """
         models = self.solution.models_of("reluctance")
         if not models or not any(
             QUANTITIES[q.name].actuator == "reluctance" for q in self.solution.quantities
@@ -86,13 +91,15 @@ class Study:
             return NormalActuator(self.solution, self.announce)
         coil = self.scene.coil.model_copy(update={"current": Device().coil.current})
         driven = self.scene.model_copy(update={"coil": coil})
+        asked = any(MODELS[name].theory == "field" for name in models)
         names = [
             name
             for name in quantities_of(driven.models, {"reluctance"}, quick=self.quick)
-            if not is_of_rest(name)
+            if not is_of_rest(name) and (asked or not needs_map(name))
         ]
-        solution = solve(driven, tuple(models), names, self.announce, reuse=self.solution)
-        return NormalActuator(solution, self.announce)
+        every = tuple(models) if asked else (*models, AxisymmetricModel.name)
+        solution = solve(driven, every, names, self.announce, reuse=self.solution)
+        return NormalActuator(solution, self.announce, at_rest=False)
 
     @cached_property
     def resting(self) -> list[ComparedRow]:

@@ -11,7 +11,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import check_models, check_request
-from tactgen.validation.report.reluctance_data import needs_map
+from tactgen.validation.report.reluctance_data import is_of_rest, needs_map
 from tactgen.validation.scene.scene import Scene
 
 #: Points of the frequency response in the report.
@@ -86,8 +86,3 @@ def quantities_of(models: Sequence[str], about: Collection[str], *, quick: bool)
         for model in models
     )
     return tuple(name for name in found if not (quick and slow and needs_map(name)))
-
-
-def is_of_rest(quantity: str) -> bool:
-    """Whether a quantity is about where the rod rests."""
-    return "rest" in QUANTITIES[quantity].needs

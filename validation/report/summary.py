@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tactgen.geometry.device.material_library import curve_in_words
 from tactgen.geometry.formats import engineering, percent, with_error
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT, VOLTAGE_LIMIT
@@ -76,6 +77,7 @@ def summary(study: Study) -> dict[str, Any]:
     figure, values = _figure(study)
     return {
         "conditions": conditions(study.scene),
+        "steel": curve_in_words(study.scene.steel.curve),
         "pictures": gallery.pictures(study),
         "headlines": [*_numbers(study), *_extremes(study)],
         "figure": figure,
@@ -84,7 +86,7 @@ def summary(study: Study) -> dict[str, Any]:
         "known": [u for u in uncertain if u.target.quantity.headline],
         "parameters": study.parameters,
         "doubts": list(_doubts(study)),
-        "reconstructed": study.normal is not None and study.normal.turns_are_set,
+        "reconstructed": study.normal is not None and study.normal.is_papers,
     }
 
 
@@ -92,7 +94,7 @@ def _numbers(study: Study) -> Iterator[Headline]:
     """Headline numbers of the comparison, by its reference."""
     bands = _expected(study)
     for row in study.compared:
-        cell = row.cells[-1]
+        cell = row.most_detailed
         if not row.info.headline or not math.isfinite(cell.value):
             continue
         others = [
@@ -172,7 +174,8 @@ def _figure(study: Study) -> tuple[str, str]:
 
 def _rests_on_models(study: Study) -> str:
     """Models, and the widest numerical error."""
-    cells = [row.cells[-1] for row in study.compared if math.isfinite(row.cells[-1].value)]
+    cells = [row.most_detailed for row in study.compared]
+    cells = [cell for cell in cells if math.isfinite(cell.value)]
     widest = max((c.error / abs(c.value) for c in cells if c.value), default=0.0)
     wide = sum(c.error > study.scene.accuracy * abs(c.value) for c in cells)
     asked = f"{100.0 * study.scene.accuracy:g} %"
@@ -191,7 +194,7 @@ def _doubts(study: Study) -> Iterator[str]:
         for cell in row.cells:
             if cell.verdict == "differs":
                 yield (
-                    f"The models {cell.model} and {row.cells[-1].model} solve the same equations, "
+                    f"The models {cell.model} and {row.most_detailed.model} solve the same equations, "
                     f"but their errors do not cover their difference in {row.info.label}."
                 )
     if _expected(study):

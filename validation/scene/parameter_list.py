@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from pydantic.fields import FieldInfo
 
 from tactgen.geometry.device.materials import Spread
+from tactgen.geometry.device.parameter_group import RECONSTRUCTED
 from tactgen.geometry.device.parameters import Parameters, sources, spreads
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
@@ -19,7 +20,10 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.scene.conditions import NEUTRAL
 from tactgen.validation.scene.scene import Scene, load_scene
 from tactgen.validation.scene.tolerances import Tolerance
+from tactgen.validation.scene.variation import is_papers_actuator
 
+#: Source of a size that a scene with an actuator of its own leaves out.
+_NOT_STATED = "assumed: not stated, that of the built-in actuator"
 #: Digits of a number that somebody has written, at most; more come from a calculation, of which
 #: so many are shown.
 _WRITTEN, _SHOWN = 8, 6
@@ -50,7 +54,15 @@ def parameter_rows(scene: Scene, origins: dict[str, str]) -> list[ParameterRow]:
 
     A value that a built-in scene repeats from the paper keeps the paper as its source.
     """
-    return list(_rows(scene, "", origins, scene.tolerances))
+    rows = list(_rows(scene, "", origins, scene.tolerances))
+    if is_papers_actuator(scene):
+        return rows
+    return [
+        replace(row, source=origins.get(row.key, _NOT_STATED))
+        if row.source == RECONSTRUCTED
+        else row
+        for row in rows
+    ]
 
 
 def _rows(

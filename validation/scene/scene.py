@@ -113,7 +113,9 @@ class Scene(p.Device):
         description="models asked for; by default all of the bimorph's that can",
     )
     quantities: tuple[str, ...] = Field(
-        default_factory=lambda: quantities_of("bimorph"), description="quantities asked for"
+        default_factory=lambda known: _usual_quantities(known.get("models", ())),
+        description="quantities asked for; by default all of the bimorph, or of the normal "
+        "actuator if only its models are asked for",
     )
 
     _tolerances: dict[str, Tolerance] = PrivateAttr(default_factory=dict)
@@ -223,13 +225,29 @@ class Scene(p.Device):
     @field_validator("models", mode="before")
     @classmethod
     def _models(cls, value: Any) -> Any:
-        return choices(value, tuple(MODELS), "model", "models")
+        return chosen_models(value)
 
     @field_validator("quantities", mode="before")
     @classmethod
     def _quantities(cls, value: Any, info: ValidationInfo) -> Any:
-        named = choices(value, tuple(QUANTITIES), "quantity", "quantities")
-        return all_given(info.data.get("models", ())) if named == tuple(QUANTITIES) else named
+        return chosen_quantities(value, info.data.get("models", ()))
+
+
+def chosen_models(value: Any) -> tuple[str, ...]:
+    """Names of models: one, "a,b", a list, or "all"; InputError for an unknown one."""
+    return choices(value, tuple(MODELS), "model", "models")
+
+
+def chosen_quantities(value: Any, models: Sequence[str]) -> tuple[str, ...]:
+    """Names of quantities, in the same forms; "all" is what the models give."""
+    named = choices(value, tuple(QUANTITIES), "quantity", "quantities")
+    return all_given(models) if named == tuple(QUANTITIES) else named
+
+
+def _usual_quantities(models: Sequence[str]) -> tuple[str, ...]:
+    """Quantities of a scene that states none: of the bimorph, if a model of it is asked for."""
+    normal = models and all(MODELS[name].actuator == "reluctance" for name in models)
+    return quantities_of("reluctance" if normal else "bimorph")
 
 
 #: Maps by field models that this process has solved or read, by circuit; the oldest goes first.

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from tactgen.geometry.device.parameters import Bimorph, Piezo, Shim
+from tactgen.geometry.device.parameters import Bimorph, Piezo, Rod, Shim, Sleeve
 from tactgen.validation.scene.files import assign
 from tactgen.validation.scene.scene import Scene, checked_scene
 
@@ -72,3 +72,9 @@ def is_papers_bimorph(scene: Scene) -> bool:
     """Whether layers, section and materials are the paper's; the length may be any."""
     own, papers = (b.model_dump(exclude=_FREE) for b in (scene.bimorph, Bimorph()))
     return own == papers and (scene.piezo, scene.shim) == (Piezo(), Shim())
+
+
+def is_papers_actuator(scene: Scene) -> bool:
+    """Whether head and sleeve have the paper's outer diameter: whatever else, its own circuit."""
+    own = scene.rod.head_radius, scene.sleeve.outer_radius
+    return own == (Rod().head_radius, Sleeve().outer_radius)

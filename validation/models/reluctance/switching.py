@@ -142,6 +142,8 @@ class _Balances:
         gaps = middle + step * np.array([-1.0, 0.0, 1.0])
         around = [self.at_gap(float(g), start) for g in gaps]
         left, centre, right = (found.value for found in around)
+        if not math.isfinite(left + centre + right):  # the pull falls with the current nearby
+            return around[1]
         bend = left - 2.0 * centre + right
         shift = float(np.clip(0.5 * (left - right) / bend, -1.0, 1.0)) if bend else 0.0
         value = centre + 0.5 * shift * (right - left) + 0.5 * shift**2 * bend

@@ -41,7 +41,8 @@ def _machine(lateral: tuple[Section, ...]) -> list[Section]:
 
 
 def _checks(study: Study) -> Context:
-    cells = [row.cells[-1] for row in study.compared if math.isfinite(row.cells[-1].value)]
+    cells = [row.most_detailed for row in study.compared]
+    cells = [cell for cell in cells if math.isfinite(cell.value)]
     return {
         "bars": len(cells),
         "widest": max((c.error / abs(c.value) for c in cells if c.value), default=0.0),

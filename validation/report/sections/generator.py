@@ -33,6 +33,7 @@ from tactgen.validation.models.small_signal import machine_of, measured_poles, o
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.variation import is_papers_actuator
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
 
 #: Line of each further model.
@@ -176,11 +177,14 @@ def _positions(study: Study) -> Context | None:
         return None
 
     current = abs(scene.coil.current)
+    papers = is_papers_actuator(scene)
+    currents = {current, _HELD} if papers else {current}
     forces = axial_forces(scene.device, map_of(scene), scene.load.normal_force)
     return {
         "loops": loops,
         "loop": position_plot(loops, current),
-        "places": [(i, resting_places(forces, i)) for i in sorted({current, _HELD})],
+        "places": [(i, resting_places(forces, i)) for i in sorted(currents)],
+        "papers": papers,
         "reference": forces.stops.upper.reference_load,
         "resting": study.resting,
         "models": ranked({cell.model for row in study.resting for cell in row.cells}),

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 _LINES = 16
 #: Where |B| is cut off in the shading (T): beyond, the steel is saturated altogether.
 _TOP = 2.2
+#: Sizes in the picture, in outer radii of the device: its width, the place of the names, room below
+#: the rod (if the sleeve goes on) and beside the iron, and the least distance of names.
+_WIDTH, _NAMES, _BELOW, _ROOM, _BETWEEN_NAMES = 1.8, 1.23, 0.5, 0.3, 0.21
 _MM = 1e3
 
 
@@ -38,24 +41,36 @@ def field_plot(device: Device, points: Mapping[str, FieldPoint]) -> str:
     shading: Any = None
     for axis, (title, point) in zip(axes, points.items(), strict=True):
         assert point.solution is not None
-        shading = _shade(axis, point.solution)
+        shading = _shade(axis, point.solution, device)
         _flux_lines(axis, point.solution)
         _outline(axis, point.solution.discretisation.grid.regions)
         _names(axis, device, point.gap)
-        axis.set(title=title, xlabel="r (mm)", xlim=(0.0, 2.05), ylim=_heights(device))
+        axis.set(
+            title=title,
+            xlabel="r (mm)",
+            xlim=(0.0, _MM * _WIDTH * _radius(device)),
+            ylim=_heights(device),
+        )
         axis.set_aspect("equal")
     axes[0].set_ylabel("z (mm), 0 at the sleeve's top face")
     figure.colorbar(shading, ax=list(axes), label="|B| (T)", shrink=0.6, extend="max")
     return svg(figure)
 
 
+def _radius(device: Device) -> float:
+    return float(max(device.rod.head_radius, device.sleeve.outer_radius))
+
+
 def _heights(device: Device) -> tuple[float, float]:
+    """Lower and upper end of the picture (mm)."""
+    radius, rod = _radius(device), device.rod
     # a sleeve that goes on below the rod carries little: the picture ends under the rod
-    low = -max(min(device.sleeve.length, device.rod.length + 0.6e-3), device.rod.length + 0.1e-3)
-    return _MM * low - 0.3, _MM * (device.gap + device.rod.head_thickness) + 0.35
+    low = max(min(device.sleeve.length, rod.length + _BELOW * radius), rod.length)
+    high = device.gap + rod.head_thickness
+    return -_MM * (low + _ROOM * radius), _MM * (high + _ROOM * radius)
 
 
-def _shade(axis: Any, solution: MagneticField) -> Any:
+def _shade(axis: Any, solution: MagneticField, device: Device) -> Any:
     """Shade |B|: one patch around each quadrature point, so that jumps stay sharp."""
     d = solution.discretisation
     magnitude = np.linalg.norm(solution.flux_density, axis=-1)
@@ -65,10 +80,11 @@ def _shade(axis: Any, solution: MagneticField) -> Any:
     sorted_by_place = np.take_along_axis(magnitude, order, axis=1)
     nr, nz = d.grid.r.size - 1, d.grid.z.size - 1
     values = sorted_by_place.reshape(nr, nz, across, across).transpose(0, 2, 1, 3)
-    near = d.grid.r < 3.0e-3
+    near = d.grid.r < 2.0 * _WIDTH * _radius(device)
     r, z = (_patches(x, across) for x in (d.grid.r[near], d.grid.z))
     table = values.reshape(nr * across, nz * across)[: r.size - 1]
-    inside = (z[1:] > -6.0e-3) & (z[:-1] < 3.0e-3)
+    low, high = _heights(device)
+    inside = (_MM * z[1:] > low) & (_MM * z[:-1] < high)
     first, last = np.flatnonzero(inside)[[0, -1]]
     return axis.pcolormesh(
         r * _MM,
@@ -155,12 +171,13 @@ def _names(axis: Any, device: Device, gap: float) -> None:
         ),
     }
     places = np.array([z for _, z in named.values()])
-    spread = _apart(places, 0.24e-3)
+    radius = _radius(device)
+    spread = _apart(places, _BETWEEN_NAMES * radius)
     for (name, (r, z)), level in zip(named.items(), spread, strict=True):
         axis.annotate(
             name,
             xy=(r * _MM, z * _MM),
-            xytext=(1.42, level * _MM),
+            xytext=(_NAMES * radius * _MM, level * _MM),
             va="center",
             fontsize=9,
             bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 1.0},

@@ -226,8 +226,8 @@ def _legend(axis: Any, shown: Families) -> None:
     axis.legend(frameon=False, fontsize=8, ncols=2)
 
 
-#: Order and fineness of pictures: many lines for smooth contours.
-_PICTURE: dict[str, Any] = {"order": 2, "refinement": 3.0}
+#: Order and fineness of pictures: many lines for smooth contours, and no number that needs a bar.
+_PICTURE: dict[str, Any] = {"order": 2, "refinement": 3.0, "any_grid": True}
 
 
 def _models(actuator: NormalActuator) -> Context:
@@ -330,10 +330,10 @@ def _characteristics(actuator: NormalActuator) -> Context:
     shown = Families(device, actuator.maps, actuator.currents, actuator.gaps, actuator.points)
     chosen = actuator.switching[actuator.pull_model]
     wound = winding(device.coil)
-    heat = {
-        "At the scene's current": thermal_statement(device, current),
-        "At the paper's direct current for holding": thermal_statement(device, stated.HELD),
-    }
+    heat = {"At the scene's current": thermal_statement(device, current)}
+    if actuator.is_papers:
+        paper = thermal_statement(device, stated.HELD)
+        heat["At the paper's direct current for holding"] = paper
     if np.isfinite(chosen.holding.value):
         held = thermal_statement(device, chosen.holding.value)
         heat["At this device's holding current"] = held
@@ -397,10 +397,11 @@ def _electrical_rows(actuator: NormalActuator, found: SwitchingCurrents) -> list
 
 
 def _beside_the_paper(actuator: NormalActuator) -> Context | None:
-    """Model's answers to the paper's statements, None outside the map."""
+    """Model's answers to the paper's statements, None outside the map or of another actuator."""
     device, pull = actuator.device, actuator.pull
     low, high = pull.gap_limits
-    if not low <= stated.GAP <= high or pull.current_limit < stated.PULL_IN:
+    inside = low <= stated.GAP <= high and pull.current_limit >= stated.PULL_IN
+    if not (actuator.is_papers and inside):
         return None
     places = equilibria(device, pull, stated.HELD)
     return {
