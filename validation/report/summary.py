@@ -194,8 +194,8 @@ def _doubts(study: Study) -> Iterator[str]:
         for cell in row.cells:
             if cell.verdict == "differs":
                 yield (
-                    f"The models {cell.model} and {row.most_detailed.model} solve the same equations, "
-                    f"but their errors do not cover their difference in {row.info.label}."
+                    f"The models {cell.model} and {row.most_detailed.model} solve the same "
+                    f"equations, but their errors do not cover the difference in {row.info.label}."
                 )
     if _expected(study):
         yield (

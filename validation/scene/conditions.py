@@ -6,40 +6,13 @@ neutral conditions, which suit a bimorph on a bench.
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.device.parameters import Load, Support
 from tactgen.geometry.formats import engineering
 from tactgen.validation.catalogue.models import models_of
-from tactgen.validation.scene.files import assign, leaves
-
-if TYPE_CHECKING:
-    from tactgen.validation.scene.scene import Scene
-
-#: Conditions of ``start_from = "neutral"``.
-NEUTRAL = {
-    "support.kind": "clamped",
-    "load.kind": "none",
-    "bimorph.wiring": "parallel",
-    "drive.voltage": "1 V",
-}
-#: Conditions of the normal actuator.
-_OF_THE_COIL = ("gap", "coil.current")
-
-
-def with_start(values: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Scene's values with the conditions of its start, and the keys that it does not state."""
-    stated = {key for key, _ in leaves(dict(values))}
-    missing = tuple(key for key in (*NEUTRAL, *_OF_THE_COIL) if key not in stated)
-    complete = copy.deepcopy(dict(values))
-    if values.get("start_from") == "neutral":
-        for key in NEUTRAL.keys() & set(missing):
-            if isinstance(complete.get(key.partition(".")[0], {}), dict):
-                assign(complete, key, NEUTRAL[key])
-    return complete, missing
+from tactgen.validation.scene.files import NEUTRAL, OF_THE_COIL
+from tactgen.validation.scene.scene import Scene
 
 
 def conditions(scene: Scene) -> str:
@@ -55,7 +28,7 @@ def conditions(scene: Scene) -> str:
             f"{engineering(scene.drive.voltage, 'V')} peak",
         ]
     if not bimorph or scene.support.kind == "contact":
-        keys += _OF_THE_COIL
+        keys += OF_THE_COIL
         parts += [
             f"gap {engineering(scene.gap, 'm')}",
             f"coil current {engineering(scene.coil.current, 'A')}",

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import math
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -20,6 +21,15 @@ from tactgen.geometry.units import FREQUENCY, OutOfRange, quoted
 
 #: Longest name that a scene may have.
 LONGEST_NAME = 100
+#: Conditions of ``start_from = "neutral"``.
+NEUTRAL = {
+    "support.kind": "clamped",
+    "load.kind": "none",
+    "bimorph.wiring": "parallel",
+    "drive.voltage": "1 V",
+}
+#: Conditions of the normal actuator.
+OF_THE_COIL = ("gap", "coil.current")
 #: Parts of a dotted key beyond which none is looked at: a scene's have two.
 _DEEPEST = 4
 
@@ -118,6 +128,18 @@ def leaves(values: dict[str, Any], prefix: str = "", depth: int = 1) -> Iterator
             yield from leaves(value, f"{name}.", depth + 1)
         else:
             yield name, value
+
+
+def with_start(values: Mapping[str, Any]) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Scene's values with the conditions of its start, and the keys that it does not state."""
+    stated = {key for key, _ in leaves(dict(values))}
+    missing = tuple(key for key in (*NEUTRAL, *OF_THE_COIL) if key not in stated)
+    complete = copy.deepcopy(dict(values))
+    if values.get("start_from") == "neutral":
+        for key in NEUTRAL.keys() & set(missing):
+            if isinstance(complete.get(key.partition(".")[0], {}), dict):
+                assign(complete, key, NEUTRAL[key])
+    return complete, missing
 
 
 def one_line(text: str) -> str:

@@ -17,7 +17,7 @@ from tactgen.geometry.files import write_text
 from tactgen.geometry.units import Unit
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.scene.conditions import NEUTRAL
+from tactgen.validation.scene.files import NEUTRAL
 from tactgen.validation.scene.scene import Scene, load_scene
 from tactgen.validation.scene.tolerances import Tolerance
 from tactgen.validation.scene.variation import is_papers_actuator

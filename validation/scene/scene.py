@@ -33,7 +33,6 @@ from tactgen.tmm.ports.elements import ends_of
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, all_given, gives, map_model, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
-from tactgen.validation.scene.conditions import with_start
 from tactgen.validation.scene.files import (
     LONGEST_NAME,
     assign,
@@ -44,6 +43,7 @@ from tactgen.validation.scene.files import (
     scene_name,
     sentence,
     split_override,
+    with_start,
 )
 from tactgen.validation.scene.tolerances import Tolerance, split_tolerances
 

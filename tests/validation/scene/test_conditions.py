@@ -3,8 +3,8 @@
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.scene.conditions import NEUTRAL, conditions
-from tactgen.validation.scene.files import built_in_texts
+from tactgen.validation.scene.conditions import conditions
+from tactgen.validation.scene.files import NEUTRAL, built_in_texts
 from tactgen.validation.scene.scene import load_scene
 
 
