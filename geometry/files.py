@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.operating_system import is_running
 
 #: Largest text file that is read (bytes): a hundred thousand rows of ten columns.
 _MOST_TEXT = 20_000_000
@@ -123,19 +124,9 @@ def _sweep_drafts(folder: Path) -> None:
     with contextlib.suppress(OSError):
         for left in folder.glob(f"{prefix}*"):
             number = left.name.removeprefix(prefix).partition("-")[0]
-            if number.isdecimal() and not _runs(int(number)):
+            if number.isdecimal() and not is_running(int(number)):
                 with contextlib.suppress(OSError):
                     left.unlink()
-
-
-def _runs(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):
-        return False
-    except PermissionError:  # another user's
-        return True
-    return True
 
 
 def writable_folder(path: Path) -> Path:

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from tactgen.geometry.arrays import Ints
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.operating_system import core_count
 
 S = TypeVar("S")
 T = TypeVar("T")
@@ -66,7 +67,7 @@ def side_by_side(work: Callable[[S], T], jobs: Iterable[S]) -> list[T]:
     thread of the sparse solver, so that together they take no more than the setting allows.
     """
     asked = list(jobs)
-    threads = min(thread_count() or len(os.sched_getaffinity(0)), len(asked))
+    threads = min(thread_count() or core_count(), len(asked))
     if threads < 2 or _beside_others():
         return [work(job) for job in asked]
     from concurrent.futures import ThreadPoolExecutor

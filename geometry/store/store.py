@@ -9,7 +9,6 @@ anew, what cannot be written is not kept, and each is said once.
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import hashlib
 import os
 import re
@@ -22,6 +21,7 @@ from typing import Any, TypeVar
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import NotWritten, special, written_whole
+from tactgen.geometry.operating_system import lock, unlock
 from tactgen.geometry.store.values import fingerprint, from_bytes, source_digest, to_bytes
 
 T = TypeVar("T")
@@ -244,7 +244,7 @@ def locked(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
             with contextlib.suppress(OSError):
                 path.unlink()
             # a child that was forked meanwhile shares the lock: closing alone would not end it
-            fcntl.flock(descriptor, fcntl.LOCK_UN)
+            unlock(descriptor)
             os.close(descriptor)
 
 
@@ -254,13 +254,11 @@ def _acquire(path: Path, waiting: Callable[[], None]) -> int:
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
+            if not lock(descriptor, wait=False):
                 if not said:
                     waiting()
                     said = True
-                fcntl.flock(descriptor, fcntl.LOCK_EX)
+                lock(descriptor, wait=True)
             # who had it before may have taken the file away
             with contextlib.suppress(FileNotFoundError):
                 if os.path.samestat(os.fstat(descriptor), path.stat()):

@@ -19,10 +19,12 @@ from types import FrameType
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.streams import drop_output
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# Windows has no SIGHUP, and no timer that counts processor time
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else []))
+_HAS_TIMER = hasattr(signal, "setitimer")
 #: Signal and timer of the second look whether the module has been loaded; and after how many
 #: seconds of processor time.
-_LOOK, _TIMER = signal.SIGVTALRM, signal.ITIMER_VIRTUAL
+_LOOK = [signal.SIGVTALRM] if _HAS_TIMER else []
 _AGAIN = 0.01
 #: What Python runs to load a compiled module.
 _LOADERS = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__}
@@ -51,20 +53,20 @@ def unwind_on_signal() -> Iterator[None]:
     def end(number: int, frame: FrameType | None) -> None:
         nonlocal told
         told = told or number
-        if _loading(frame):
-            signal.setitimer(_TIMER, _AGAIN)
+        if _HAS_TIMER and _loading(frame):
+            _look_again()
         else:
             raise TerminationRequest(told)
 
     def passed_over(raised: sys.UnraisableHookArgs) -> None:
-        if isinstance(raised.exc_value, TerminationRequest):
-            signal.setitimer(_TIMER, _AGAIN)
+        if _HAS_TIMER and isinstance(raised.exc_value, TerminationRequest):
+            _look_again()
         else:
             hook(raised)
 
     hook, sys.unraisablehook = sys.unraisablehook, passed_over
     heard = [number for number in _SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
-    before = {number: signal.signal(number, end) for number in (*heard, _LOOK)}
+    before = {number: signal.signal(number, end) for number in (*heard, *_LOOK)}
     try:
         yield
     except Exception as error:
@@ -72,10 +74,16 @@ def unwind_on_signal() -> Iterator[None]:
             raise TerminationRequest(told) from error
         raise
     finally:
-        signal.setitimer(_TIMER, 0.0)
+        if _HAS_TIMER:
+            _look_again(0.0)
         sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _look_again(after: float = _AGAIN) -> None:
+    """Ask for another signal after so many seconds of processor time; of 0 for none."""
+    signal.setitimer(signal.ITIMER_VIRTUAL, after)
 
 
 def _loading(frame: FrameType | None) -> bool:

@@ -11,7 +11,6 @@ import json
 import math
 import os
 import random
-import resource
 import shlex
 import shutil
 import signal
@@ -26,6 +25,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import cached_result, stored_result
 from tactgen.validation.evidence.stress import Family, PartRequest, Row, Stress, answered
 
@@ -109,8 +109,8 @@ class Surroundings:
     measured: Path
     #: Of the environment, None to take one away
     variables: Mapping[str, str | None] = field(default_factory=dict)
-    #: (int, int) A resource (``resource.RLIMIT_...``) and the most of it
-    limit: tuple[int, int] | None = None
+    #: Name of a resource (``RLIMIT_...``) and the most of it
+    limit: tuple[str, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -135,8 +135,10 @@ def begin(command: Command, around: Surroundings, **streams: Any) -> subprocess.
         **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **streams},
     )  # fmt: skip
     if around.limit is not None:  # long before Python has read its first module
-        what, most = around.limit
-        resource.prlimit(process.pid, what, (most, most))
+        import resource
+
+        name, most = around.limit
+        resource.prlimit(process.pid, getattr(resource, name), (most, most))
     return process
 
 
@@ -374,7 +376,7 @@ def corrupted(trials: Trials, times: int) -> Points:
         yield f"{command.name}, {len(entries)} entries, {how}", wrong, None
 
 
-def limited(what: int, sizes: Sequence[int]) -> Callable[[Trials, int], Points]:
+def limited(what: str, sizes: Sequence[int]) -> Callable[[Trials, int], Points]:
     """Command runner with a limited resource."""
 
     def run(trials: Trials, _: int) -> Points:
@@ -446,11 +448,11 @@ FAMILIES: dict[str, tuple[str, Callable[[Trials, int], Points]]] = {
     "corrupted store": ("every entry with a bit flipped, cut, emptied, or another's content",
                         corrupted),
     "no room on the disk": ("files of at most 0 and 300 bytes",
-                            limited(resource.RLIMIT_FSIZE, (0, 300))),
+                            limited("RLIMIT_FSIZE", (0, 300))),
     "read-only places": ("a store and a folder in which no file can be made", read_only),
     "two at once": ("the same command twice on one store and one folder", two_at_once),
     "little memory": ("1 GiB of address space: an answer, or a sentence",
-                      limited(resource.RLIMIT_AS, (_GIB,))),
+                      limited("RLIMIT_AS", (_GIB,))),
     "closed pipe": ("stdout into a pipe that nobody reads", shut_pipe),
     "no home": ("HOME missing, empty, not there", homeless),
 }  # fmt: skip
@@ -480,7 +482,12 @@ def _spoil(path: Path, other: Path, how: str, chance: random.Random) -> None:
 
 
 def run(asked: PartRequest) -> Stress:
-    """Run all families: half a minute if quick, else some twenty."""
+    """Run all families: half a minute if quick, else some twenty.
+
+    Raises InputError where the system is not Linux, whose limits are set.
+    """
+    if sys.platform != "linux":
+        raise InputError("the part faults runs on Linux only; choose other parts with --only")
     started = time.perf_counter()
     # kept together: how long the undisturbed runs take steers all that follows
     rows = asked.keep((asked.quick,), lambda: _rows(asked))

@@ -59,8 +59,10 @@ def peak_memory() -> int:
 
     Where there is /proc, from there: getrusage counts what the parent had before exec.
     """
-    import resource
-
+    try:
+        import resource
+    except ImportError:  # Windows: not known
+        return 0
     with contextlib.suppress(OSError):
         return 1024 * _kilobytes("/proc/self/status", "VmHWM:")
     unit = 1 if sys.platform == "darwin" else 1024
@@ -72,9 +74,9 @@ def _keep_within_memory() -> None:
 
     Where there is no /proc nothing is done.
     """
-    import resource
+    with contextlib.suppress(ImportError, OSError):
+        import resource
 
-    with contextlib.suppress(OSError):
         free = _kilobytes("/proc/meminfo", "MemAvailable:")
         mapped = _kilobytes("/proc/self/status", "VmSize:")
         _, hard = resource.getrlimit(resource.RLIMIT_AS)

@@ -119,7 +119,7 @@ class Mesher:
         assert self._folder is not None
         code = self._process.wait()
         self._end()
-        if code == -signal.SIGXCPU:
+        if code == -getattr(signal, "SIGXCPU", 0) != 0:
             self.spent += time_limit
             return MeshError(
                 f"meshing was not done after {time_limit:.3g} s of processor time; raise the time "

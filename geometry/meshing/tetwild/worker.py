@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import resource
 import sys
 import time
 from pathlib import Path
@@ -44,6 +43,10 @@ def allow(seconds: float) -> None:
 
     What the clock on the wall says depends on who else is at work; this does not.
     """
+    try:
+        import resource
+    except ImportError:  # Windows has no such limit
+        return
     _, most = resource.getrlimit(resource.RLIMIT_CPU)
     wanted = math.ceil(time.process_time() + seconds)
     allowed = wanted if most == resource.RLIM_INFINITY else min(wanted, most)

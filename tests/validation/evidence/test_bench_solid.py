@@ -134,7 +134,7 @@ def test_missing_peer_is_one_sentence(monkeypatch):
     """With the remedy, and without it in the ways that are run."""
     monkeypatch.setitem(peers.PEERS, "NGSolve", ("no_such_package", "nowhere"))
     assert peers.missing("NGSolve") == (
-        "no_such_package is not installed; pip install 'tactgen[peers]'"
+        "no_such_package is not installed; run: pip install -e '.[peers]'"
     )
     assert not any(level.path.startswith("NGSolve") for level in ways(quick=True))
 

@@ -35,7 +35,7 @@ def not_installed(package: str) -> str:
         done = subprocess.run([python(), "-c", look], capture_output=True, check=False)
     except OSError:
         return f"{PYTHON} = {python()} cannot be run; name the Python that has {package}"
-    return f"{package} is not installed; pip install 'tactgen[peers]'" if done.returncode else ""
+    return f"{package} is not installed; run: pip install -e '.[peers]'" if done.returncode else ""
 
 
 def solve(peer: str, job: Job) -> Answer:

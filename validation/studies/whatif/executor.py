@@ -20,6 +20,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.operating_system import core_count
 from tactgen.geometry.store.store import library_versions
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
@@ -129,7 +130,7 @@ def execute(
 
     announce(f"0 of {len(jobs)} answers")
     quick = all(MODELS[question.model].quick for question in asked.values())
-    processes = min(processes or (1 if quick else len(os.sched_getaffinity(0))), len(batches))
+    processes = min(processes or (1 if quick else core_count()), len(batches))
     with contextlib.ExitStack() as stack:
         if scheduler:
             models = tuple(dict.fromkeys(question.model for question in asked.values()))
@@ -297,7 +298,7 @@ def _connected(address: str, models: Sequence[str]) -> Iterator[_Cluster]:
         from distributed import Client
     except ImportError:
         raise InputError(
-            "--scheduler needs Dask, which is not installed; pip install 'tactgen[cluster]'"
+            "--scheduler needs Dask, which is not installed; run: pip install -e '.[cluster]'"
         ) from None
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # its troubles are told here
     try:

@@ -182,7 +182,7 @@ def test_a_scheduler_that_does_not_answer_is_refused(as_cluster, monkeypatch, ca
     assert "has no worker after 10 s" in refused(capsys, "--set", "drive.voltage=3V")
     monkeypatch.setitem(sys.modules, "distributed", None)
     said = refused(capsys, "--set", "drive.voltage=2V")
-    assert "pip install 'tactgen[cluster]'" in said
+    assert "pip install -e '.[cluster]'" in said
 
 
 @pytest.mark.heavy

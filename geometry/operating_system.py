@@ -1,0 +1,72 @@
+"""What differs between operating systems: locks on files, processes, cores."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+import time
+from typing import Any
+
+#: Seconds between two trials of a lock that the system cannot wait for.
+_TRIAL = 0.1
+
+
+def core_count() -> int:
+    """Cores that this process may use, or those of the machine where that is not known."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def is_running(process: int) -> bool:
+    """Whether a process of this number runs; on Windows, where a look would end it, True."""
+    if sys.platform == "win32":
+        return True
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:  # another user's
+        return True
+    return True
+
+
+def lock(descriptor: int, *, wait: bool) -> bool:
+    """Lock an open file against other processes and threads; False if another one has it.
+
+    Raises OSError if the file cannot be locked.
+    """
+    system = _locking()
+    if hasattr(system, "flock"):
+        try:
+            system.flock(descriptor, system.LOCK_EX | (0 if wait else system.LOCK_NB))
+        except BlockingIOError:
+            return False
+        return True
+    while True:
+        try:
+            system.locking(descriptor, system.LK_NBLCK, 1)
+        except PermissionError:
+            if not wait:
+                return False
+            time.sleep(_TRIAL)
+        else:
+            return True
+
+
+def unlock(descriptor: int) -> None:
+    """Release the lock of :func:`lock`."""
+    system = _locking()
+    if hasattr(system, "flock"):
+        system.flock(descriptor, system.LOCK_UN)
+    else:
+        system.locking(descriptor, system.LK_UNLCK, 1)
+
+
+def _locking() -> Any:
+    """System's module of locks: fcntl, on Windows msvcrt."""
+    try:
+        return importlib.import_module("fcntl")
+    except ImportError:
+        return importlib.import_module("msvcrt")
