@@ -16,6 +16,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device, Limits
 from tactgen.geometry.device.winding import winding
+from tactgen.geometry.formats import engineering
 from tactgen.tmm.reluctance.circuit import CELLS, FULL, ONE_GAP, Refinements, circuit, pole_area
 from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.flux_ladder import LadderSolution, solve
@@ -235,8 +236,9 @@ def thermal_statement(device: Device, current: float) -> str:
         if rise > 100.0
         else "plausible as a direct current"
     )
+    wire = engineering(wound.wire_diameter, "m", 3)
     return (
-        f"{abs(current) * 1e3:.3g} mA in {wound.wire_diameter * 1e6:.3g} µm wire is "
+        f"{engineering(abs(current), 'A', 3)} in {wire} wire is "
         f"{wound.current_density(current) * 1e-6:.3g} A/mm² and {wound.power(current):.3g} W; "
         f"uncooled, the wire would warm by 100 K in {seconds:.2g} s, and still air alone would "
         f"leave the actuator {rise:,.0f} K warmer: {verdict}"

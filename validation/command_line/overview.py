@@ -39,11 +39,11 @@ def print_overview(solution: Solution) -> None:
         if idle := ", ".join(QUANTITIES[n].label for n in _idle(actuator, solution)):
             print(f"0 by symmetry, or without voltage, current, coupling or load: {idle}")
         print()
+    if any(q.extreme is not None for q in solution.quantities):
+        print("The largest and least values are at each model's own resonance.")
     print(
-        "Largest and least values are searched between the frequencies, at each model's own "
-        f"resonances.\n± is the numerical error, left out below {100 * FINE:g} %.  More: "
-        "--quantity all or NAME for every value,\n--json for all frequencies, tactgen report "
-        "for why models differ"
+        f"± is the numerical error (not shown below {100 * FINE:g} %). For all values: --quantity "
+        "all or NAME;\nfor all frequencies: --json; for the causes of differences: tactgen report"
     )
 
 

@@ -77,11 +77,16 @@ def _rows(
             continue
         source = source_of.get(name, "")
         changed = default is None or getattr(default, name) != value
-        if key in origins and (changed or not source):
+        if key in origins and (changed or not source or not _is_built_in(origins[key])):
             source = origins[key]
         spread = f" {tolerances[key].words}" if key in tolerances else ""
         text, written = (shown(value, info) + spread for shown in (show, _written))
         yield ParameterRow(key, text, info.description or "", source, written)
+
+
+def _is_built_in(origin: str) -> bool:
+    """Whether a built-in scene states a value, and neither a file nor the command line."""
+    return origin.startswith("scene ") and not origin.startswith("scene file ")
 
 
 def show(value: Any, info: FieldInfo) -> str:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.formats import engineering
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
@@ -78,7 +79,7 @@ def gather_magnetic(
     mesh, turn = revolved(section, angles)
     force = solution.get("magnetic_force", "axisymmetric")
     state = State(
-        name=f"{1e3 * scene.coil.current:.4g} mA, gap {1e6 * scene.gap:.4g} µm",
+        name=f"{engineering(scene.coil.current, 'A', 4)}, gap {engineering(scene.gap, 'm', 4)}",
         kind="static",
         circuit="driven",
         frequency=0.0,

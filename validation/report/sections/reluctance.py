@@ -10,6 +10,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.formats import engineering
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.switching import (
     balance_current,
@@ -73,7 +74,7 @@ def force_families(shown: Families) -> str:
         for name, pull in shown.maps.items():
             left.plot(gaps * 1e6, pull.force(current, gaps) * 1e3, color=colour, ls=_LINE[name])
         _circles(left, colour, [(p.gap * 1e6, p.force * 1e3) for p in _at(shown, current=current)])
-        left.plot([], [], color=colour, label=f"{current * 1e3:.4g} mA")
+        left.plot([], [], color=colour, label=engineering(current, "A", 4))
     left.plot(gaps * 1e6, spring_force(shown.device, gaps) * 1e3, color="black", label="spring")
     left.set(xlabel="working gap (µm)", ylabel="pull (mN)", yscale="log", title="force over gap")
     _over_current(right, shown, lambda pull, i, g: pull.force(i, g) * 1e3, "pull (mN)")
@@ -142,7 +143,7 @@ def _forces(axis: Any, shown: Families, pull: CoenergyMap) -> None:
     gaps = np.linspace(device.spring.stop_gap, device.gap, _CURVE_POINTS)
     for colour, current in zip(shades(shown.currents.size), shown.currents, strict=True):
         axis.plot(gaps * 1e6, pull.force(current, gaps) * 1e3, color=colour)
-        axis.plot([], [], color=colour, label=f"{current * 1e3:.4g} mA")
+        axis.plot([], [], color=colour, label=engineering(current, "A", 4))
         for place in equilibria(device, pull, float(current)):
             held = place.kind != "unstable"
             axis.plot(
@@ -183,7 +184,12 @@ def _loop(axis: Any, device: Device, pull: CoenergyMap, found: SwitchingCurrents
         axis.plot(current, at, color=colour, linestyle=line, label=name)
     for x, colour, names in ((up, BLUE, "pull-in"), (down, ORANGE, "drop-out")):
         if np.isfinite(x):
-            axis.text(x + 0.015 * end, 0.5 * (low + high), f"{names}\n{x:.3g} mA", color=colour)
+            axis.text(
+                x + 0.015 * end,
+                0.5 * (low + high),
+                f"{names}\n{engineering(1e-3 * x, 'A', 3)}",
+                color=colour,
+            )
     axis.set(
         xlabel="current (mA)", ylabel="working gap (µm)", title="where the rod is", xlim=(0.0, end)
     )
@@ -198,7 +204,7 @@ def _over_current(axis: Any, shown: Families, read: Any, label: str) -> None:
     for colour, gap in zip(shades(shown.gaps.size), shown.gaps, strict=True):
         for name, pull in shown.maps.items():
             axis.plot(current * 1e3, read(pull, current, gap), color=colour, ls=_LINE[name])
-        axis.plot([], [], color=colour, label=f"{gap * 1e6:.3g} µm")
+        axis.plot([], [], color=colour, label=engineering(gap, "m", 3))
     axis.set(xlabel="current (mA)", ylabel=label)
 
 
@@ -278,7 +284,7 @@ def _field(actuator: NormalActuator) -> Context | None:
     stop = device.spring.stop_gap
     actuator.announce("pictures of the field")
     points = {
-        f"{name}: {gap * 1e6:.3g} µm, {current * 1e3:.4g} mA": solve_point(
+        f"{name}: {engineering(gap, 'm', 3)}, {engineering(current, 'A', 4)}": solve_point(
             device, current, gap, **_PICTURE
         )
         for name, gap in (("upper stop", device.gap), ("lower stop", stop))
