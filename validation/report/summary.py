@@ -210,6 +210,11 @@ def _doubts(study: Study) -> Iterator[str]:
             f"{engineering(moment['largest'], 'N m', 2)}. The head tips at "
             f"{engineering(moment['tipping'], 'N m', 2)}: the linear answers are not valid there."
         )
+    if study.machine:
+        yield (
+            "This report is about the machine. The reports of its bimorph (support.kind = clamped) "
+            "and of its reluctance actuator (models = network, axisymmetric) have more about each."
+        )
     if study.lateral and scene.support.kind == "spring":
         yield (
             "The support is linear. The scene generator has a head that rocks on its stop at "

@@ -36,7 +36,7 @@ def _models(study: Study) -> Context:
         "models": ranked(study.solution.models_of("bimorph")),
         "methods": methods,
         "unexplained": UNEXPLAINED,
-        "meshes": gallery.meshes(study),
+        "meshes": [] if study.machine else gallery.meshes(study),
     }
 
 

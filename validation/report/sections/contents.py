@@ -17,10 +17,10 @@ def sections(study: Study) -> tuple[Section, ...]:
         from tactgen.validation.report.sections.bimorph import LATERAL
 
         found += _machine(LATERAL) if study.machine else LATERAL
-    if study.normal:
+    if study.normal and not study.machine:
         from tactgen.validation.report.sections.reluctance import NORMAL
 
-        found += NORMAL
+        found += [s for s in NORMAL if not (study.lateral and s.id == "magnetic_field")]
     if asks_display(study.scene.quantities):
         from tactgen.validation.report.sections.display import DISPLAY
 
@@ -33,11 +33,15 @@ def sections(study: Study) -> tuple[Section, ...]:
 
 
 def _machine(lateral: tuple[Section, ...]) -> list[Section]:
-    """Machine's own sections, then those about its bimorph."""
+    """Machine's own sections, then those about its bimorph.
+
+    The reports of each actuator alone have the rest.
+    """
     from tactgen.validation.report.sections.generator import MOTIONS, POSITIONS, SUPPORT
     from tactgen.validation.report.sections.large_motion import AMPLITUDE, TIME
 
-    return [POSITIONS, SUPPORT, MOTIONS, AMPLITUDE, TIME, *lateral]
+    own = [section for section in lateral if section.id != "bridge"]
+    return [POSITIONS, SUPPORT, MOTIONS, AMPLITUDE, TIME, *own]
 
 
 def _checks(study: Study) -> Context:
