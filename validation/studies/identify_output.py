@@ -19,6 +19,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.formats import engineering, prefixed, signed
 from tactgen.geometry.units import quoted
+from tactgen.validation.scene.conditions import conditions
 from tactgen.validation.scene.files import scene_name
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import FILE_KEYS
@@ -55,7 +56,7 @@ def as_text(result: Identification) -> str:
         f"{high} Hz\nmodel: transfer matrix, scene {result.start.name}, "
         f"{result.start.drive.voltage:g} V{start}"
     )
-    parts = [head, _estimate_table(result)]
+    parts = [conditions(result.start), head, _estimate_table(result)]
     if len(names) > 1:
         rows = [
             [name, *("at bound" if math.isnan(c) else f"{c:+.4f}" for c in line[: i + 1])]

@@ -6,6 +6,7 @@ import pytest
 from tactgen.validation.engine.answers import quantity_from_json, quantity_json, representative
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.studies.whatif.aims import parse_aim
 
 SWEEP = "frequency=100:1000:10"
 
@@ -57,3 +58,15 @@ def test_extremes_survive_json_and_represent_the_response():
 def test_a_few_frequencies_are_no_band():
     assert answer("tip_displacement", "tmm", "frequency=100:1000:7").extreme is None
     assert answer("capacitance_free").extreme is None
+
+
+def test_an_aim_on_a_limit_sees_the_resonance_between_the_frequencies():
+    """The largest and least of one quantity over the band are the searched ones."""
+    quantity = answer("voltage_limit", "tmm", "limits.ceramic_strength=1MPa")
+    least = quantity.extreme.value
+    for shift, met in ((1e-6, False), (-1e-6, True)):
+        aim = parse_aim(f"min_over(voltage_limit) >= {least * (1.0 + shift):.12g} V")
+        assert (aim.margin({"voltage_limit": quantity}) >= 0.0) is met
+    # an expression of several quantities has the frequencies of the sweep alone
+    plain = parse_aim("min_over(1 * voltage_limit) >= 0 V").margin({"voltage_limit": quantity})
+    assert plain == pytest.approx(quantity.value.min())

@@ -60,6 +60,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.tmm.reluctance.coenergy_fit import read_map
     from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.models.transient import run_scene
+    from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
 
@@ -94,6 +95,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json(as_json(result))
     else:
+        print(conditions(scene))
         _print(result)
     return 0
 
@@ -105,6 +107,7 @@ def _run_held(
     from tactgen.geometry.files import write_text
     from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.models.held_bimorph import run_held
+    from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.studies import simulate_held as held
 
     for option in ("coil", "map", "gif", "mp4", "fields"):
@@ -124,7 +127,7 @@ def _run_held(
     if options.json:
         print_json(held.held_values(result))
     else:
-        print("\n".join(held.held_lines(result)))
+        print("\n".join([conditions(scene), *held.held_lines(result)]))
     return 0
 
 

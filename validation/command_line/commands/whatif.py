@@ -211,7 +211,7 @@ def _show(
         rest = f"{options.out}/study.csv has all" if options.out else "--out STUDY writes all"
         said = [] if found is None else sentences(study, found)
         lines = [*table_lines(study, rest), *statistics_lines(study, statistics), *said]
-        print("\n".join(lines))
+        print("\n".join(filter(None, [study.statement.conditions, *lines])))
     counts = study.counts
     where = f", written to {options.out}" if options.out else ""
     size = len(study.points)
@@ -232,6 +232,7 @@ def _as_json(study: Study) -> dict[str, Any]:
     stated = study.statement
     return {
         "scene": stated.scene,
+        "conditions": stated.conditions,
         "axes": [
             {"key": a.key, "unit": a.unit, "dimension": stated.columns[a.key][0],
              "values": stated.columns[a.key][1]}

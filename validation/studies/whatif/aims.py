@@ -132,7 +132,8 @@ class Aim:
 
 def _moved(q: Quantity, sign: float) -> Quantity:
     size = np.abs(q.value) if np.iscomplexobj(q.value) else q.value
-    return replace(q, value=np.asarray(size + sign * q.error))
+    peak = q.extreme and replace(q.extreme, value=q.extreme.value + sign * q.extreme.error)
+    return replace(q, value=np.asarray(size + sign * q.error), extreme=peak)
 
 
 def parse_aim(text: str) -> Aim:
@@ -184,6 +185,8 @@ def _node(tree: ast.expr, names: dict[str, None]) -> Node:
                 raise InputError(f"calls {quoted(name)}{nearest(name, _FUNCTIONS)}; known are "
                                  f"{', '.join(_FUNCTIONS)}")  # fmt: skip
             argument = _node(inner, names)
+            if isinstance(inner, ast.Name) and inner.id in QUANTITIES:
+                return lambda known: _over_band(name, known[inner.id], argument(known))
             return lambda known: _FUNCTIONS[name](argument(known))
         case ast.Subscript(
             value=ast.Constant(value=int() | float() as number), slice=ast.Constant(value=str(unit))
@@ -196,6 +199,14 @@ def _node(tree: ast.expr, names: dict[str, None]) -> Node:
         case ast.Name(id=name):
             return _named(name, names)
     raise InputError(f"has a part that is no arithmetic of quantities; {_EXAMPLE}")
+
+
+def _over_band(function: str, q: Quantity, value: Any) -> Any:
+    """Function of one quantity; its searched extreme where the function asks for that one."""
+    searched = "min_over" if QUANTITIES[q.name].is_limit else "max_over"
+    if function == searched and q.extreme is not None:
+        return q.extreme.value * value.units
+    return _FUNCTIONS[function](value)
 
 
 def _unit(name: str) -> Any:

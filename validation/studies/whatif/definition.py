@@ -16,7 +16,9 @@ from typing import Any
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.units import quoted
-from tactgen.validation.scene.files import assign
+from tactgen.validation.scene.conditions import conditions
+from tactgen.validation.scene.files import NEUTRAL, OF_THE_COIL, assign
+from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.studies.whatif.axes import MOST, Axis, as_stated, parse_axes
 
 #: Version of the file; another one is refused.
@@ -105,6 +107,16 @@ class Statement:
         for key, value in point.items():
             assign(values, key, as_stated(key, value))
         return values
+
+    @property
+    def conditions(self) -> str:
+        """Conditions of the study's scene, and which of them the axes vary; "" of none."""
+        try:
+            scene = checked_scene({**self.values, "models": list(self.models or ("tmm",))})
+        except InputError:  # a scene at its points only
+            return ""
+        varied = [axis.key for axis in self.axes if axis.key in (*NEUTRAL, *OF_THE_COIL)]
+        return conditions(scene) + (f" Varied: {', '.join(varied)}." if varied else "")
 
 
 def write_statement(folder: Path, statement: Statement) -> Path:

@@ -65,7 +65,8 @@ def _figure(draw: Callable[[], str]) -> list[str]:
 def _asked(stated: Statement) -> str:
     axes = ", ".join(f"{axis.key} = {axis.text}" for axis in stated.axes)
     samples = f", {stated.samples} samples" if stated.samples else ""
-    return f"Scene {stated.scene}; {axes}{samples}; by {', '.join(stated.models)}."
+    models = ", ".join(stated.models)
+    return f"Scene {stated.scene}; {axes}{samples}; models {models}. {stated.conditions}"
 
 
 def _has_sliders(stated: Statement) -> bool:
