@@ -241,14 +241,14 @@ _ROWS = (
         "solid", "3D piezoelectric solid on bricks of high order", "bimorph",
         theory="solid", rank=5,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
-        remedy="raise mesh.level (at most 5) or accept the bar", kept=_SOLID_KEPT,
+        remedy="raise mesh.level (at most 5) or accept the error", kept=_SOLID_KEPT,
         finest=6e-5,
     ),
     ModelRow(
         "cad", "3D piezoelectric solid on the CAD solids: fTetWild's tetrahedra in scikit-fem",
         "bimorph", theory="solid", rank=4,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
-        remedy="raise mesh.level (at most 5) or accept the bar",
+        remedy="raise mesh.level (at most 5) or accept the error",
         kept=_SOLID_KEPT, loads=_MESHER,
     ),
     ModelRow(
@@ -261,14 +261,14 @@ _ROWS = (
         "axisymmetric", "nonlinear magnetic field in the half section, finite elements",
         "reluctance", theory="field", rank=3,
         stages=_magnetic_stages(MAGNETIC),
-        gives=_MAGNETIC_GIVES, remedy="its finest grid was used, so accept the bar",
+        gives=_MAGNETIC_GIVES, remedy="this is the finest grid",
         kept=_MAGNETIC_KEPT,
     ),
     ModelRow(
         "magnetic3d", "nonlinear magnetic field in 3D by vector and scalar potential",
         "reluctance", theory="field", rank=2,
         stages=_magnetic_stages(MAGNETIC, "mesh.kind") | _in_array(MAGNETIC),
-        gives=_IN_ARRAY_GIVES, remedy="its finest mesh was used, so accept the bar",
+        gives=_IN_ARRAY_GIVES, remedy="this is the finest mesh",
         kept=(*_MAGNETIC_KEPT, "neighbours"), loads=_MESHER,
     ),
 )  # fmt: skip

@@ -230,7 +230,7 @@ ADMITTANCE = QuantityRow(
     curve=Unit("S", "admittance", "12.3 uS", limits=(1e-15, _LARGEST)),
 )  # fmt: skip
 BLOCKED_FORCE = QuantityRow(
-    "blocked_force", "N", "force that holds the tip at rest (rotation free)",
+    "blocked_force", "N", "force that holds the tip, rotation free",
     Readout("w_tip", "effort", held=("w_tip",)),
 )  # fmt: skip
 THRESHOLD_VOLTAGE = QuantityRow(
@@ -246,11 +246,11 @@ STATIC_TIP_DISPLACEMENT = QuantityRow(
     Readout("w_tip", "motion", static=True), headline=True, varied=True,
 )  # fmt: skip
 SHORT_CIRCUIT_FREQUENCIES = QuantityRow(
-    "short_circuit_frequencies", "Hz", "natural frequencies at U = 0, lossless, no finger",
+    "short_circuit_frequencies", "Hz", "natural frequencies in short circuit, lossless, no finger",
     ModalReadout(("short",)), label="first frequency, short circuit", headline=True, varied=True,
 )  # fmt: skip
 OPEN_CIRCUIT_FREQUENCIES = QuantityRow(
-    "open_circuit_frequencies", "Hz", "natural frequencies at Q = 0, lossless, no finger",
+    "open_circuit_frequencies", "Hz", "natural frequencies in open circuit, lossless, no finger",
     ModalReadout(("open",)), label="first frequency, open circuit", varied=True,
 )  # fmt: skip
 COUPLING_FACTOR = QuantityRow(
@@ -278,21 +278,22 @@ CERAMIC_STRESS = QuantityRow(
     DrivenReadout(lambda driven, _, voltage: driven.stress * abs(voltage)),
 )  # fmt: skip
 VOLTAGE_LIMIT = QuantityRow(
-    "voltage_limit", "V", "largest drive voltage by strength, depoling field and amplifier current",
+    "voltage_limit", "V",
+    "drive voltage at the first limit: strength, depoling field, amplifier current",
     DrivenReadout(lambda driven, limits, _: np.min(voltage_limits(driven, limits), axis=0)),
     is_limit=True,
 )  # fmt: skip
 
 LOAD_IMPEDANCE = QuantityRow(
-    "load_impedance", "N*s/m", "force per velocity of what the tip touches, laterally",
+    "load_impedance", "N*s/m", "lateral impedance of the load, force per velocity",
     AnswerReadout("load", attrgetter("impedance")),
 )  # fmt: skip
 LOAD_FORCE = QuantityRow(
-    "load_force", "N", "force of the tip on what it touches, at the drive voltage",
+    "load_force", "N", "force of the tip on the load at the drive voltage",
     LoadReadout(lambda stiffness, tip, _: stiffness * tip),
 )  # fmt: skip
 LOAD_POWER = QuantityRow(
-    "load_power", "W", "mean power that what the tip touches takes, at the drive voltage",
+    "load_power", "W", "mean power into the load at the drive voltage",
     LoadReadout(lambda stiffness, tip, omega: 0.5 * omega * stiffness.imag * np.abs(tip) ** 2),
 )  # fmt: skip
 
@@ -313,15 +314,16 @@ def _answer(
 
 
 MAGNETIC_FORCE = _answer(
-    "magnetic_point", "magnetic_force", "N", "pull between rod and sleeve at the coil's current "
-    "and the gap", "force", label="pull", headline=True,
+    "magnetic_point", "magnetic_force", "N",
+    "magnetic force between rod and sleeve at the coil current and the "
+    "gap", "force", label="magnetic force", headline=True,
 )  # fmt: skip
 FLUX_LINKAGE = _answer(
     "magnetic_point", "flux_linkage", "Wb", "flux linkage of the winding, all turns",
     "flux_linkage",
 )  # fmt: skip
 PULL_IN_CURRENT = _answer(
-    "magnetic_map", "pull_in_current", "A", "current that draws the rod to its lower stop",
+    "magnetic_map", "pull_in_current", "A", "smallest current that moves the rod to its lower stop",
     "pull_in", label="pull-in current", headline=True,
 )  # fmt: skip
 
@@ -335,78 +337,83 @@ _RELUCTANCE = (
             "d flux linkage / d current, gap held", "incremental_inductance"),
     PULL_IN_CURRENT,
     _answer("magnetic_map", "holding_current", "A",
-            "least current that holds the rod at its lower stop", "holding"),
+            "smallest current that holds the rod at its lower stop", "holding"),
     _answer("magnetic_map", "drop_out_current", "A",
-            "current below which the rod is back at its upper stop", "drop_out",
+            "current below which the rod returns to its upper stop", "drop_out",
             label="drop-out current"),
-    _answer("rest", "rod_position", "m", "where the rod rests at the coil's current and history: "
-            "0 at the upper stop, negative down", "position", headline=True),
-    _answer("rest", "finger_force", "N", "force with which the rod there would push a finger: "
-            "spring less pull, negative if held", "finger_force", headline=True),
+    _answer("rest", "rod_position", "m",
+        "equilibrium of the rod at the coil current and its history; 0 at the upper "
+        "stop, negative below", "position", headline=True),
+    _answer("rest", "finger_force", "N",
+        "spring force minus magnetic force at the equilibrium; negative in the lower "
+        "position", "finger_force", headline=True),
     _answer("rest", "contact_force", "N",
-            "force that presses the rod's head on its stop there, 0 if it floats", "contact_force"),
-    _answer("rest", "resting_positions", "m", "all places where the rod can rest at the coil's "
-            "current, stable or not, from the top", "places"),
+            "contact force between head and stop at the equilibrium, 0 between the "
+            "stops", "contact_force"),
+    _answer("rest", "resting_positions", "m",
+        "all equilibria of the rod at the coil current, stable and unstable, from the "
+        "top", "places"),
 )  # fmt: skip
 
 _GENERATOR = (
     _answer("small_signal", "lateral_tip_per_voltage", "m/V",
-            "lateral motion of the tip per volt at the bimorph, the coil at its supply",
+            "lateral motion of the tip per volt of the bimorph",
             lambda machine: machine.by_voltage("w_tip")),
     _answer("small_signal", "axial_tip_per_voltage", "m/V",
-            "axial motion of the tip per volt at the bimorph: 0 while the head stands upright",
+            "axial motion of the tip per volt of the bimorph; 0 for an upright head",
             lambda machine: machine.by_voltage("u")),
     _answer("small_signal", "axial_tip_per_current", "m/A",
-            "axial motion of the tip per ampere added in the coil, the bimorph's voltage held",
+            "axial motion of the tip per ampere of the coil, at constant bimorph voltage",
             lambda machine: machine.by_current("u")),
-    _answer("small_signal", "lateral_tip_per_current", "m/A", "lateral motion of the tip per "
-            "ampere added to the coil's current: 0 on an upright head",
+    _answer("small_signal", "lateral_tip_per_current", "m/A",
+        "lateral motion of the tip per ampere of the coil; 0 for an upright head",
             lambda machine: machine.by_current("w_tip")),
-    _answer("small_signal", "axial_tip_per_coil_voltage", "m/V", "axial motion of the tip per volt "
-            "added at the coil, through its resistance and inductance",
+    _answer("small_signal", "axial_tip_per_coil_voltage", "m/V",
+        "axial motion of the tip per volt of the coil circuit",
             lambda machine: machine.by_coil_voltage("u")),
-    _answer("small_signal", "coil_impedance", "ohm", "voltage per current of the coil with its "
-            "supply's resistance, what the motion induces too",
+    _answer("small_signal", "coil_impedance", "ohm",
+        "impedance of the coil with its source resistance and the motional voltage",
             lambda machine: machine.impedance(),
             curve=Unit("ohm", "impedance", "12.3 ohm", limits=(1e-9, 1e12))),
     _answer("machine_poles", "axial_poles", "rad/s",
-            "poles of axial motion and coil with its supply, the head not rocking", "listed"),
+            "poles of axial motion and coil circuit, without rocking", "listed"),
 )  # fmt: skip
 
 CROSSTALK_LARGEST = _answer(
-    "crosstalk", "crosstalk_largest", "1", "largest lateral motion of another tip over the driven "
-    "one's, through board and skin", "largest",
+    "crosstalk", "crosstalk_largest", "1",
+    "largest lateral motion of another tip over that of the driven tip", "largest",
 )  # fmt: skip
 
 _DISPLAY = (
-    _answer("crosstalk", "crosstalk_beside", "1", "lateral motion of the next tip along x over "
-            "the driven one's, through board and skin", "beside"),
-    _answer("crosstalk", "crosstalk_behind", "1", "lateral motion of the next tip along y over "
-            "the driven one's, through board and skin", "behind"),
+    _answer("crosstalk", "crosstalk_beside", "1",
+        "lateral motion of the next tip along x over that of the driven tip", "beside"),
+    _answer("crosstalk", "crosstalk_behind", "1",
+        "lateral motion of the next tip along y over that of the driven tip", "behind"),
     CROSSTALK_LARGEST,
     _answer("crosstalk", "crosstalk_by_board", "1",
-            "the same with no skin on the tips: what the upper board alone passes on", "by_board"),
+            "the same without skin, through the upper board alone", "by_board"),
     _answer("spread", "unit_frequencies", "Hz",
-            "first natural frequency of each unit as drawn from the scatter, row by row",
+            "first natural frequency of each sampled unit, row by row",
             "as_drawn"),
     _answer("spread", "frequency_spread", "Hz",
-            "highest less lowest of the units' first natural frequencies", "apart"),
-    _answer("spread", "screw_turns", "1", "turns of each unit's grub screw that bring it to the "
-            "units' median, positive tightens", "screws"),
-    _answer("spread", "tuned_spread", "Hz", "highest less lowest after the screws were turned",
+            "range of the first natural frequencies of the units", "apart"),
+    _answer("spread", "screw_turns", "1",
+        "turn of each grub screw that tunes its unit to the median; positive tightens", "screws"),
+    _answer("spread", "tuned_spread", "Hz", "range of the first natural frequencies after tuning",
             "left_apart"),
-    _answer("spread", "tuning_range", "Hz", "what a grub screw can do to the nominal unit's first "
-            "natural frequency, from end to end", "reach"),
-    _answer("neighbours", "pull_all_driven", "N", "pull of a unit in an endless array, every coil "
-            "at display.coil_current, one polarity", "same"),
+    _answer("spread", "tuning_range", "Hz",
+        "range of the first natural frequency over the travel of a grub screw", "reach"),
+    _answer("neighbours", "pull_all_driven", "N",
+        "magnetic force of a unit in an endless array, all coils driven with one "
+        "polarity", "same"),
     _answer("neighbours", "pull_alternating", "N",
-            "the same with polarities that alternate as on a chessboard", "alternating"),
-    _answer("neighbours", "magnetic_crosstalk", "N/A", "change of a unit's pull per ampere in each "
-            "nearest neighbour, if all four change alike", "per_neighbour"),
-    _answer("neighbours", "pull_one_driven", "N", "pull of a single driven unit among others "
-            "without current, at display.coil_current", "single"),
-    _answer("neighbours", "passive_pull", "N", "pull of an undriven unit beside a single driven "
-            "one, by the field; below 0: it is lifted", "passive"),
+            "the same with polarities as on a chessboard", "alternating"),
+    _answer("neighbours", "magnetic_crosstalk", "N/A",
+        "change of the magnetic force per ampere in the four nearest neighbours", "per_neighbour"),
+    _answer("neighbours", "pull_one_driven", "N",
+        "magnetic force of one driven unit among units without current", "single"),
+    _answer("neighbours", "passive_pull", "N",
+        "magnetic force of an undriven unit beside a driven one; negative: lifted", "passive"),
 )  # fmt: skip
 
 QUANTITIES: dict[str, QuantityRow] = {

@@ -49,13 +49,13 @@ _SPOKEN_OF = ("scene", "measured", "frequency", "only")
 
 _EXAMPLES = """\
 examples:
-  tactgen solve --model tmm                      the main numbers of the paper's actuator
-  tactgen init mine.toml                         a scene with every key, to start from
+  tactgen solve --model tmm                      main quantities of the paper's actuator
+  tactgen init mine.toml                         scene file with every key
   tactgen solve mine.toml --set bimorph.length=25mm
-  tactgen report mine.toml --out report          every model, error bars, reasons
+  tactgen report mine.toml --out report          verification report
   eval "$(tactgen completion)"                   completion for this shell
 
-tactgen solve --help lists quantities and models, tactgen scenes the built-in scenes.
+tactgen solve --help lists all quantities and models. tactgen scenes lists the built-in scenes.
 """
 
 
@@ -212,7 +212,7 @@ def _parser(only: str | None = None) -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog=_EXAMPLES,
     )
-    parser.add_argument("--version", action=_Version, nargs=0, help="print the version and end")
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     parser.set_defaults(run=lambda _: _help(parser))
     added = parser.add_subparsers(title="commands", metavar="COMMAND")
     for name in _COMMANDS if only is None else (only,):

@@ -23,26 +23,28 @@ MOST_SEED = 999_999_999
 AXES = """\
 axes:
   KEY=START:STOP:N[:log]     N values from START to STOP, each with its unit
-  KEY=a,b,c                  these values (of a profile parted by semicolons)
+  KEY=a,b,c                  these values (profiles are separated by semicolons)
 with --sample N also:
-  KEY=START:STOP[:log]       drawn from the range
-  KEY                        drawn from the tolerance that the scene states, or else assumes;
-                             without --vary, of all the keys of which the scene states one
-  KEY=normal(MEAN,DEVIATION) and lognormal(MEDIAN,SHARE);
-                             a deviation may be a share of the mean, such as 5%
+  KEY=START:STOP[:log]       uniform in the range
+  KEY                        uniform in the tolerance of the key; without --vary, all keys
+                             that have a tolerance in the scene
+  KEY=normal(MEAN,DEVIATION) and lognormal(MEDIAN,SHARE); the deviation can be a share of
+                             the mean, for example 5%
 """
 
 
 def axis_options(parser: argparse.ArgumentParser) -> None:
     """Add the axes, and how they are combined or drawn."""
     parser.add_argument(
-        "--vary", action="append", default=[], metavar="KEY[=VALUES]", help="an axis, see below"
+        "--vary",
+        action="append",
+        default=[],
+        metavar="KEY[=VALUES]",
+        help="axis, see below; may be repeated",
     )
-    parser.add_argument(
-        "--zip", action="store_true", help="take the axes' values hand in hand, not in combination"
-    )
-    parser.add_argument("--sample", metavar="N", help="draw N samples of ranges and distributions")
-    parser.add_argument("--seed", metavar="S", help="of the samples (default 1)")
+    parser.add_argument("--zip", action="store_true", help="combine the axes value by value")
+    parser.add_argument("--sample", metavar="N", help="take N samples of ranges and distributions")
+    parser.add_argument("--seed", metavar="S", help="seed of the samples (default 1)")
 
 
 def stated(options: argparse.Namespace, before: Statement | None = None) -> Statement:

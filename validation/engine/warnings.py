@@ -83,8 +83,8 @@ def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> Iterator[str]:
         missed = [text for q in own if (text := _excess(q, scene.accuracy))]
         if missed:
             yield (
-                f"the {model.name} model's error bar exceeds the {100.0 * scene.accuracy:g} % "
-                f"asked for in {', '.join(missed)}; {model.remedy}"
+                f"the numerical error of the model {model.name} exceeds the requested "
+                f"{100.0 * scene.accuracy:g} % in {', '.join(missed)}; {model.remedy}"
             )
 
 
@@ -109,7 +109,7 @@ def _excess(q: Quantity, accuracy: float) -> str:
     if not beyond.any():
         return ""
     if beyond.ndim == 0 and q.error >= size:
-        return f"{q.name} (zero within its bar)"
+        return f"{q.name} (zero within its error)"
     # no value, no bar: a threshold voltage outside the threshold's range
     worst = float(np.nanmax(q.error / np.where(size > 0.0, size, np.inf)))
     where = f" at {int(beyond.sum())} of {beyond.size} values" if beyond.ndim else ""
@@ -149,18 +149,17 @@ def _of_rest(scene: Scene, models: Sequence[str]) -> Iterator[str]:
     place, springs = scene.rest
     if scene.coil.current == 0.0 and place.kind == "floating":
         yield (
-            f"spring.preload = {1e3 * scene.device.spring.preload:g} mN does not hold the rod up: "
-            f"it floats {-1e6 * place.lift:.4g} um below its upper stop; give it the force with "
-            "which it presses there, such as 110 mN"
+            f"spring.preload = {1e3 * scene.device.spring.preload:g} mN does not press the rod on "
+            f"its upper stop: the equilibrium is {-1e6 * place.lift:.4g} um below; increase "
+            "spring.preload, for example to 110 mN"
         )
     elif scene.coil.current and any(MODELS[name].actuator == "bimorph" for name in models):
         where = f"at its {place.kind}" if "stop" in place.kind else "between its stops"
         yield (
-            f"coil.current = {1e3 * scene.coil.current:g} mA, {scene.coil.history}, leaves the rod "
-            f"{where}, pressed with {1e3 * place.contact_force:.4g} mN (by "
-            f"the model {scene.map_model}): "
-            f"a support of {springs.rotational_stiffness:.3g} N m/rad; set coil.current = 0 mA for "
-            "the spring alone"
+            f"with coil.current = {1e3 * scene.coil.current:g} mA ({scene.coil.history}) the rod "
+            f"is {where} with a contact force of {1e3 * place.contact_force:.4g} mN (model "
+            f"{scene.map_model}), which gives a support of {springs.rotational_stiffness:.3g} "
+            "N m/rad; for the spring alone set coil.current = 0 mA"
         )
 
 
@@ -179,14 +178,14 @@ def load_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
         law(frequencies)  # refuses what it does not reach
         if law.fits:
             beyond = (
-                f"; {int(outside.sum())} of {frequencies.size} frequencies lie beyond it, where "
-                "the bar is an estimate"
+                f"; {int(outside.sum())} of {frequencies.size} frequencies are outside the table, "
+                "where the error is an estimate"
             )
             (low, high), (largest, usual) = law.table.band, law.misfit
             yield (
-                f"springs, dampers and masses fitted to {law.table.source} ({low:g} to {high:g} "
-                f"Hz) stand for it, {100.0 * largest:.2g} % off at most and {100.0 * usual:.2g} % "
-                f"in the mean, which the error bars contain{beyond if outside.any() else ''}"
+                f"{law.table.source} ({low:g} to {high:g} Hz) is replaced by springs, dampers and "
+                f"masses, with a misfit of at most {100.0 * largest:.2g} % and {100.0 * usual:.2g} "
+                f"% in the mean; the errors contain it{beyond if outside.any() else ''}"
             )
     elif outside.all():
         low, high = FINGER_RANGE
@@ -197,9 +196,9 @@ def load_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     elif outside.any():
         low, high = FINGER_RANGE
         yield (
-            f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which "
+            f"{int(outside.sum())} of {outside.size} frequencies are outside the range in which "
             f"the finger was measured ({low:g} to {high:g} Hz); there its stiffness and damping "
-            "are held at the nearer end of that range"
+            "have the value at the nearer end"
         )
 
 
@@ -221,7 +220,7 @@ def _of_threshold(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
         )
     if outside.any():
         yield (
-            f"{int(outside.sum())} of {outside.size} frequencies lie outside the range in which "
+            f"{int(outside.sum())} of {outside.size} frequencies are outside the range in which "
             f"the detection threshold is stated ({low:g} to {high:g} Hz); {' and '.join(asked)} "
             f"{'has' if len(asked) == 1 else 'have'} no value there"
         )
@@ -235,8 +234,8 @@ def field_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     if field > limit and any(map(_follows_voltage, quantities)):
         yield (
             f"drive.voltage = {scene.drive.voltage:g} V is {1e-6 * field:.3g} kV/mm in a layer, "
-            "half of each period against the poling; limits.depoling_field = "
-            f"{1e-6 * limit:g} kV/mm is reached with "
+            "against the poling in half of each period; limits.depoling_field = "
+            f"{1e-6 * limit:g} kV/mm allows "
             f"{_rounded_down(limit * scene.bimorph.piezo_thickness / share)} V"
         )
 
@@ -247,7 +246,7 @@ def _of_slenderness(scene: Scene, models: Sequence[str]) -> Iterator[str]:
     if slenderness < SLENDER and any(MODELS[name].theory == "beam" for name in models):
         yield (
             f"bimorph.length = {1e3 * scene.bimorph.length:.4g} mm is {slenderness:.2g} times the "
-            "thickness, too stubby for a beam model to be trusted; compare with the model solid"
+            "thickness, which is too short for beam theory; compare with the model solid"
         )
 
 
@@ -265,19 +264,22 @@ def _of_stress(
     for name in able:
         known = [q.extreme for q in found if (q.name, q.model) == (CERAMIC_STRESS.name, name)]
         peak = known[0] if known else extreme(CERAMIC_STRESS, models[name])
+        is_searched = peak is not None
         if peak is None:
             size = read(CERAMIC_STRESS, models[name]).value
             worst = int(np.argmax(np.nan_to_num(size)))
             peak = Extreme(scene.frequency[worst], float(np.nan_to_num(size[worst])), 0.0)
-        stresses.append((peak.value, peak.frequency, name))
-    stress, frequency, name = max(stresses)
+        stresses.append((peak.value, peak.frequency, name, is_searched))
+    stress, frequency, name, is_searched = max(stresses)
     if stress > limit:
+        band = f"from {min(scene.frequency):.4g} Hz to {max(scene.frequency):.4g} Hz"
+        if not is_searched:
+            band = "at the frequencies of the scene; a sweep also finds the resonance"
         yield (
             f"the stress in the ceramic reaches {1e-6 * stress:.3g} MPa at {frequency:.4g} Hz "
             f"(model {name}), more than limits.ceramic_strength = {1e-6 * limit:g} MPa, and the "
             "ceramic may break; drive.voltage = "
-            f"{_rounded_down(abs(scene.drive.voltage) * limit / stress)} V keeps it below that "
-            f"from {min(scene.frequency):.4g} Hz to {max(scene.frequency):.4g} Hz"
+            f"{_rounded_down(abs(scene.drive.voltage) * limit / stress)} V keeps it below {band}"
         )
 
 

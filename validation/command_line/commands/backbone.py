@@ -29,21 +29,21 @@ _MOST = 100
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
-        "backbone", help="response and resonance over amplitude, on a head that may rock"
+        "backbone", help="response over the voltage, with a rod that rocks on its stop"
     )
     scene_options(parser)
     parser.add_argument(
         "--voltage", metavar="LIST|START:STOP:N[:log]",
-        help=f"amplitudes in V, for example {_EXAMPLE} (default: the scene's)",
+        help=f"voltage amplitudes, for example {_EXAMPLE} (default: the scene's)",
     )  # fmt: skip
     parser.add_argument(
-        "--frequency", metavar="LOW:HIGH", help="band in Hz (default: that of the scene)"
+        "--frequency", metavar="LOW:HIGH", help="frequency band in Hz (default: the scene's)"
     )
     parser.add_argument(
         "--model", default="tmm", metavar="NAME",
-        help="of the bimorph: lumped, tmm (default), beam, solid or cad",
+        help="model of the bimorph: lumped, tmm (default), beam, solid or cad",
     )  # fmt: skip
-    parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
+    parser.add_argument("--plot", metavar="FILE.svg", help="write a plot")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 

@@ -17,9 +17,11 @@ _SHOWN = 12
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("bill", help="the display's bill of parts, clearances, wiring")
+    parser = commands.add_parser("bill", help="parts, masses, clearances and wiring of the display")
     scene_options(parser, default="display")
-    parser.add_argument("--all", action="store_true", help="every clearance, not the narrowest")
+    parser.add_argument(
+        "--all", action="store_true", help="list all clearances, not the narrowest only"
+    )
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 

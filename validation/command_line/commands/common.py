@@ -27,7 +27,7 @@ def scene_options(parser: argparse.ArgumentParser, default: str | None = PAPER) 
     """Add the scene and its overrides."""
     parser.add_argument(
         "scene", nargs="?", default=default,
-        help=f"file or built-in name (default {default or PAPER})",
+        help=f"scene file or built-in scene (default {default or PAPER})",
     )  # fmt: skip
     parser.add_argument(
         "--set",
@@ -35,20 +35,22 @@ def scene_options(parser: argparse.ArgumentParser, default: str | None = PAPER) 
         default=[],
         metavar="KEY=VALUE",
         dest="overrides",
-        help="change a scene key, for example bimorph.length=25mm",
+        help="set a scene key, for example bimorph.length=25mm",
     )
 
 
 def asking_options(parser: argparse.ArgumentParser) -> None:
     """Add the models, quantities and frequencies asked for."""
     parser.add_argument(
-        "--model", action="append", metavar="NAME", help="one of the models, or all"
+        "--model", action="append", metavar="NAME", help="model, or all; may be repeated"
     )
     parser.add_argument(
-        "--quantity", action="append", metavar="NAME", help="one of the quantities; may be repeated"
+        "--quantity", action="append", metavar="NAME", help="quantity, or all; may be repeated"
     )
     parser.add_argument(
-        "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz, for example 10:2000:200"
+        "--frequency",
+        metavar="LIST|START:STOP:N[:log]",
+        help="frequencies in Hz, for example 10:2000:200",
     )
 
 

@@ -12,16 +12,16 @@ from tactgen.validation.command_line.streams import name_files, print_json
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
-        "compare", help="what differs between two scenes or studies, in input and in every answer"
+        "compare", help="compare two scenes or studies: inputs and all results"
     )
-    parser.add_argument("first", metavar="A", help="scene (file or built-in name), or study folder")
-    parser.add_argument("second", metavar="B", help="another of the same kind")
+    parser.add_argument("first", metavar="A", help="scene file, built-in scene or study folder")
+    parser.add_argument("second", metavar="B", help="second one of the same kind")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", dest="overrides",
-        help="change a scene key of both",
+        help="set a scene key in both",
     )  # fmt: skip
     asking_options(parser)
-    parser.add_argument("--out", metavar="DIR", help="also write compare.html with pictures")
+    parser.add_argument("--out", metavar="DIR", help="also write compare.html with plots")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 

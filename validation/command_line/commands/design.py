@@ -29,34 +29,33 @@ def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "design",
-        help="find the length that keeps the tip above the detection threshold, or the values of "
-        "any keys that meet aims best",
+        help="find the best length, or the best values of any keys, for given aims",
         formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog=_EPILOG,
     )
     scene_options(parser)
     parser.add_argument(
         "--aim", action="append", metavar="AIM",
-        help="shortest (default): the shortest length that keeps the margin; margin: that of the "
-        "largest; with --vary aims as below, may be repeated",
+        help="shortest (default): shortest length that meets the margin; margin: length of the "
+        "largest margin; with --vary: see below, may be repeated",
     )  # fmt: skip
     parser.add_argument(
         "--vary", action="append", default=[], metavar="KEY=LOW:HIGH[:log]",
-        help="a key to search, may be repeated",
+        help="key and range to search; may be repeated",
     )  # fmt: skip
-    parser.add_argument("--model", action="append", metavar="NAME", help="by which, with --vary")
+    parser.add_argument("--model", action="append", metavar="NAME", help="model, with --vary")
     parser.add_argument(
         "--margin", metavar="FACTOR",
-        help="deflection over detection threshold to keep (default 1)",
+        help="minimum ratio of deflection to detection threshold (default 1)",
     )  # fmt: skip
     parser.add_argument(
         "--band", metavar="LOW:HIGH",
-        help="in Hz (default 10:1000, as far as the threshold is stated)",
+        help="frequency band in Hz (default: that of the threshold, 10:1000)",
     )  # fmt: skip
     parser.add_argument(
-        "--lengths", metavar="LOW:HIGH", help="search these (default 20mm:40mm, the paper's)"
+        "--lengths", metavar="LOW:HIGH", help="range of lengths (default 20mm:40mm, the paper's)"
     )
-    parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
+    parser.add_argument("--plot", metavar="FILE.svg", help="write a plot")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 

@@ -32,9 +32,11 @@ def _declare(
     parser: argparse.ArgumentParser = commands.add_parser(name, help=words)
     listed = words.capitalize() + ("" if words.endswith("?") else ".")
     parser.listing = lambda: (listed, f"parts: {', '.join(parts())}")  # type: ignore[attr-defined]
-    only = "one of the parts below; may be repeated, all by default"
+    only = "one of the parts below; may be repeated (default: all)"
     parser.add_argument("--only", action="append", metavar="PART", help=only)
-    parser.add_argument("--out", type=Path, metavar="DIR", help="also write tables and plots there")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="also write tables and plots to this folder"
+    )
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
     return parser
@@ -81,10 +83,12 @@ def _groups() -> Collection[str]:
 
 def add_verify(commands: Commands) -> None:
     """Declare ``verify``."""
-    words = "the suite's own checks against known answers; --out writes the verification book"
+    words = "compare with known answers; --out writes the verification book"
     extent = _declare(commands, "verify", words, _groups, _verify).add_mutually_exclusive_group()
-    extent.add_argument("--quick", action="store_true", help="only the first row of each case")
-    extent.add_argument("--heavy", action="store_true", help="also what takes minutes")
+    extent.add_argument(
+        "--quick", action="store_true", help="compute only the first row of each case"
+    )
+    extent.add_argument("--heavy", action="store_true", help="also compute rows that take minutes")
 
 
 def _verify(options: argparse.Namespace) -> int:
@@ -125,7 +129,7 @@ def _print_checks(rows: list[Verified]) -> None:
 
 
 def _add_seed(parser: argparse.ArgumentParser, same: str) -> None:
-    parser.add_argument("--seed", metavar="N", help=f"of an earlier run, to draw the same {same}")
+    parser.add_argument("--seed", metavar="N", help=f"seed of an earlier run, for the same {same}")
 
 
 def _seed(options: argparse.Namespace) -> int:
@@ -147,9 +151,9 @@ def _covered() -> Collection[str]:
 
 def add_coverage(commands: Commands) -> None:
     """Declare ``coverage``."""
-    words = "do the error bars hold on random devices?"
+    words = "check numerical errors on random devices"
     parser = _declare(commands, "coverage", words, _covered, _coverage)
-    parser.add_argument("--devices", metavar="N", help="devices for each part; by default its own")
+    parser.add_argument("--devices", metavar="N", help="number of devices for each part")
     _add_seed(parser, "devices")
 
 
@@ -183,9 +187,9 @@ def _stressed() -> Collection[str]:
 
 def add_stress(commands: Commands) -> None:
     """Declare ``stress``."""
-    words = "errors against exact answers, far beyond any use"
+    words = "run all models to their extremes, and commands under faults"
     parser = _declare(commands, "stress", words, _stressed, _stress)
-    parser.add_argument("--quick", action="store_true", help="a coarser grid")
+    parser.add_argument("--quick", action="store_true", help="compute on a coarser grid")
     _add_seed(parser, "scenes")
 
 
@@ -220,9 +224,9 @@ def _benched() -> Collection[str]:
 
 def add_bench(commands: Commands) -> None:
     """Declare ``bench``."""
-    words = "measure speed, memory and accuracy on one core"
+    words = "measure run time and memory against error on one core"
     parser = _declare(commands, "bench", words, _benched, _bench)
-    parser.add_argument("--quick", action="store_true", help="fewer points")
+    parser.add_argument("--quick", action="store_true", help="compute fewer points")
 
 
 def _bench(options: argparse.Namespace) -> int:

@@ -11,38 +11,40 @@ from tactgen.validation.command_line.commands.common import Commands, scene_opti
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("export", help="write CAD, mesh, field, map or port files")
+    parser = commands.add_parser(
+        "export", help="write CAD solids, meshes, fields, maps, state space or an FMU"
+    )
     scene_options(parser)
-    parser.add_argument("--step", metavar="FILE", help="solids as STEP (mm)")
-    parser.add_argument("--glb", metavar="FILE", help="solids as binary glTF")
-    parser.add_argument("--mesh", metavar="FILE.vtu", help="the mesh of solid, or of cad (m)")
+    parser.add_argument("--step", metavar="FILE", help="CAD solids as STEP (mm)")
+    parser.add_argument("--glb", metavar="FILE", help="CAD solids as binary glTF")
+    parser.add_argument("--mesh", metavar="FILE.vtu", help="mesh of the model solid or cad (m)")
     parser.add_argument(
-        "--map", metavar="FILE.nc", help="the normal actuator's co-energy map as netCDF (SI)"
+        "--map", metavar="FILE.nc", help="co-energy map of the normal actuator as netCDF (SI)"
     )
     parser.add_argument(
-        "--ports", metavar="FILE.npz", help="the solid reduced to its ports, free at both ends (SI)"
+        "--ports", metavar="FILE.npz", help="solid reduced to its ports, both ends free (SI)"
     )
     parser.add_argument(
         "--state-space",
         metavar="FILE.npz",
-        help="the solid on its support as x' = A x + B u for time simulation (SI)",
+        help="solid on its support as state space x' = A x + B u (SI)",
     )
     parser.add_argument(
         "--fields",
         metavar="FILE.vtu",
-        help="modes, static and harmonic fields of solid (or of the first other model) for "
-        "ParaView: .vtu, .vtkhdf, or .pvd for one period as time steps (SI)",
+        help="modes, static and driven fields of the model solid (or of the first model) for "
+        "ParaView: .vtu, .vtkhdf, or .pvd with one period as time steps (SI)",
     )
     parser.add_argument(
-        "--animated-glb", metavar="FILE.glb", help="the same motions as glTF animations"
+        "--animated-glb", metavar="FILE.glb", help="the same fields as glTF animations"
     )
     parser.add_argument(
-        "--fmu", metavar="FILE.fmu", help="the generator for co-simulation (FMI 2.0, in C)"
+        "--fmu", metavar="FILE.fmu", help="generator as a co-simulation unit (FMI 2.0, C sources)"
     )
     parser.add_argument(
         "--machine",
         metavar="FILE.npz",
-        help="the generator in small motions as x' = A x + B u, for control tools (SI)",
+        help="generator in small motions as state space x' = A x + B u (SI)",
     )
     parser.set_defaults(run=run)
 

@@ -47,26 +47,28 @@ def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "identify",
-        help="fit support or other parameters to a measured curve",
+        help="fit parameters to a measured frequency response",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.listing = _listing
-    parser.add_argument("measured", metavar="MEASURED.csv", help="the measured curve")
+    parser.add_argument("measured", metavar="MEASURED.csv", help="measured curve")
     scene_options(parser, default="prototype")
     parser.add_argument(
         "--fit",
         action="append",
         metavar="NAME[=START][:LOW..HIGH]",
-        help="a parameter to fit; may be repeated (default: c_s and d_s)",
+        help="parameter to fit; may be repeated (default: c_s and d_s)",
     )
     parser.add_argument(
         "--noise",
         choices=("relative", "constant"),
-        help="what the noise is proportional to where no uncertainty is stated: the value, or "
-        "nothing (default: what makes the data likelier)",
+        help="noise model if the file has no uncertainty: relative to the value, or constant "
+        "(default: the more likely one)",
     )
-    parser.add_argument("--plot", metavar="FILE.svg", help="picture of data and fit (.svg, .png)")
-    parser.add_argument("--write", metavar="FILE.toml", help="scene with the fitted values")
+    parser.add_argument(
+        "--plot", metavar="FILE.svg", help="write a plot of data and fit (.svg, .png)"
+    )
+    parser.add_argument("--write", metavar="FILE.toml", help="write a scene with the fitted values")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 

@@ -29,7 +29,7 @@ def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "plan",
-        help="show what would run, what is skipped, and why; with --vary of a whole study",
+        help="show the stages that would run, are cached or are skipped, and why",
         formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog=AXES,
     )

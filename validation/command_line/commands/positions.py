@@ -33,19 +33,19 @@ _COLUMNS = (
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
-        "positions", help="where the rod is while the coil's current rises and falls"
+        "positions", help="equilibrium of the rod while the coil current rises and falls"
     )
     scene_options(parser, default="generator")
     parser.add_argument(
         "--model", action="append", metavar="NAME",
-        help="of the normal actuator: network, axisymmetric or magnetic3d (default: the scene's)",
+        help="network, axisymmetric or magnetic3d (default: the scene's)",
     )  # fmt: skip
     parser.add_argument(
         "--current", metavar="START:STOP:N",
-        help=f"currents, for example {_EXAMPLE} (default: as far as what moves the rod)",
+        help=f"currents, for example {_EXAMPLE} (default: beyond pull-in)",
     )  # fmt: skip
-    parser.add_argument("--plot", metavar="FILE.svg", help="draw the loop")
-    parser.add_argument("--csv", metavar="FILE.csv", help="write all places on the way, in SI")
+    parser.add_argument("--plot", metavar="FILE.svg", help="write a plot of the loop")
+    parser.add_argument("--csv", metavar="FILE.csv", help="write all positions, in SI units")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 

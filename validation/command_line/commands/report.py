@@ -22,22 +22,23 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser("report", help="write the verification report (HTML)")
     scene_options(parser, _SCENE)
     parser.add_argument(
-        "--model", action="append", metavar="NAME", help="may be repeated; see tactgen solve --help"
+        "--model",
+        action="append",
+        metavar="NAME",
+        help="model; may be repeated, see tactgen solve --help",
     )
-    parser.add_argument("--out", default=_OUT, metavar="DIR", help="folder (default report)")
+    parser.add_argument("--out", default=_OUT, metavar="DIR", help="output folder (default report)")
     parser.add_argument(
-        "--quick",
-        action="store_true",
-        help="coarser meshes, one mesh family, no heavy checks, no map of the magnetic field",
+        "--quick", action="store_true", help="use coarser meshes and no map of the magnetic field"
     )
     parser.add_argument(
-        "--pdf", action="store_true", help="also print it to report.pdf (needs Chromium or Chrome)"
+        "--pdf", action="store_true", help="also write report.pdf (needs Chromium or Chrome)"
     )
     parser.add_argument(
         "--reproduce",
         metavar="FOLDER",
-        help="compute the numbers of a written report again and compare them; exit code 1 if any "
-        "differs beyond its bars",
+        help="compute all numbers of a report again and compare; exit code 1 if any differs by "
+        "more than its error",
     )
     parser.set_defaults(run=run)
 

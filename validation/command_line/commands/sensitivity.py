@@ -36,28 +36,36 @@ _SHOWN = 5e-4
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
-        "sensitivity", help="what each parameter does to a quantity, with error bars"
+        "sensitivity", help="sensitivity of a quantity to each parameter, with errors"
     )
     scene_options(parser)
     parser.add_argument(
         "--model",
         action="append",
         metavar="NAME",
-        help="may be repeated (default tmm, of the normal actuator network)",
+        help="model; may be repeated (default tmm, or network)",
     )
     parser.add_argument(
-        "--quantity", action="append", metavar="NAME", help="may be repeated; of modes, the first"
+        "--quantity",
+        action="append",
+        metavar="NAME",
+        help="quantity; may be repeated; of modes the first",
     )
     parser.add_argument(
-        "--frequency", metavar="LIST|START:STOP:N[:log]", help="in Hz (default 10,100,250)"
+        "--frequency",
+        metavar="LIST|START:STOP:N[:log]",
+        help="frequencies in Hz (default 10,100,250)",
     )
     parser.add_argument(
-        "--key", action="append", metavar="KEY", help="scene key; all that are read if not given"
+        "--key",
+        action="append",
+        metavar="KEY",
+        help="scene key (default: all that the quantity depends on)",
     )
     parser.add_argument(
         "--sobol",
         action="store_true",
-        help="also the uncertainty of the headline numbers from the parameters' ranges",
+        help="also compute the uncertainty from the ranges of all parameters",
     )
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)

@@ -22,33 +22,34 @@ if TYPE_CHECKING:
 def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
-        "simulate",
-        help="the generator in time: rod, tip, coil, stops; or a bimorph on its own support",
+        "simulate", help="motion in time: the generator, or a bimorph on its support"
     )
     scene_options(parser, default="generator")
     parser.add_argument(
         "--voltage", metavar="WAVEFORM", default="0 V",
-        help='across the bimorph, such as "10 V sine 200 Hz", "5 V step at 1 ms", FILE.csv',
+        help='voltage of the bimorph: "10 V sine 200 Hz", "5 V step at 1 ms", FILE.csv',
     )  # fmt: skip
     parser.add_argument(
         "--coil", metavar="WAVEFORM",
-        help='current or voltage of the coil, such as "120 mA square 100 Hz" (on and off); with '
+        help='current or voltage of the coil: "120 mA square 100 Hz"; with '
         "support.kind=contact",
     )  # fmt: skip
-    parser.add_argument("--until", metavar="TIME", default="30 ms", help="end (default 30 ms)")
+    parser.add_argument(
+        "--until", metavar="TIME", default="30 ms", help="end of the simulation (default 30 ms)"
+    )
     parser.add_argument(
         "--accuracy", metavar="SHARE", default="0.05",
-        help="error wanted, over the tip's static deflection and over the stroke (default 0.05)",
+        help="requested error, relative to static deflection and stroke (default 0.05)",
     )  # fmt: skip
     parser.add_argument(
-        "--map", metavar="FILE.nc", help="co-energy map from tactgen export (default: network's)"
+        "--map", metavar="FILE.nc", help="co-energy map from tactgen export (default: network)"
     )
-    parser.add_argument("--out", metavar="FILE.nc", help="write everything over time as netCDF")
-    parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
-    parser.add_argument("--gif", metavar="FILE.gif", help="film of the generator as it moves")
-    parser.add_argument("--mp4", metavar="FILE.mp4", help="the same where ffmpeg is installed")
+    parser.add_argument("--out", metavar="FILE.nc", help="write the run as netCDF")
+    parser.add_argument("--plot", metavar="FILE.svg", help="write a plot")
+    parser.add_argument("--gif", metavar="FILE.gif", help="write a film of the motion")
+    parser.add_argument("--mp4", metavar="FILE.mp4", help="write a film (needs ffmpeg)")
     parser.add_argument(
-        "--fields", metavar="FILE.pvd", help="the same for ParaView, as time steps in s"
+        "--fields", metavar="FILE.pvd", help="write the motion for ParaView, time steps in s"
     )
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)

@@ -21,37 +21,42 @@ _OF_A_SCENE = ("scene", "model", "frequency", "lengths", "png", "gif", "mp4", "s
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    parser = commands.add_parser("view", help="see modes and fields move, in one HTML page")
+    parser = commands.add_parser("view", help="show modes and fields in motion, in one HTML page")
     # None, so that a scene beside --run is seen
     scene_options(parser, default=None)
     parser.add_argument(
-        "--model", action="append", metavar="NAME", help="may be repeated; two stand side by side"
+        "--model",
+        action="append",
+        metavar="NAME",
+        help="model; may be repeated, two are shown side by side",
     )
     parser.add_argument(
         "--frequency",
         metavar="LIST|START:STOP:N[:log]",
-        help="of driven states, in Hz (default: half the first natural frequency, and that)",
+        help="frequencies of driven states in Hz (default: first natural frequency and its half)",
     )
     parser.add_argument(
         "--lengths",
         metavar="LOW:HIGH",
-        help="put a slider of the bimorph's length into the page, such as 15mm:30mm: shapes and "
-        "frequencies with their bars at any of them",
+        help="add a slider of the bimorph's length, for example 15mm:30mm, with shapes, "
+        "frequencies and their errors",
     )
-    parser.add_argument("--out", metavar="FILE.html", help="the page (default view.html)")
+    parser.add_argument("--out", metavar="FILE.html", help="page to write (default view.html)")
     parser.add_argument(
         "--run", dest="of_run", metavar="RUN.nc",
-        help="show a run in time, from tactgen simulate --out RUN.nc, instead of a scene's modes",
+        help="show a run of tactgen simulate --out RUN.nc instead of modes",
     )  # fmt: skip
-    parser.add_argument("--open", action="store_true", help="show the page in your browser")
-    parser.add_argument("--png", metavar="FILE.png", help="a still instead of the page")
-    parser.add_argument("--gif", metavar="FILE.gif", help="one period as a film")
-    parser.add_argument("--mp4", metavar="FILE.mp4", help="the same where ffmpeg is installed")
+    parser.add_argument("--open", action="store_true", help="open the page in the browser")
+    parser.add_argument("--png", metavar="FILE.png", help="write a picture instead of the page")
+    parser.add_argument("--gif", metavar="FILE.gif", help="write a film of one period")
+    parser.add_argument("--mp4", metavar="FILE.mp4", help="write a film (needs ffmpeg)")
     parser.add_argument(
-        "--state", metavar="NAME", help='of still and films, such as "mode 2, open circuit"'
+        "--state",
+        metavar="NAME",
+        help='state of picture and film, for example "mode 2, open circuit"',
     )
     parser.add_argument(
-        "--field", metavar="NAME", help="what colours still and films, such as stress_zz"
+        "--field", metavar="NAME", help="field that colours picture and film, for example stress_zz"
     )
     parser.set_defaults(run=run)
 

@@ -40,7 +40,7 @@ def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "whatif",
-        help="a scene at many values of any of its keys, by any model; only what changed is solved",
+        help="study of a scene over any of its keys, by any model",
         formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog=_EPILOG,
     )
@@ -49,21 +49,21 @@ def add(commands: Commands) -> None:
     axis_options(parser)
     parser.add_argument(
         "--aim", action="append", default=[], metavar="AIM",
-        help="which points are wanted, see below; may be repeated",
+        help="condition or goal, see below; may be repeated",
     )  # fmt: skip
-    parser.add_argument("--plot", metavar="FILE.svg", help="draw it")
+    parser.add_argument("--plot", metavar="FILE.svg", help="write a plot")
     parser.add_argument(
-        "--out", metavar="STUDY", help="folder for study.nc, study.csv and study.html"
+        "--out", metavar="STUDY", help="output folder for study.csv, study.nc and study.html"
     )
-    parser.add_argument("--jobs", metavar="N", help="processes (default: as many as pay)")
+    parser.add_argument("--jobs", metavar="N", help="number of processes (default: automatic)")
     parser.add_argument(
         "--scheduler", metavar="ADDRESS",
-        help="let the workers of a Dask cluster solve, for example tcp://127.0.0.1:8786",
+        help="use the workers of a Dask cluster, for example tcp://127.0.0.1:8786",
     )  # fmt: skip
     parser.add_argument(
-        "--resume", action="store_true", help="go on with the study in --out, or let it grow"
+        "--resume", action="store_true", help="continue or extend the study in --out"
     )
-    parser.add_argument("--retry", action="store_true", help="try points that failed again")
+    parser.add_argument("--retry", action="store_true", help="compute failed points again")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 
@@ -73,10 +73,10 @@ _EPILOG = (
     + """\
 
 aims:
-  "min_over(tip_displacement / threshold) >= 1"     how many points meet it, and which is farthest
-  "maximise first(short_circuit_frequencies)"       the best points; of two goals the Pareto front
-  known are + - * / ( ), min_over, max_over, mean_over, first, abs, sqrt, numbers with units,
-  quantities (of complex ones the magnitude), and threshold, the detection threshold
+  "min_over(tip_displacement / threshold) >= 1"     a condition
+  "maximise first(short_circuit_frequencies)"       a goal; two goals give the Pareto front
+  An aim contains quantities (complex ones by their magnitude), threshold (the detection
+  threshold), numbers with units, + - * / ( ), min_over, max_over, mean_over, first, abs, sqrt.
 
 example:
   tactgen whatif paper --vary bimorph.length=14mm:22mm:9 --vary load.kind=none,finger \\

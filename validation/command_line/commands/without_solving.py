@@ -24,7 +24,7 @@ def _scenes(_: argparse.Namespace) -> int:
 
 def add_init(commands: Commands) -> None:
     """Declare ``init``."""
-    parser = commands.add_parser("init", help="write a commented scene file to start from")
+    parser = commands.add_parser("init", help="write a scene file with every key")
     parser.add_argument("file", metavar="FILE.toml")
     parser.set_defaults(run=_init)
 
@@ -38,12 +38,10 @@ def _init(options: argparse.Namespace) -> int:
 
 def add_cache(commands: Commands) -> None:
     """Declare ``cache``."""
-    parser = commands.add_parser(
-        "cache", help="show or clear the results that are kept for the next run"
-    )
+    parser = commands.add_parser("cache", help="show or clear the cached results")
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--info", action="store_true", help="show what is kept (default)")
-    what.add_argument("--clear", action="store_true", help="remove all of it")
+    what.add_argument("--info", action="store_true", help="list the cached results (default)")
+    what.add_argument("--clear", action="store_true", help="remove all cached results")
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=_cache)
 
