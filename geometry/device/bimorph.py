@@ -47,7 +47,7 @@ class Bimorph(Parameters):
     width_profile: LengthProfile = field(
         UNIFORM,
         "assumed: uniform",
-        "width along the ceramic: uniform, or such as 0 mm: 2.1 mm, 20 mm: 1 mm; then width is "
+        "width along the ceramic: uniform, or 0 mm: 2.1 mm, 20 mm: 1 mm; then width is "
         "that of the tab",
     )
     piezo_thickness_profile: LengthProfile = field(

@@ -86,8 +86,8 @@ class Coil(Parameters):
     history: Literal["rising", "falling"] = field(
         "rising",
         "assumed: switched on from 0",
-        "how the current came to its value, where the rod may rest at several places: from 0, or "
-        "from one that had pulled the rod down",
+        "selects the equilibrium where there are several: current rising from 0, or "
+        "falling from a current that holds the rod down",
     )
     fill_factor: u.FillFactor = field(
         0.5,
@@ -116,7 +116,7 @@ class Coil(Parameters):
     supply: Literal["current", "voltage"] = field(
         "current",
         "assumed: the paper states currents",
-        "whether the coil's current is held, or the voltage that drives it",
+        "constant current or constant voltage at the coil",
     )
     source_resistance: u.Resistance = field(
         0.0, "assumed: none", "resistance of supply and leads, in series with the wire's"

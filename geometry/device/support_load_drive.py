@@ -209,7 +209,7 @@ class Contact(Parameters):
     shape: Literal["ring", "disc"] = field(
         "ring",
         "assumed: the upper board is open above the head for the bimorph, the sleeve is a ring",
-        "what of the head touches: its rim, or all of it",
+        "contact area of the head: ring (its rim) or disc",
     )
     decay_length: u.RoughnessLength = field(
         # N R² / (2 c_s) to ten digits, with the ring's law in tmm.generator.contact
@@ -285,7 +285,7 @@ class Guide(Parameters):
         0.0,
         "assumed: none; the return spring's ends hold the rod at any motion (fits of sliding "
         "pins of this size leave 2 to 20 um)",
-        "diameter of the bore less that of what slides in it: within it nothing guides",
+        "diameter of the bore minus that of the rod; no guide within it",
     )
     guided_length: u.SmallLength = field(
         4.7e-3,

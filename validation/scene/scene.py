@@ -102,7 +102,7 @@ class Scene(p.Device):
         default=1e-3, description="relative numerical error wanted of the field models"
     )
     modes: Annotated[int, BeforeValidator(WholeNumber(1, 20, "4"))] = Field(
-        default=4, description="how many natural modes"
+        default=4, description="number of natural modes"
     )
     frequency: tuple[float, ...] = Field(
         default=parse_frequencies("10 Hz:1000 Hz:100:log"),
