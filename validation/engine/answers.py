@@ -206,10 +206,15 @@ def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str]]:
         classes = [c.replace("bending_", "bend ") for c in q.classes or ()]
         labels = classes or [engineering(f, "Hz") for f in q.frequency or ()]
     values, errors = np.atleast_1d(q.value), np.atleast_1d(q.error)
-    shown = min(len(labels), _FREQUENCIES)
+    shown = len(labels) if q.classes else min(len(labels), _FREQUENCIES)
     for i in np.unique(np.linspace(0, len(labels) - 1, shown).astype(int)):
         error = format_error(values[i], float(errors[i]), q.unit)
         yield labels[i], format_value(values[i], q.unit), error
+    if q.extreme is not None:
+        peak = representative(q)
+        at = engineering(q.extreme.frequency, "Hz")
+        value = f"{engineering(peak.value, q.unit, _DIGITS)} at {at}"
+        yield peak.what, value, format_error(peak.value, peak.error, q.unit)
 
 
 #: Classes of motion that go without saying.
