@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.operating_system import is_running
+from tactgen.geometry.operating_system import READ, bring_to_disk, is_running
 
 #: Largest text file that is read (bytes): a hundred thousand rows of ten columns.
 _MOST_TEXT = 20_000_000
@@ -48,8 +48,7 @@ def read_text(path: str | Path) -> str:
     UnicodeDecodeError
         If it is not UTF-8.
     """
-    # a pipe without a writer would be waited for
-    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    descriptor = os.open(path, READ)
     try:
         obstacle = _no_file(os.fstat(descriptor).st_mode)
         if obstacle:
@@ -103,9 +102,9 @@ def written_whole(path: str | Path) -> Iterator[Path]:
     try:
         yield temporary
         temporary.chmod(0o644)  # mkstemp makes files for its owner only
-        _bring_to_disk(temporary)
+        bring_to_disk(temporary)
         temporary.replace(path)
-        _bring_to_disk(path.parent)
+        bring_to_disk(path.parent)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise NotWritten(path, reason) from error
@@ -151,12 +150,3 @@ def write_text(path: Path, text: str) -> Path:
     with written_whole(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return path
-
-
-def _bring_to_disk(path: Path) -> None:
-    """Flush a file or folder to the disk."""
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

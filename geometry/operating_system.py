@@ -6,7 +6,11 @@ import importlib
 import os
 import sys
 import time
+from pathlib import Path
 from typing import Any
+
+#: Flags to open a file for reading: bytes as they are, and no wait for a pipe's other end.
+READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 
 #: Seconds between two trials of a lock that the system cannot wait for.
 _TRIAL = 0.1
@@ -30,6 +34,21 @@ def is_running(process: int) -> bool:
     except PermissionError:  # another user's
         return True
     return True
+
+
+def bring_to_disk(path: Path) -> None:
+    """Flush a file or folder to the disk; Windows flushes no folder, and only what may be written.
+
+    Raises OSError if it cannot be flushed.
+    """
+    windows = sys.platform == "win32"
+    if windows and path.is_dir():
+        return
+    descriptor = os.open(path, os.O_RDWR if windows else os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def lock(descriptor: int, *, wait: bool) -> bool:

@@ -18,7 +18,7 @@ for name in ("fcntl", "resource", "pwd", "termios", "grp"):
     sys.modules[name] = None
 for name in ("SIGHUP", "SIGVTALRM", "SIGXCPU", "setitimer", "ITIMER_VIRTUAL"):
     delattr(signal, name)
-del os.sched_getaffinity
+del os.sched_getaffinity, os.O_NONBLOCK
 held = set()
 def locking(descriptor, mode, size):
     place = os.fstat(descriptor).st_ino
@@ -54,6 +54,22 @@ def test_without_unix_modules_and_mkl_the_numbers_are_the_same(tmp_path):
     usual = answers(f"import sys; {RUN}", path, tmp_path / "a", *SOLVE, *models)
     bare = answers(f"{BARE}\n{RUN}", path, tmp_path / "b", *SOLVE, *models)
     assert bare == pytest.approx(usual, rel=1e-6)
+
+
+@pytest.mark.parametrize("package", ["cadquery", "pytetwild"])
+def test_a_package_without_a_wheel_is_named_in_one_line(tmp_path, package):
+    hide = (
+        "import importlib.util as u, sys; find = u.find_spec; "
+        f"u.find_spec = lambda n, *m: None if n == {package!r} else find(n, *m)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", f"{hide}; {RUN}", *SOLVE[:-1], "--model", "cad"],
+        env={"PYTHONPATH": str(ROOT / ".setup"), "TACTGEN_CACHE": str(tmp_path), "PATH": ""},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    (line,) = done.stderr.splitlines()
+    assert done.returncode == 2
+    assert package in line
 
 
 def test_a_checkout_without_links_is_a_package(tmp_path):

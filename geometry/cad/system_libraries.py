@@ -20,10 +20,12 @@ _KERNEL = 1_000_000_000
 
 
 def require_library(name: str, purpose: str) -> None:
-    """Make sure that a shared library can be loaded.
+    """Make sure that a shared library of Linux can be loaded.
 
     Raises InputError if not, with the command that installs it.
     """
+    if sys.platform != "linux":  # the names are those of Linux; elsewhere the system has OpenGL
+        return
     import ctypes
 
     try:
@@ -35,11 +37,26 @@ def require_library(name: str, purpose: str) -> None:
         ) from None
 
 
+def require_package(name: str, purpose: str) -> None:
+    """Make sure that a Python package is installed; InputError if not.
+
+    Not every system has a wheel of each.
+    """
+    from importlib.util import find_spec
+
+    if name not in sys.modules and find_spec(name) is None:
+        raise InputError(
+            f"{purpose} need the package {name}, which is not installed; install it (pip install "
+            f"{name}) if there is one for this system, or ask for another model"
+        )
+
+
 def require_cad_kernel() -> None:
     """Make sure that CAD solids can be made; InputError as the others.
 
     Where there is too little room the libraries of the kernel fail amid loading, in many ways.
     """
+    require_package("cadquery", "CAD solids")
     require_library("libGL.so.1", "CAD solids")
     if "cadquery" not in sys.modules:
         require_room(_KERNEL, "CAD solids")

@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import NotWritten, special, written_whole
-from tactgen.geometry.operating_system import lock, unlock
+from tactgen.geometry.operating_system import READ, lock, unlock
 from tactgen.geometry.store.values import fingerprint, from_bytes, source_digest, to_bytes
 
 T = TypeVar("T")
@@ -202,7 +202,7 @@ def read_entry(path: Path) -> Any:
         If it cannot be read or is not what was written under this name.
     """
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)  # a pipe would wait for a writer
+        descriptor = os.open(path, READ)
         with os.fdopen(descriptor, "rb") as file:
             content = file.read()
     except (FileNotFoundError, NotADirectoryError):

@@ -6,6 +6,7 @@ import io
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,7 +51,8 @@ def off_screen() -> Any:
     VTK crashes the process when it finds no OpenGL library or no room for its buffers, so this
     looks first.
     """
-    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
+    if sys.platform == "linux":
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
     require_library("libOSMesa.so.8", "pictures")
     require_library("libGL.so.1", "pictures")
     require_room(_ROOM, "pictures")

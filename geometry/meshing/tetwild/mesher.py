@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.cad.system_libraries import require_package
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh, unique_edges
 
@@ -65,6 +66,7 @@ class Mesher:
         """Let the process load its libraries while the caller does something else."""
         if self._process is not None:
             return
+        require_package("pytetwild", "tetrahedra")
         if self._folder is None:
             self._folder = tempfile.TemporaryDirectory(prefix="tactgen-")
         with (Path(self._folder.name) / "log").open("wb") as log:
