@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tactgen import geometry
-from tactgen.geometry import files
+from tactgen.geometry import operating_system
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import read_text, written_whole
 from tactgen.geometry.store.store import locked, read_entry, sealed, write_entry
@@ -165,4 +165,4 @@ def test_a_process_of_another_user_lives(monkeypatch):
         raise PermissionError
 
     monkeypatch.setattr(os, "kill", refused)
-    assert files._runs(1)
+    assert operating_system.is_running(1)
