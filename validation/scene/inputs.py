@@ -28,7 +28,7 @@ from tactgen.validation.catalogue.models import (
     stage_reads,
 )
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene, scene_keys
+from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene, scene_keys, unusual_values
 from tactgen.validation.scene.variation import value_of
 
 #: Keys that say whose scene it is and what is asked of it.
@@ -168,6 +168,8 @@ def scene_warnings(
         quantities = _sensible(scene, key) if report else scene.quantities
         # a file may describe both actuators, whichever is asked about today
         found.append(_idle(scene, key, quantities, asked=origin == ON_COMMAND_LINE))
+    stated = [key for key in origins if key in scene_keys()]
+    found += unusual_values(scene, stated)
     load = scene.load
     if load.kind == "mass" and load.mass == 0.0:
         found.append('load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass')

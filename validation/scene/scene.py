@@ -6,7 +6,7 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -25,7 +25,8 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
 from tactgen.geometry.device.load_table import load_table
-from tactgen.geometry.device.material_library import steel_name
+from tactgen.geometry.device.material_library import LIBRARY, steel_name
+from tactgen.geometry.device.plausibility import clamped_for_free, slip
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import WholeNumber, quoted
@@ -330,7 +331,13 @@ def checked_scene(values: dict[str, Any]) -> Scene:
 
 def _check_together(scene: Scene) -> None:
     """Refuse values that do not fit together; InputError."""
-    scene.piezo.ceramic().check_admissible()
+    try:
+        scene.piezo.ceramic().check_admissible()
+    except InputError:  # where one constant has a wrong unit, that is the cause
+        slips = unusual_values(scene, [f"piezo.{name}" for name in p.Piezo.model_fields])
+        if slips:
+            raise InputError(slips[0]) from None
+        raise
     device = scene.device
     if set(scene.models) & set(models_of("bimorph")) or scene.support.kind == "rod":
         check_bimorph(device, scene.support)
@@ -339,6 +346,23 @@ def _check_together(scene: Scene) -> None:
         load_table(scene.load)
     if scene.threshold.kind == "table":
         threshold_of(scene.threshold)
+
+
+def unusual_values(scene: Scene, keys: Iterable[str]) -> list[str]:
+    """Questions about values of some keys that lie far outside the range of their kind."""
+    found = []
+    for key in keys:
+        group, _, name = key.rpartition(".")
+        owner = getattr(scene, group) if group else scene
+        value = getattr(owner, name)
+        unit = next(
+            (m for m in type(owner).model_fields[name].metadata if isinstance(m, u.Unit)), None
+        )
+        if isinstance(value, float) and (text := slip(key, value, unit)):
+            found.append(text)
+    if "piezo.eps33" in keys and scene.piezo.material in LIBRARY:
+        found.append(clamped_for_free(LIBRARY[scene.piezo.material], scene.piezo.eps33))
+    return list(filter(None, found))
 
 
 def _point_from_scene(values: dict[str, Any], name: str) -> None:
