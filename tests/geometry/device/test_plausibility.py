@@ -20,7 +20,7 @@ def questions(*overrides):
     [
         ("piezo.density=7.8 kg/m^3", "did you mean 7800 kg/m^3?"),
         ("shim.youngs_modulus=70e3 N/m^2", "did you mean 70 GPa?"),
-        ("shim.density=8.5e6 kg/m^3", "did you mean 8500 kg/m^3?"),
+        ("shim.density=8.5 kg/m^3", "did you mean 8500 kg/m^3?"),
         ("piezo.material=PZT-5A,piezo.eps33=830", "at constant strain"),
     ],
 )
