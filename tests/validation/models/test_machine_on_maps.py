@@ -76,8 +76,8 @@ def test_contact_and_machine_take_its_pull(field):
     one, other = (solve(generator(m), ("tmm",), names) for m in ("tmm", "tmm,axisymmetric"))
     assert len(field) == 1
     assert set(other.stages.seconds) == set(other.plan.keys)
-    (told,) = [w for w in other.warnings if w.startswith("coil.current")]
-    assert "by the model axisymmetric" in told
+    (told,) = [w for w in other.warnings if "coil.current" in w]
+    assert "model axisymmetric" in told
     spring = one.scene.spring
     forces = [s.rest[0].contact_force for s in (one.scene, generator("tmm,axisymmetric"))]
     held = spring.preload + spring.stiffness * (one.scene.gap - spring.stop_gap)

@@ -52,9 +52,9 @@ def quantity(value, bar):
 @pytest.mark.parametrize(
     ("value", "bar", "words"),
     [
-        (0.1, 2e-4, "magnetic_force (up to 0.2 %); its finest grid was used"),
-        (1e-9, 1e-8, "magnetic_force (zero within its bar)"),
-        (0.0, 1e-8, "magnetic_force (zero within its bar)"),
+        (0.1, 2e-4, "magnetic_force (up to 0.2 %)"),
+        (1e-9, 1e-8, "magnetic_force (zero within its error)"),
+        (0.0, 1e-8, "magnetic_force (zero within its error)"),
         (0.0, 0.0, ""),
         (0.1, 5e-5, ""),
         (np.nan, np.nan, ""),

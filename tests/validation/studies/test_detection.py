@@ -109,7 +109,7 @@ def test_partly_outside_is_null_with_a_warning(capsys):
     assert code == 0
     assert [v is None for v in quantity["value"]] == [True, True, False, True]
     assert [v is None for v in quantity["uncertainty"]] == [True, True, False, True]
-    assert "3 of 4 frequencies lie outside the range in which the detection threshold" in err
+    assert "3 of 4 frequencies are outside the range in which the detection threshold" in err
 
 
 def test_wholly_outside_is_refused_if_nothing_else_is_asked():

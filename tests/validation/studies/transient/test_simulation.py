@@ -200,7 +200,8 @@ def test_the_command_says_what_it_did(capsys, tmp_path, monkeypatch):
     asked = ["simulate", "paper", *ON_ROD, "--voltage", "10 V sine 200 Hz",
              "--until", "50 us", "--accuracy", "0.2"]  # fmt: skip
     assert main(asked) == 0
-    lines, answer = capsys.readouterr().out.splitlines(), solved[0].answer
+    (first, *lines), answer = capsys.readouterr().out.splitlines(), solved[0].answer
+    assert first.startswith("Conditions: ")
     assert lines[0].split() == [
         "phase",
         "from",
