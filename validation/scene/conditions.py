@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from tactgen.geometry.device.material_library import curve_in_words
 from tactgen.geometry.device.parameters import Load, Support
 from tactgen.geometry.formats import engineering
 from tactgen.validation.catalogue.models import models_of
@@ -33,6 +34,8 @@ def conditions(scene: Scene) -> str:
             f"gap {engineering(scene.gap, 'm')}",
             f"coil current {engineering(scene.coil.current, 'A')}",
         ]
+    if not bimorph:
+        parts.append(curve_in_words(scene.steel.curve))
     line = f"Conditions: {', '.join(parts)}."
     missing = [key for key in keys if key in scene.not_stated]
     if not missing:

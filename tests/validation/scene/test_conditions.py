@@ -34,10 +34,14 @@ def test_neutral_start_holds_only_what_is_not_stated(tmp_path):
 
 def test_conditions_of_the_normal_actuator_are_gap_and_current(tmp_path):
     scene = scene_of(tmp_path, 'models = ["network"]\ngap = "0.1 mm"\n')
-    assert conditions(scene) == (
-        "Conditions: gap 100 µm, coil current 130 mA. "
-        "Not stated, taken from the paper's device: coil.current."
-    )
+    line = conditions(scene)
+    assert line.startswith("Conditions: gap 100 µm, coil current 130 mA, ")
+    assert line.endswith("Not stated, taken from the paper's device: coil.current.")
+
+
+def test_a_steel_by_another_name_says_which_curve_it_takes(tmp_path):
+    scene = scene_of(tmp_path, 'models = ["network"]\n[steel]\ncurve = "AISI 1010"\n')
+    assert "steel37" in conditions(scene)
 
 
 @pytest.mark.parametrize("name", built_in_texts())
