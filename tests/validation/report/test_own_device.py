@@ -10,7 +10,8 @@ from tactgen.validation.report.page import write_report
 from tactgen.validation.scene.scene import load_scene
 
 OWN = [
-    "description=my device", "models=lumped,tmm", "bimorph.length=18mm", "bimorph.piezo_thickness=0.2mm",
+    "description=my device", "models=lumped,tmm", "bimorph.length=18mm",
+    "bimorph.piezo_thickness=0.2mm",
     "bimorph.shim_thickness=0.1mm", "piezo.material=PZT-5H", "shim.youngs_modulus=105GPa",
     "shim.shear_modulus=39GPa", "shim.poisson_ratio=0.34", "shim.density=8500kg/m^3",
     "drive.voltage=40V", "load.kind=mass", "load.mass=20mg", "support.kind=clamped",
