@@ -45,7 +45,7 @@ EXPECTED = {
     "shim.youngs_modulus": Expected(1e9, 4.2e11, _METAL),
     "shim.shear_modulus": Expected(3e8, 1.7e11, _METAL),
     "shim.density": Expected(1000.0, 20000.0, _METAL),
-    "glue.youngs_modulus": Expected(1e6, 1e10, _GLUE),
+    "glue.youngs_modulus": Expected(1e5, 1e10, _GLUE),
     "glue.density": Expected(900.0, 3000.0, _GLUE),
     "rod.youngs_modulus": Expected(5e10, 2.5e11, "metals"),
     "rod.density": Expected(2500.0, 9000.0, "metals"),
