@@ -1,9 +1,11 @@
 # %% [markdown]
 # # My own device in ten minutes
 #
-# From the data sheet of a bimorph to numbers that can be defended. An 18 mm bimorph of PZT-5H on
-# a brass shim, clamped, with a free tip, driven with 40 V. A scene file holds what differs from
-# the paper's device; `tactgen init mine.toml` writes one with every key.
+# The device: an 18 mm bimorph of PZT-5H on a brass shim. Four conditions of the test belong to every
+# scene of your own: the support (here clamped), the load (free tip), the wiring (parallel) and the
+# drive voltage (40 V). What the scene does not state is taken from the paper's device, or, with
+# `start_from = "neutral"`, from neutral conditions. `tactgen init mine.toml` writes a scene with every
+# key.
 
 # %%
 import tempfile
@@ -14,7 +16,9 @@ from tactgen.validation.models.difference import expected_differences
 
 SCENE = """
 description = "data sheet: 18 x 3 mm, PZT-5H 2 x 0.2 mm on 0.1 mm brass"
+start_from = "neutral"
 [bimorph]
+wiring = "parallel"
 length = "18 mm"
 width = "3 mm"
 piezo_thickness = "0.2 mm"
@@ -39,9 +43,8 @@ file.write_text(SCENE, encoding="utf-8")
 scene, _ = tactgen.load_scene(str(file), ["mesh.level=2"])
 
 # %% [markdown]
-# **The number, and a second one.** The transfer-matrix model answers in milliseconds, the solid in
-# a second. What separates them was expected before the solid ran: the width, by laminate theory
-# of these layers, and the ends.
+# **Two models.** The transfer matrix answers in milliseconds, the solid in a second. Their difference
+# is expected before the solid runs: the width by laminate theory, and the ends.
 
 # %%
 asked = ["static_tip_displacement", "short_circuit_frequencies", "capacitance_free"]
@@ -56,8 +59,8 @@ for name, band in expected_differences(scene).items():
     assert band.low <= a / b - 1.0 <= band.high
 
 # %% [markdown]
-# **What if** it were 22 mm long? A clamped slender bimorph moves as the square of its length; the
-# report of the whole is `tactgen report mine.toml`.
+# **What if** it were 22 mm long? The deflection of a clamped slender bimorph is proportional to the
+# square of its length. `tactgen report mine.toml` writes the full report.
 
 # %%
 longer, _ = tactgen.load_scene(str(file), ["bimorph.length=22mm"])
