@@ -1,11 +1,11 @@
 # %% [markdown]
 # # My own device in ten minutes
 #
-# The device: an 18 mm bimorph of PZT-5H on a brass shim. Four conditions of the test belong to every
-# scene of your own: the support (here clamped), the load (free tip), the wiring (parallel) and the
-# drive voltage (40 V). What the scene does not state is taken from the paper's device, or, with
-# `start_from = "neutral"`, from neutral conditions. `tactgen init mine.toml` writes a scene with every
-# key.
+# The device: an 18 mm bimorph of PZT-5H on a brass shim. Four conditions of the test belong to
+# every scene of your own: the support (here clamped), the load (free tip), the wiring (parallel)
+# and the drive voltage (40 V). What the scene does not state is taken from the paper's device, or,
+# with `start_from = "neutral"`, from neutral conditions. `tactgen init mine.toml` writes a scene
+# with every key.
 
 # %%
 import tempfile
@@ -43,8 +43,8 @@ file.write_text(SCENE, encoding="utf-8")
 scene, _ = tactgen.load_scene(str(file), ["mesh.level=2"])
 
 # %% [markdown]
-# **Two models.** The transfer matrix answers in milliseconds, the solid in a second. Their difference
-# is expected before the solid runs: the width by laminate theory, and the ends.
+# **Two models.** The transfer matrix answers in milliseconds, the solid in a second. Their
+# difference is expected before the solid runs: the width by laminate theory, and the ends.
 
 # %%
 asked = ["static_tip_displacement", "short_circuit_frequencies", "capacitance_free"]
