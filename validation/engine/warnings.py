@@ -245,8 +245,9 @@ def _of_slenderness(scene: Scene, models: Sequence[str]) -> Iterator[str]:
     slenderness = scene.bimorph.length / scene.bimorph.thickness
     if slenderness < SLENDER and any(MODELS[name].theory == "beam" for name in models):
         yield (
-            f"bimorph.length = {1e3 * scene.bimorph.length:.4g} mm is {slenderness:.2g} times the "
-            "thickness, which is too short for beam theory; compare with the model solid"
+            f"the thickness is {100.0 / slenderness:.3g} % of bimorph.length = "
+            f"{1e3 * scene.bimorph.length:.4g} mm, more than the {100.0 / SLENDER:g} % to which "
+            "beam theory is trusted; compare with the model solid"
         )
 
 

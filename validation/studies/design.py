@@ -279,8 +279,8 @@ def design(scene: Scene, aim: Aim) -> Design:
     reached, at = lowest_margin(device, aim, np.array([length, own]))
     slenderness = length / scene.bimorph.thickness
     doubt = (
-        f"at {1e3 * length:.4g} mm the actuator is {slenderness:.2g} times as long as thick, too "
-        "stubby for a beam model to be trusted; compare with --set models=solid"
+        f"at {1e3 * length:.4g} mm the length is {slenderness:.2g} thicknesses, too short for beam "
+        "theory; compare with --set models=solid"
     )
     return Design(
         scene=scene,

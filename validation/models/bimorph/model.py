@@ -159,16 +159,15 @@ class BeamTheoryModel(BimorphModel):
             )
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
-        """Say of a stubby bimorph how far beam theory may be off."""
+        """Effect of the ends of a short bimorph on beam theory."""
         bimorph, share = self.scene.bimorph, end_share(self.scene)
         if share < _STUBBY:
             return ()
         sentence = (
-            f"bimorph.length = {1e3 * bimorph.length:g} mm is "
-            f"{bimorph.length / bimorph.thickness:.2g} thicknesses and "
-            f"{bimorph.length / bimorph.width:.2g} widths, which is stubby for the "
-            "one-dimensional models: their deflection, frequency and capacitance may be "
-            f"{100.0 * share:.0f} % off by the ends alone; compare with --set models=solid"
+            "the ends may change deflection, frequency and capacitance by "
+            f"{100.0 * share:.3g} % against beam theory: bimorph.length = "
+            f"{1e3 * bimorph.length:g} mm is {bimorph.length / bimorph.thickness:.2g} thicknesses "
+            f"and {bimorph.length / bimorph.width:.2g} widths; compare with --set models=solid"
         )
         return (sentence,)
 

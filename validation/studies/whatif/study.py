@@ -27,8 +27,6 @@ _Asked = int | Answer
 #: A sentence, the number of its point, its model.
 _Said = tuple[str, int, str]
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-#: Sentences with this word are the worse the smaller their numbers are.
-_SMALLER = "stubby"
 
 
 @dataclass(frozen=True)
@@ -87,9 +85,8 @@ class Study:
 
 
 def _severity(text: str) -> list[float]:
-    """Numbers of a warning: of two that differ in these alone, the larger list is the worse."""
-    sign = -1.0 if _SMALLER in text else 1.0
-    return [sign * float(number) for number in _NUMBER.findall(text)]
+    """Numbers of a warning: its first one grows with what it warns of."""
+    return [float(number) for number in _NUMBER.findall(text)]
 
 
 def run_study(
