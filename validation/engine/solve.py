@@ -28,7 +28,7 @@ from tactgen.validation.engine.readout import read
 from tactgen.validation.engine.warnings import answer_warnings, held_warnings, request_warnings
 from tactgen.validation.models.classes import make_model, map_of, model_class, stage_code
 from tactgen.validation.models.model import Model, Quantity, Stages
-from tactgen.validation.scene.conditions import conditions
+from tactgen.validation.scene.conditions import answer_head
 from tactgen.validation.scene.inputs import stage_keys
 from tactgen.validation.scene.scene import Scene, chosen_models, chosen_quantities
 
@@ -326,8 +326,7 @@ def evaluate(name: str, model: Model) -> Quantity:
 def as_json(solution: Solution) -> dict[str, Any]:
     """Solution as plain JSON values; see quantity_json."""
     return {
-        "scene": solution.scene.name,
-        "conditions": conditions(solution.scene),
+        **answer_head(solution.scene),
         "not_stated": list(solution.scene.not_stated),
         "quantities": [quantity_json(q) for q in solution.quantities],
         "plan": plan_json(solution.plan),

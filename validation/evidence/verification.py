@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.store.store import cached_result, stored_result
+from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import storable
 from tactgen.validation.evidence.case import Case, Check, Outcome, judged, value_of
 from tactgen.validation.evidence.mesh_levels import Kind, on_level
@@ -150,16 +150,6 @@ def verify(
         measured = division(group, case, check)
         outcome, bar = judged(check, measured.value), _bar(group, case, check, measured)
         rows.append(Verified(group, case, check, outcome, measured, bar))
-    return rows
-
-
-def stored_rows(groups: Sequence[str]) -> list[Verified]:
-    """Groups' checks as far as this very code has run and cached them; others skipped."""
-    rows = []
-    for group, case, check in _rows(groups):
-        cached: Division | None = stored_result(*_entry(group, "row", check.id))
-        outcome = None if cached is None else judged(check, cached.value)
-        rows.append(Verified(group, case, check, outcome, cached))
     return rows
 
 

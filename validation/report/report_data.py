@@ -49,7 +49,6 @@ class Study:
     def __init__(
         self, scene: Scene, origins: dict[str, str], announce: Callable[[str], None], *, quick: bool
     ) -> None:
-        self.asked = scene.accuracy
         self.scene = prepared(scene, quick=quick)
         self.origins, self.announce, self.quick = origins, announce, quick
         #: What the sections before show, by their ids.

@@ -16,6 +16,11 @@ from tactgen.validation.scene.files import NEUTRAL, OF_THE_COIL
 from tactgen.validation.scene.scene import Scene
 
 
+def answer_head(scene: Scene) -> dict[str, str]:
+    """First entries of every JSON answer."""
+    return {"scene": scene.name, "conditions": conditions(scene)}
+
+
 def conditions(scene: Scene) -> str:
     """Conditions of a scene's answers, and which of them the scene does not state."""
     parts, keys = [], []

@@ -19,7 +19,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.formats import engineering, prefixed, signed
 from tactgen.geometry.units import quoted
-from tactgen.validation.scene.conditions import conditions
+from tactgen.validation.scene.conditions import answer_head, conditions
 from tactgen.validation.scene.files import scene_name
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import FILE_KEYS
@@ -131,7 +131,7 @@ def as_json(result: Identification) -> dict[str, Any]:
     """Plain values in SI units."""
     curve, stated = result.curve, result.noise == "stated"
     return {
-        "scene": result.scene.name,
+        **answer_head(result.scene),
         "data": {
             "file": curve.source,
             "curve": curve.kind,

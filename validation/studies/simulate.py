@@ -19,6 +19,7 @@ from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER
 from tactgen.validation.models.transient import Simulation, phases
+from tactgen.validation.scene.conditions import answer_head
 from tactgen.validation.scene.files import leaves
 from tactgen.validation.show.figures import AMBER, BLUE, GREEN, GREY, ORANGE, SKY, panels, svg
 from tactgen.validation.show.gather import body_of
@@ -116,6 +117,24 @@ def run_attributes(
         "error": np.float64(answer.error),
         "certain_until_s": np.float64(answer.certain_until),
         "energy_imbalance": np.float64(answer.run.worst_imbalance),
+    }
+
+
+def run_summary(
+    scene: Scene, answer: Answer, load_misfit: float, found: dict[str, tuple[Floats, str, str]]
+) -> dict[str, Any]:
+    """Summary of any run as plain values: length, errors, energy balance, extremes."""
+    return {
+        **answer_head(scene),
+        "until_s": float(answer.run.time[-1]),
+        "steps": int(answer.run.time.size),
+        "accuracy": answer.accuracy,
+        "error": answer.error,
+        "load_misfit": load_misfit,
+        "certain_until_s": answer.certain_until,
+        "error_bars": answer.errors,
+        "energy_imbalance": answer.run.worst_imbalance,
+        "quantities": extremes(found),
     }
 
 

@@ -12,7 +12,7 @@ from tactgen.geometry.files import written_whole
 from tactgen.geometry.formats import engineering, prefixed, share
 from tactgen.validation.models.held_bimorph import HeldRun, oscillations
 from tactgen.validation.show.figures import BLUE, GREEN, panels, svg
-from tactgen.validation.studies.simulate import extremes, put_variable, run_attributes
+from tactgen.validation.studies.simulate import put_variable, run_attributes, run_summary
 
 #: What the global attribute `title` says.
 TITLE = "time simulation of a held bimorph"
@@ -58,18 +58,8 @@ def write_held_run(path: str | Path, result: HeldRun, drives: dict[str, str]) ->
 
 def held_values(result: HeldRun) -> dict[str, Any]:
     """Summary of a run as plain values: extremes, natural frequencies, balance, errors."""
-    answer = result.answer
     return {
-        "scene": result.scene.name,
-        "until_s": float(answer.run.time[-1]),
-        "steps": int(answer.run.time.size),
-        "accuracy": answer.accuracy,
-        "error": answer.error,
-        "load_misfit": result.load_misfit,
-        "certain_until_s": answer.certain_until,
-        "error_bars": answer.errors,
-        "energy_imbalance": answer.run.worst_imbalance,
-        "quantities": extremes(series(result)),
+        **run_summary(result.scene, result.answer, result.load_misfit, series(result)),
         "oscillations": [
             {"frequency_hz": frequency, "damping_ratio": ratio}
             for frequency, ratio in oscillations(result.system)

@@ -235,4 +235,4 @@ def test_a_bimorph_shorter_than_thick_is_no_beam():
     found = solve(scene, ("lumped", "tmm"), ("static_tip_displacement",))
     (warning,) = (w for w in found.warnings if "thicknesses" in w)  # said once, not by each model
     assert "2.6 thicknesses" in warning
-    assert f"{100 * end_share(scene):.0f} % off" in warning
+    assert f"{100 * end_share(scene):.3g} %" in warning

@@ -127,9 +127,10 @@ def _print(scene: Scene, result: Backbone) -> None:
 
 def _as_json(scene: Scene, model: str, result: Backbone) -> dict[str, Any]:
     from tactgen.validation.engine.answers import plain
+    from tactgen.validation.scene.conditions import answer_head
 
     return {
-        "scene": scene.name,
+        **answer_head(scene),
         "model": model,
         "place": result.head.place,
         "small_rotational_stiffness": result.head.support.rotational_stiffness,

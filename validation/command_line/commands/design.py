@@ -239,12 +239,13 @@ def _print(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> No
 
 def _as_json(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> dict[str, Any]:
     """Design as plain values, SI units."""
+    from tactgen.validation.scene.conditions import answer_head
     from tactgen.validation.studies.design import length_rows
     from tactgen.validation.studies.design_statements import sentences
 
     aim, scene = result.aim, result.scene
     return {
-        "scene": scene.name,
+        **answer_head(scene),
         "setting": {
             "voltage": scene.drive.voltage, "wiring": scene.bimorph.wiring,
             "load": scene.load.kind,

@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.solve import solve
     from tactgen.validation.models.reluctance.model import MagneticModel, rod_loop
-    from tactgen.validation.scene.conditions import conditions
+    from tactgen.validation.scene.conditions import answer_head, conditions
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.show.export import check_place
 
@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
     warn(solution.warnings)
     _write(options, loops, abs(scene.coil.current))
     if options.json:
-        print_json({"scene": scene.name, "loops": [_plain(loop) for loop in loops]})
+        print_json({**answer_head(scene), "loops": [_plain(loop) for loop in loops]})
     else:
         print(conditions(scene))
         for loop in loops:

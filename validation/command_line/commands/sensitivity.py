@@ -118,7 +118,7 @@ def run(options: argparse.Namespace) -> int:
         for key in column.logarithmic
     }
     if options.json:
-        print_json(_as_json(scene.name, columns, uncertain, known))
+        print_json(_as_json(scene, columns, uncertain, known))
         return 0
     print(conditions(scene))
     shown = thinned(columns)
@@ -168,13 +168,15 @@ def _quantities(options: argparse.Namespace, scene: Scene) -> tuple[str, ...]:
 
 
 def _as_json(
-    scene: str,
+    scene: Scene,
     columns: Sequence[SensitivityColumn],
     uncertain: Sequence[Uncertainty],
     known: dict[str, KnownRange],
 ) -> dict[str, Any]:
+    from tactgen.validation.scene.conditions import answer_head
+
     return {
-        "scene": scene,
+        **answer_head(scene),
         "ranges": {
             key: {"low": spread.low, "high": spread.high, "reason": spread.reason}
             for key, (_, spread) in known.items()

@@ -171,22 +171,12 @@ def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[st
 def as_json(result: Simulation) -> dict[str, Any]:
     """Summary of a run: ends and extremes, phases, balance, errors."""
     from tactgen.validation.models.transient import phases
-    from tactgen.validation.studies.simulate import extremes, series
+    from tactgen.validation.studies.simulate import run_summary, series
 
-    answer = result.answer
     return {
-        "scene": result.scene.name,
-        "until_s": float(answer.run.time[-1]),
-        "steps": int(answer.run.time.size),
-        "accuracy": answer.accuracy,
-        "error": answer.error,
-        "load_misfit": result.load_misfit,
-        "certain_until_s": answer.certain_until,
+        **run_summary(result.scene, result.answer, result.load_misfit, series(result)),
         "sideways_m": float(result.sideways.max()),
         "flange_gap_m": result.flange_gap,
-        "error_bars": answer.errors,
-        "energy_imbalance": answer.run.worst_imbalance,
-        "quantities": extremes(series(result)),
         "phases": [
             {
                 "name": phase.name,
