@@ -158,9 +158,9 @@ def check_bonded(device: Device) -> None:
     modulus = device.glue.youngs_modulus
     if device.bimorph.glue_thickness > 0.0 and modulus < _LEAST_GLUE:
         raise InputError(
-            f"glue.youngs_modulus = {modulus:.4g} Pa lets the layers slide, and of such a bimorph "
-            "the solid's bricks do not resolve what is left of the tip's motion; set it to at "
-            f"least {1e-6 * _LEAST_GLUE:g} MPa or set bimorph.glue_thickness = 0 mm"
+            f"glue.youngs_modulus = {modulus:.4g} Pa is so soft that the layers slide, and the "
+            f"solid model cannot resolve the tip's motion; set at least "
+            f"{1e-6 * _LEAST_GLUE:g} MPa, or bimorph.glue_thickness = 0 mm"
         )
 
 

@@ -111,7 +111,7 @@ def _complex(table: Table, source: str) -> tuple[str, Complex]:
                 )
             return kind, np.asarray(columns[kind] * np.exp(1j * columns[f"{kind}_phase"]))
     raise InputError(
-        f"{source} has besides the frequency {_listed(names)}, which is no complex load; give "
+        f"{source} has besides the frequency {_listed(names)}, which is not a complex load; give "
         "impedance_re and impedance_im, impedance and impedance_phase, or the same of stiffness"
     )
 

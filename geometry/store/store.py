@@ -298,8 +298,8 @@ def size_limit() -> int:
     found = re.fullmatch(r"([0-9]{1,9}(?:\.[0-9]{1,9})?) *([kMGT]?B)", text)
     if found is None:
         raise InputError(
-            f"TACTGEN_CACHE_LIMIT = {text[:40]} is no size; write a number with one of the units "
-            f"{', '.join(_UNITS)}, such as 5 GB"
+            f"TACTGEN_CACHE_LIMIT = {text[:40]} is not a size; write a number with one of the "
+            f"units {', '.join(_UNITS)}, such as 5 GB"
         )
     return int(float(found[1]) * _UNITS[found[2]])
 

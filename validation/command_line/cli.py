@@ -191,7 +191,7 @@ def _refuse_empty(action: argparse.Action, value: object) -> None:
         return
     name = next(reversed(action.option_strings), action.metavar or action.dest)
     if not value.strip():
-        remedy = "give it a value" if action.required else "give it a value or leave it out"
+        remedy = "give it a value" if action.required else "give it a value or remove it"
         raise InputError(f"{name} is empty; {remedy}")
     if value == "-":
         raise InputError(f'{name} = "-" is no name of a file; name one')

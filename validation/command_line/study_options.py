@@ -94,8 +94,7 @@ def check_seed(seed: str | None, samples: int) -> None:
     """Refuse a seed of samples that are not drawn."""
     if seed is not None and not samples:
         raise InputError(
-            f"--seed {quoted(seed)} is of samples, and none are drawn; add --sample 16, or leave "
-            "it out"
+            f"--seed {quoted(seed)} needs random samples; add --sample 16, or remove --seed"
         )
 
 

@@ -49,13 +49,14 @@ _INSTEAD = {"solid": "cad"}
 _COARSE = 0.1
 
 _ONE_DIMENSIONAL = "one-dimensional: uniform field, no Poisson effect, no d32"
-_ON_ROD = "on the rod: head rigid around the slot, sections plane where tab and ceramic meet"
+_ON_ROD = "joint to the rod: rigid head around the slot, plane sections where tab and ceramic meet"
 _TUBES = (
-    "flux runs in tubes of assumed shape; left out are the field outside the sleeve but for tubes "
-    "that start on the head, the field below the flange, and the shaft between collar and head "
-    "as a source of leakage"
+    "flux tubes of assumed shape; not modelled: the field outside the sleeve (except tubes that "
+    "start on the head), the field below the flange, leakage from the shaft between collar and head"
 )
-_SAME_EQUATIONS = "both solve the same equations, so their error bars should cover this"
+_SAME_EQUATIONS = (
+    "both models solve the same equations, so their error bars should cover the difference"
+)
 
 
 @dataclass(frozen=True)
@@ -159,7 +160,7 @@ def _cell(
             return Cell(q.model, value, bar, difference, "model form", shortcut, np.nan)
         if abs(difference) < _SAME_THEORY:
             return Cell(q.model, value, bar, difference, "agrees", "")
-        why = f"{_SAME_EQUATIONS}; not understood"
+        why = f"{_SAME_EQUATIONS}; cause unknown"
         return Cell(q.model, value, bar, difference, "differs", why, np.nan)
     shares = {c.name: c.shares[row.name] for c in causes or () if row.name in c.shares}
     # what the shortcut is worth beside the same theory without it
@@ -186,15 +187,15 @@ def _explained(
     on_rod = scene.support.kind == "rod"
     if not shares:
         reason = _TUBES if model.theory == "circuit" else _ONE_DIMENSIONAL
-        joint = f"; and {_ON_ROD}" if on_rod and model.theory != "circuit" else ""
+        joint = f"; {_ON_ROD}" if on_rod and model.theory != "circuit" else ""
         return "model form", reason + joint, np.nan
     together = sum(shares.values())
     left = (1.0 + difference) / (1.0 + together) - 1.0
     named = ", ".join(f"{name} {_points(share)}" for name, share in shares.items())
-    reason = f"{named}: together {_points(together)} %, of {_points(difference)} %"
+    reason = f"{named}: sum {_points(together)} %, difference {_points(difference)} %"
     beyond = max(abs(left) - bars, 0.0)
     if beyond > UNEXPLAINED and on_rod:  # no step measures the joint
-        return "model form", f"{reason}; {_points(left)} % by the joint: {_ON_ROD}", beyond
+        return "model form", f"{reason}; {_points(left)} % attributed to the {_ON_ROD}", beyond
     if beyond > UNEXPLAINED + granted:
         return "differs", f"{reason}; {_points(left)} % unexplained", beyond
     return "explained", reason, beyond
@@ -240,10 +241,10 @@ class FidelityLevel:
     def sentence(self) -> str:
         """Known error of the model, as a sentence."""
         cost = "cost not recorded yet" if self.seconds is None else f"about {self.seconds:.2g} s"
-        verdict = "meets" if self.meets else "does not meet"
+        verdict = "meets it" if self.meets else "does not meet it"
         where = f" ({self.worst})" if self.worst else ""
         return (
-            f"{self.model} {verdict} it: model form {share(self.form)}{where}, numerical "
+            f"{self.model} {verdict}: modelling error {share(self.form)}{where}, numerical error "
             f"{share(self.numerical)}, {cost}"
         )
 
@@ -264,7 +265,7 @@ class Choice:
     def sentences(self) -> tuple[str, ...]:
         """Reasons for the choice of models."""
         return tuple(
-            f"accuracy {share(self.accuracy)} is asked for{_where(self.scenes)}: "
+            f"requested accuracy {share(self.accuracy)}{_where(self.scenes)}: "
             + "; ".join(rung.sentence for rung in ladder)
             for ladder in self.ladders
         )
@@ -289,9 +290,9 @@ def choose(
         meeting = [rung.model for rung in rungs if rung.meets]
         if not meeting:
             raise InputError(
-                f"accuracy = {accuracy:g} is met by no model{_where(len(scenes))}: "
+                f"no model meets accuracy = {accuracy:g}{_where(len(scenes))}: "
                 + "; ".join(rung.sentence for rung in rungs)
-                + "; ask for less, or name a --model and judge its error bar"
+                + "; set a larger accuracy, or name a --model and check its error bar"
             )
         ladders.append(rungs)
         models.append(meeting[0])
@@ -299,7 +300,7 @@ def choose(
 
 
 def _where(scenes: int) -> str:
-    return "" if scenes == 1 else f" (each model at the worst of {scenes} points tried)"
+    return "" if scenes == 1 else f" (worst of {scenes} points for each model)"
 
 
 def _worst(ladders: Sequence[tuple[FidelityLevel, ...]]) -> tuple[FidelityLevel, ...]:
@@ -359,7 +360,7 @@ def _judge(actuator: Actuator, scenes: Sequence[Scene], quantities: Sequence[str
         if not gives(judge, name):
             raise InputError(
                 f"accuracy without a model is judged by {judge}, which does not compute {name}; "
-                "name a --model and judge its error bar"
+                "name a --model and check its error bar"
             )
     try:
         for scene in scenes:

@@ -241,7 +241,7 @@ def field_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
 
 
 def _of_slenderness(scene: Scene, models: Sequence[str]) -> Iterator[str]:
-    """Beam theory about an actuator that is no beam."""
+    """Beam theory about an actuator that is not a beam."""
     slenderness = scene.bimorph.length / scene.bimorph.thickness
     if slenderness < SLENDER and any(MODELS[name].theory == "beam" for name in models):
         yield (

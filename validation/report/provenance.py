@@ -166,7 +166,7 @@ def check(folder: Path) -> None:
         ) from None
     listed = [line.partition("  ") for line in lines]
     if not listed or not all(len(digest) == 64 and name for digest, _, name in listed):
-        raise InputError(f"{path} is no list of checksums; write the report again")
+        raise InputError(f"{path} is not a list of checksums; write the report again")
     for digest, _, name in listed:
         try:
             same = checksum(folder / Path(name).name) == digest

@@ -192,7 +192,7 @@ def _idle(scene: Scene, key: str, quantities: tuple[str, ...], *, asked: bool) -
     profile = _profile(scene, key) if key in PROFILED else ""
     because = _unmet(scene, key, scene.models, sensible)
     if profile:
-        because = f"with {profile}, which gives it along the ceramic; leave one of the two out"
+        because = f"with {profile}, which gives it along the ceramic; remove one of the two"
     if asked and not because:
         because = _use(scene, key, sensible) or _unmet(scene, key, MODELS, sensible)
         because = because or "on any quantity; tactgen report shows the coil's resistance and heat"

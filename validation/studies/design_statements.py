@@ -134,7 +134,8 @@ def statements(result: Design) -> tuple[str, str, str]:
     """Sentences on the resulting length, the intervals and the present length."""
 
     def end(length: float, at: float | None) -> str:
-        return f"{_mm(length)} ({'end of the range' if at is None else f'{at:.4g} Hz decides'})"
+        limit = "end of the range" if at is None else f"critical frequency {at:.4g} Hz"
+        return f"{_mm(length)} ({limit})"
 
     ranges = "; ".join(
         f"{end(i.shortest, i.at_shortest)} to {end(i.longest, i.at_longest)}"
@@ -143,11 +144,11 @@ def statements(result: Design) -> tuple[str, str, str]:
     margin, at = result.present
     own, (low, high) = result.scene.bimorph.length, result.aim.lengths
     outside = "" if low <= own <= high else " outside that range,"
-    present = f"{margin:.4g} at worst, at {at:.4g} Hz"
+    present = f"a minimum |w| / threshold of {margin:.4g}, at {at:.4g} Hz"
     return (
         _outcome(result),
-        f"Lengths that keep the margin: {ranges}." if ranges else "No length keeps the margin.",
-        f"The scene's own length, {_mm(own)},{outside} has |w| / threshold {present}.",
+        f"Lengths that meet the margin: {ranges}." if ranges else "No length meets the margin.",
+        f"The scene's own length, {_mm(own)},{outside} has {present}.",
     )
 
 
@@ -155,27 +156,24 @@ def _outcome(result: Design) -> str:
     aim = result.aim
     band = f"{aim.band[0]:g} to {aim.band[1]:g} Hz"
     within = f"of {_mm(aim.lengths[0])} to {_mm(aim.lengths[1])}"
-    kept = f"|w| / threshold at {aim.margin:g} or more over {band}"
-    reached = (
-        f"|w| / threshold is at least {result.margin:.4g}, lowest at {result.frequency:.4g} Hz"
-    )
+    wanted = f"|w| / threshold ≥ {aim.margin:g} over {band}"
+    reached = f"the minimum of |w| / threshold is {result.margin:.4g}, at {result.frequency:.4g} Hz"
     if result.limit == "compromise":
-        return (
-            f"No length {within} keeps {kept}; nearest to it is {_mm(result.length)}, where "
-            f"{reached}."
-        )
+        return f"No length {within} meets {wanted}. The closest is {_mm(result.length)}: {reached}."
     if aim.kind == "margin":
-        end = " (an end of the range: beyond it there may be more)" if result.limit == "end" else ""
+        end = (
+            " (an end of the range; the margin may grow beyond it)" if result.limit == "end" else ""
+        )
         best = f"{_mm(result.length)}{end}"
-        return f"The largest margin {within} over {band} is that of {best}: {reached}."
+        return f"The length with the largest margin {within} over {band} is {best}: {reached}."
     if result.limit == "end":
         return (
-            f"The shortest length allowed, {_mm(result.length)}, already keeps {kept}: {reached}. "
-            "The range decides here, not the threshold."
+            f"The shortest length allowed, {_mm(result.length)}, already meets {wanted}: "
+            f"{reached}. The range limits the length, not the threshold."
         )
     return (
-        f"The shortest length {within} that keeps {kept} is {_mm(result.length)}; "
-        f"{result.frequency:.4g} Hz decides."
+        f"The shortest length {within} that meets {wanted} is {_mm(result.length)}. "
+        f"The critical frequency is {result.frequency:.4g} Hz."
     )
 
 
@@ -188,8 +186,8 @@ def caveat(result: Design) -> str:
         listed = ", ".join(f"{f:g}" for f in points[:-1]) + f" and {points[-1]:g} Hz"
     between = "" if result.frequency in points else f", as at {result.frequency:.4g} Hz"
     return (
-        f"The detection threshold is stated at {listed}; between them it is interpolated, a "
-        f"straight line in log-log{between}."
+        f"The detection threshold is stated at {listed}; it is interpolated linearly in log-log "
+        f"between them{between}."
     )
 
 

@@ -97,7 +97,7 @@ def all_columns(
         names = [name for name in scene.quantities if gives(model, name)]
         if not names:
             raise InputError(
-                f"model {model} gives none of {', '.join(scene.quantities)}; leave it out, or add "
+                f"model {model} gives none of {', '.join(scene.quantities)}; remove it, or add "
                 "a --quantity that it gives"
             )
         for name in names:
@@ -122,7 +122,7 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
     if not np.isfinite(values).any():
         raise InputError(
             f"{q.name} has no value by {q.model} in this scene; check piezo.d31, drive.voltage and "
-            "the frequencies, or leave it out"
+            "the frequencies, or remove it"
         )
     columns = []
     for i in range(values.size if q.frequency is not None else min(values.size, 1)):

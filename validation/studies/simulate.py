@@ -250,7 +250,7 @@ def read_film(path: Path) -> Film:
     try:
         with netcdf_file(str(path), "r", mmap=False) as file:
             if _text(file, "title") != TITLE:
-                raise InputError(f"--run {path} is no run of a generator on its rod; {remedy}")
+                raise InputError(f"--run {path} is not a run of a generator on its rod; {remedy}")
             return _film(file)
     except InputError:
         raise
@@ -386,14 +386,14 @@ def parsed(text: str, option: str, units: tuple[Unit, ...]) -> Written:
     level, unit = _level(pieces[0], option, text, units)
     kind = pieces[1] if len(pieces) > 1 else "constant"
     if kind not in _KINDS:
-        raise InputError(f"{option} {quoted(text)} is no waveform; write {_EXAMPLES}")
+        raise InputError(f"{option} {quoted(text)} is not a waveform; write {_EXAMPLES}")
     first, known = _KINDS[kind]
     given: dict[str, float] = {}
     stated = pieces[2].strip() if len(pieces) > 2 else ""
     if first is not None:
         given["frequency"] = _value(stated, first, option, text, f"the {kind}'s frequency")
     elif stated:
-        raise InputError(f"{option} {quoted(text)} has {quoted(stated)} after {kind}; leave it out")
+        raise InputError(f"{option} {quoted(text)} has {quoted(stated)} after {kind}; remove it")
     for word, value in zip(pieces[3::2], pieces[4::2], strict=True):
         if word not in known or word in given:
             why = "twice" if word in given else f"which {kind} does not know"
@@ -440,7 +440,7 @@ def _level(piece: str, option: str, text: str, units: tuple[Unit, ...]) -> tuple
         else:
             return _value(piece.strip(), unit, option, text, "the level"), unit
     if len(units) > 1:
-        reason = "is no level in volts or amperes"
+        reason = "is not a level in volts or amperes"
     such_as = ", or a waveform such as " if "; " in reason else "; write a waveform such as "
     raise InputError(
         f"{option} {quoted(text)}: {quoted(piece.strip())} {reason}{such_as}{_EXAMPLES}"

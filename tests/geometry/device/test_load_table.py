@@ -53,7 +53,7 @@ def test_four_ways_of_writing_the_same_load(written):
         (HEAD.replace("(Hz)", "(s)"), ROWS, 'has the unit "s", which is not that of a frequency'),
         (HEAD.replace("N s/m", "N/m", 1), ROWS, "not that of a mechanical impedance"),
         ("frequency (Hz), impedance (N s/m)", [r.rpartition(",")[0] for r in ROWS],
-         "impedance, which is no complex load"),
+         "impedance, which is not a complex load"),
         ("impedance_re (N s/m), impedance_im (N s/m)", ["1, 2"] * 6, "no frequency column"),
         (HEAD, ROWS[:5], "holds 5 frequencies; give 6 to 100000"),
         (HEAD, [ROWS[1], ROWS[0], *ROWS[2:]], "line 3: frequency 10 Hz follows 20 Hz"),

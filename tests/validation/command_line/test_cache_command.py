@@ -50,4 +50,4 @@ def test_bad_limit_is_refused_before_anything_runs(monkeypatch, capsys):
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err.count("\n") == 1
-    assert "TACTGEN_CACHE_LIMIT = plenty is no size" in said.err
+    assert "TACTGEN_CACHE_LIMIT = plenty is not a size" in said.err

@@ -229,7 +229,7 @@ def test_a_bimorph_shorter_than_thick_is_no_beam():
     """No one-dimensional model answers; a little longer, each does, and says how far it is off."""
     scene = paper("bimorph.length=1um")
     for model in ("lumped", "tmm", "beam"):
-        with pytest.raises(InputError, match=r"length = 0.001 mm .*0.77 mm: that is no beam"):
+        with pytest.raises(InputError, match=r"length = 0.001 mm .*0.77 mm: that is not a beam"):
             solve(scene, (model,), ("static_tip_displacement",))
     scene = paper("bimorph.length=2mm")
     found = solve(scene, ("lumped", "tmm"), ("static_tip_displacement",))

@@ -126,7 +126,7 @@ def test_the_command_runs_it_and_writes_it(capsys, tmp_path):
         assert tip[:].max() == found["quantities"]["lateral_tip"]["largest"]
         assert file.scene == b"paper"
     assert picture.read_text(encoding="utf-8").startswith("<svg")
-    with pytest.raises(InputError, match=r"is no run of a generator on its rod; write it"):
+    with pytest.raises(InputError, match=r"is not a run of a generator on its rod; write it"):
         read_film(out)
 
 

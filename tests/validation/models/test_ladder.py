@@ -36,7 +36,7 @@ def test_the_model_form_is_measured_on_the_device():
 
 
 def test_what_no_model_meets_is_refused():
-    with pytest.raises(InputError, match=r"accuracy = 1e-07 is met by no model: lumped does not"):
+    with pytest.raises(InputError, match=r"no model meets accuracy = 1e-07: lumped does not"):
         choose((scene_with("1e-7"),), STATIC)
     assert MODELS["solid"].finest == solid._BRICK_BARS[-1]
 

@@ -92,10 +92,14 @@ def test_causes_add_up_to_the_difference():
     ("beside", "verdict", "said"),
     [
         # 4 % by the field, 1 % by the shortcut: together all of it
-        ({"tmm": 1.04}, "explained", "static shapes +1.00: together +5.00 %, of +5.00 %"),
+        ({"tmm": 1.04}, "explained", "static shapes +1.00: sum +5.00 %, difference +5.00 %"),
         # the shortcut is worth 0.2 %, which leaves 0.8 % of it
-        ({"tmm": 1.048}, "differs", "static shapes +0.20: together +4.20 %, of +5.00 %"),
-        ({}, "explained", "together +4.00 %, of +5.00 %; the inertia is that of the static shapes"),
+        ({"tmm": 1.048}, "differs", "static shapes +0.20: sum +4.20 %, difference +5.00 %"),
+        (
+            {},
+            "explained",
+            "sum +4.00 %, difference +5.00 %; the inertia is that of the static shapes",
+        ),
     ],
 )
 def test_a_shortcut_is_measured_by_a_model_without_it(beside, verdict, said):
@@ -140,7 +144,7 @@ def test_named_causes_are_the_difference_of_ones_own_device():
         summed = sum(cause.shares[name] for cause in found)
         assert summed == pytest.approx(beam.difference, abs=allowed)
         assert beam.verdict == "explained"
-        for said in ("field varies", "d32", "Poisson's effect", "together"):
+        for said in ("field varies", "d32", "Poisson's effect", "sum"):
             assert said in beam.why
 
 

@@ -194,7 +194,7 @@ def test_half_a_report_is_refused(sealed):
     with pytest.raises(InputError, match="has no list of checksums"):
         reproduced(sealed)
     (sealed / SUMS).write_text("not a list\n", encoding="utf-8")
-    with pytest.raises(InputError, match="is no list of checksums"):
+    with pytest.raises(InputError, match="is not a list of checksums"):
         reproduced(sealed)
     with pytest.raises(InputError, match="does not exist"):
         reproduced(sealed / "elsewhere")

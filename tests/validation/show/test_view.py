@@ -61,7 +61,7 @@ def test_frequencies_of_driven_states():
 def test_lengths_that_no_scene_has_end_with_2(capsys):
     """No range, no unit, no length of a bimorph."""
     for given, words in (
-        ("20mm", "--lengths 20mm is no range"),
+        ("20mm", "--lengths 20mm is not a range"),
         ("1:2mm", 'bimorph.length = "1" has no unit'),
         ("-1mm:9mm", "bimorph.length"),
     ):

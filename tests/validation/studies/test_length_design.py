@@ -423,7 +423,7 @@ def test_an_end_of_the_range_is_called_so(paper):
     found = design(scene, Aim(lengths=(12e-3, 16e-3)))
     assert (found.length, found.limit) == (12e-3, "end")
     assert dependences(found, origins) == ()
-    assert "The range decides here" in sentences(found)[1]
+    assert "The range limits the length" in sentences(found)[1]
 
 
 def test_no_feasible_length_gives_the_best_compromise(paper):
@@ -432,8 +432,8 @@ def test_no_feasible_length_gives_the_best_compromise(paper):
     assert found.limit == "compromise"
     assert found.intervals == ()
     text = sentences(found)
-    assert text[1].startswith("No length of 20 mm to 40 mm keeps |w| / threshold at 50 or more")
-    assert text[2] == "No length keeps the margin."
+    assert text[1].startswith("No length of 20 mm to 40 mm meets |w| / threshold ≥ 50")
+    assert text[2] == "No length meets the margin."
 
 
 def test_a_stubby_beam_is_doubted(paper, wide):

@@ -93,7 +93,7 @@ def _search(options: argparse.Namespace) -> int:
     for option in ("margin", "band", "lengths", "plot"):
         if getattr(options, option):
             raise InputError(
-                f"--{option} is of the length that --aim shortest or margin finds; leave it out, "
+                f"--{option} is of the length that --aim shortest or margin finds; remove it, "
                 "or --vary"
             )
     if not options.aim:

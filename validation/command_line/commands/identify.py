@@ -99,7 +99,7 @@ def run(options: argparse.Namespace) -> int:
     if options.noise and data.error is not None:
         raise InputError(
             f"--noise {options.noise} has no effect, for {data.source} states its uncertainty; "
-            "leave one of them out"
+            "remove one of them"
         )
     result = identify(scene, data, options.fit or DEFAULT_FIT, options.noise, origins)
     warn((*scene_warnings(scene, origins), *result.warnings))

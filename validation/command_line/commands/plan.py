@@ -88,7 +88,7 @@ def _print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
 def _refuse_unused(options: argparse.Namespace) -> None:
     """Refuse options of axes where there is none."""
     if options.zip:
-        raise InputError("--zip combines axes, and none is stated; add --vary, or leave it out")
+        raise InputError("--zip combines axes, and none is stated; add --vary, or remove it")
     check_seed(options.seed, samples=0)
 
 

@@ -95,7 +95,7 @@ def run(options: argparse.Namespace) -> int:
     scene, _ = load_scene(options.scene, overrides)
     if options.sobol and not lateral:
         raise InputError(
-            "--sobol is of the lateral actuator's headline numbers; leave it out, or add a --model "
+            "--sobol is of the lateral actuator's headline numbers; remove it, or add a --model "
             "of that actuator"
         )
     warn(scene_warnings(scene, origins))

@@ -144,7 +144,7 @@ def _lengths(options: argparse.Namespace) -> tuple[float, float] | None:
     ends = options.lengths.split(":")
     if len(ends) != 2:
         raise InputError(
-            f"--lengths {options.lengths} is no range; write its two ends, such as 15mm:30mm"
+            f"--lengths {options.lengths} is not a range; write two lengths, such as 15mm:30mm"
         )
     low, high = (
         load_scene(options.scene, [*options.overrides, f"bimorph.length={end}"])[0].bimorph.length

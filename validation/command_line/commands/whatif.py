@@ -132,7 +132,7 @@ def _scheduler(options: argparse.Namespace) -> str:
     if options.jobs is not None:
         raise InputError(
             "--jobs counts processes of this machine, and --scheduler names a cluster that solves "
-            "in its place; leave one of them out"
+            "in its place; remove one of them"
         )
     return check_address(options.scheduler)
 

@@ -154,7 +154,7 @@ class BeamTheoryModel(BimorphModel):
         if bimorph.length < bimorph.thickness:
             raise InputError(
                 f"bimorph.length = {bimorph.length * mm:g} mm is less than the layers' thickness "
-                f"of {bimorph.thickness * mm:g} mm: that is no beam, and the models lumped, tmm "
+                f"of {bimorph.thickness * mm:g} mm: that is not a beam, and the models lumped, tmm "
                 "and beam have no answer; make it longer or ask for --set models=solid"
             )
 

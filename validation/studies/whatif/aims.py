@@ -167,7 +167,9 @@ def parse_aim(text: str) -> Aim:
     except InputError as error:
         raise InputError(f"the aim {quoted(text)} {error}") from None
     except (SyntaxError, ValueError, OverflowError, RecursionError, MemoryError):
-        raise InputError(f"the aim {quoted(text)} is no arithmetic; {_EXAMPLE}") from None
+        raise InputError(
+            f"the aim {quoted(text)} is not an arithmetic expression; {_EXAMPLE}"
+        ) from None
     return Aim(text, kind, sign, tuple(names), value, right)
 
 
@@ -198,7 +200,7 @@ def _node(tree: ast.expr, names: dict[str, None]) -> Node:
             return lambda _: plain
         case ast.Name(id=name):
             return _named(name, names)
-    raise InputError(f"has a part that is no arithmetic of quantities; {_EXAMPLE}")
+    raise InputError(f"has a part that is not an arithmetic expression of quantities; {_EXAMPLE}")
 
 
 def _over_band(function: str, q: Quantity, value: Any) -> Any:

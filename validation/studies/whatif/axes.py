@@ -214,7 +214,7 @@ def _axis(text: str) -> Axis:
     check_key(key)
     if key in _ASKED:
         instead = f"; use {_ASKED[key]}, which may be repeated" if _ASKED[key] else ""
-        raise InputError(f"--vary {key} is no property of the device{instead}; vary another key")
+        raise InputError(f"--vary {key} is not a property of the device{instead}; vary another key")
     field = scene_field(key)
     values: list[Any] = []
     drawn = None
@@ -266,11 +266,11 @@ def _distribution(field: SceneField, text: str, name: str, arguments: str) -> Di
     where = f"--vary {field.key} = {quoted(text)}"
     parts = [part.strip() for part in arguments.split(",")]
     if name not in ("normal", "lognormal") or len(parts) != 2:
-        raise InputError(f"{where} is no distribution; known are normal(mean, standard deviation), "
-                         "lognormal(median, share), and ranges as START:STOP[:log]")  # fmt: skip
+        raise InputError(f"{where} is not a distribution; known are normal(mean, standard "
+                         "deviation), lognormal(median, share), and ranges as START:STOP[:log]")  # fmt: skip
     if field.scale is None:
-        raise InputError(f"{where} cannot be drawn: {field.key} is not a number on a scale; name "
-                         "its values, parted by commas")  # fmt: skip
+        raise InputError(f"{where} cannot be sampled: {field.key} is not a number on a scale; "
+                         "list its values, separated by commas")  # fmt: skip
     middle, relative = field.read(parts[0]), name == "lognormal"
     if relative and middle <= 0.0:
         raise InputError(f"{where} must begin above 0")

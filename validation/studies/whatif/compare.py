@@ -85,7 +85,7 @@ def read_sides(
     if overrides or models or quantities:
         raise InputError(
             "studies are compared as they were written, so --set, --model, --quantity and "
-            "--frequency are for scenes; leave them out"
+            "--frequency are for scenes; remove them"
         )
     return tuple(_study(Path(name)) for name in names)
 

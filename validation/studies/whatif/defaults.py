@@ -62,7 +62,7 @@ def chosen(
     idle = [m for m in by_name if not any(gives(m, q) for q in wanted)]
     if idle:
         raise InputError(
-            f"model {idle[0]} gives none of {', '.join(wanted)}; leave it out, or ask for "
+            f"model {idle[0]} gives none of {', '.join(wanted)}; remove it, or ask for "
             f"something that it gives, such as {all_given((idle[0],))[0]}"
         )
     return by_name, wanted

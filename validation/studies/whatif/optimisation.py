@@ -76,7 +76,7 @@ class Range:
 def _ranges_of(statement: Statement) -> tuple[Range, ...]:
     """Ranges that a statement's axes state.
 
-    Raises InputError for an axis that is no range of a number.
+    Raises InputError for an axis that is not a range of a number.
     """
     texts = {text: text.partition("=")[2] for text in statement.vary}
     no_range = [text for text, stated in texts.items() if stated and not _RANGE.fullmatch(stated)]
@@ -89,8 +89,8 @@ def _ranges_of(statement: Statement) -> tuple[Range, ...]:
             found.append(Range(axis.key, drawn.first, drawn.second, drawn.kind == "loguniform"))
     if no_range:
         raise InputError(
-            f"--vary {quoted(no_range[0])} is no range to search; write KEY=LOW:HIGH of a key that "
-            "may have any value between, for example --vary bimorph.length=14mm:22mm"
+            f"--vary {quoted(no_range[0])} is not a range to search; write KEY=LOW:HIGH of a "
+            "continuous key, for example --vary bimorph.length=14mm:22mm"
         )
     return tuple(found)
 

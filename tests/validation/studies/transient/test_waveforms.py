@@ -210,4 +210,4 @@ def test_a_level_in_no_unit_that_may_be(units):
     """Of several units none is named in place of the others."""
     with pytest.raises(InputError) as refused:
         parsed("10 kg", "--coil", units)
-    assert ("is no level in volts or amperes" in str(refused.value)) == (len(units) == 2)
+    assert ("is not a level in volts or amperes" in str(refused.value)) == (len(units) == 2)

@@ -60,6 +60,6 @@ def test_the_remedy_for_an_idle_model_is_one_that_the_command_has(command, capsy
     asked = [command, "paper", "--model", "network", "--vary", *options[command]]
     assert main(asked) == 2
     said = capsys.readouterr().err
-    assert "model network gives none of static_tip_displacement; leave it out, or ask for" in said
+    assert "model network gives none of static_tip_displacement; remove it, or ask for" in said
     assert "such as magnetic_force" in said
     assert "--quantity" not in said

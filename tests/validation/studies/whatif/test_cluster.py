@@ -147,7 +147,7 @@ def test_workers_that_would_answer_otherwise_are_refused(theirs, words):
     [
         (["--scheduler", "here"], 'scheduler "here" is not the address of a Dask scheduler'),
         (["--scheduler", "tcp://nowhere"], "write for example --scheduler tcp://127.0.0.1:8786"),
-        (["--scheduler", ADDRESS, "--jobs", "2"], "leave one of them out"),
+        (["--scheduler", ADDRESS, "--jobs", "2"], "remove one of them"),
     ],
 )
 def test_addresses_that_are_none_are_refused(options, words, capsys):

@@ -76,7 +76,7 @@ def test_the_worst_of_the_points_decides(forms, accuracy, model, form):
     assert statement.models == (model,)
     assert choice.ladders[0][0].form == pytest.approx(form)
     (sentence,) = choice.sentences
-    assert "each model at the worst of 3 points tried" in sentence
+    assert "worst of 3 points" in sentence
     assert f"{model} meets it" in sentence
 
 
@@ -92,7 +92,7 @@ def test_refused_once_with_the_reason(forms, tmp_path, capsys):
     code = main([*asked, "--set", "accuracy=1e-7", "--quantity", *STATIC, "--out", str(out)])
     said = capsys.readouterr().err
     assert code == 2
-    assert said.count("is met by no model (each model at the worst of 3 points tried)") == 1
+    assert said.count("no model meets accuracy = 1e-07 (worst of 3 points") == 1
     assert not out.exists()
     with pytest.raises(InputError, match="no point at the study's edges makes a scene: "):
         under_contract(stated("rod.length=1um:2um:3"))
@@ -116,11 +116,11 @@ def test_a_study_says_why_and_remembers_that_none_was_named(
     answer = json.loads(said.out)
     assert {point["model"] for point in answer["points"]} == {"tmm"}
     assert [rung["model"] for rung in answer["ladders"][0]] == ["tmm", "solid"]
-    assert said.err.count("tmm meets it: model form 2 %") == 1
+    assert said.err.count("tmm meets it: modelling error 2 %") == 1
     assert read_statement(out).by_accuracy
     grown = ["--vary", "bimorph.length=12mm:18mm:3", "--resume", "--out", str(out)]
     assert main(["whatif", *grown]) == 0
-    assert "tmm meets it: model form 2.3 %" in capsys.readouterr().err
+    assert "tmm meets it: modelling error 2.3 %" in capsys.readouterr().err
     assert main(["whatif", *grown, "--model", "tmm"]) == 0
     assert "meets it" not in capsys.readouterr().err
     assert not read_statement(out).by_accuracy
