@@ -18,7 +18,7 @@ found = tactgen.solve(scene, ["lumped", "tmm", "beam", "solid"], asked)
 # ## Four models, one answer?
 #
 # Each number comes with its own numerical error bar. The bars are far smaller than what separates
-# the models: it is their assumptions that differ, not their arithmetic.
+# the differences between models: their assumptions differ, not their arithmetic.
 
 # %%
 models = ("lumped", "tmm", "beam", "solid")
@@ -33,10 +33,10 @@ for model in models:
     print(f"{model:8}{values[0] * 1e6:18.3f}{bars[0]:>10}{values[1]:12.2f}{bars[1]:>10}")
 
 # %% [markdown]
-# `lumped` makes one spring and one mass of the bimorph. `tmm` and `beam` solve the same beam in two
-# unrelated ways. `solid` leaves the beam behind: the width takes part, and the field is not uniform
-# across a bending layer. The report says how much each of these is worth; the beam deflects some
-# percent more than the solid. The first frequency hides that, since the support is what is soft.
+# `lumped` is one spring and one mass. `tmm` and `beam` solve the same beam equations by two
+# independent methods. `solid` includes the bending across the width and the non-uniform field
+# across a bending layer; the report quantifies both effects. The beam deflects a few percent more
+# than the solid. The first frequencies agree better, since the support is the softest part.
 
 # %%
 tips = {m: float(found.get("static_tip_displacement", m).value.flat[0]) for m in models}
@@ -46,8 +46,8 @@ assert 0.02 < tips["tmm"] / tips["solid"] - 1.0 < 0.09
 # %% [markdown]
 # ## Over frequency
 #
-# Under the finger there is no peak at the first natural frequency: the finger's damping eats it.
-# The tip moves less and less until, near 940 Hz, it hardly moves at all.
+# With the finger there is no peak at the first natural frequency, because the finger damps it.
+# The tip displacement falls with frequency and has a minimum near 940 Hz.
 
 # %%
 figure, axis = plt.subplots(figsize=(7.0, 3.6))
@@ -60,8 +60,9 @@ _ = axis.legend()
 # %% [markdown]
 # ## See it
 #
-# Natural modes, the static state and driven states, enlarged; pick a state, colour it by potential
-# or stress, cut it open, point at it to read a value. `tactgen view paper` writes the same page.
+# Natural modes, the static state and driven states, enlarged; choose a state, colour it by
+# potential or stress, clip it, point at it to read a value. `tactgen view paper` writes the same
+# page.
 
 # %%
 tactgen.show(scene, ["solid"])

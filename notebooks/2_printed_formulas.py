@@ -3,8 +3,8 @@
 #
 # The paper prints its model as 50 numbered formulas: springs below, finger above, the 25 entries
 # of a transfer matrix A between them, and what these are made of. Which of them follow from the
-# beam's own equations, and for those that do not: how much does it matter for the 20 mm
-# actuator under the finger?
+# beam's equations? And how large is the error of the others for the 20 mm actuator under the
+# finger?
 
 # %%
 import matplotlib.pyplot as plt
@@ -21,8 +21,8 @@ result = audit(scene)
 # %% [markdown]
 # ## Is each formula right?
 #
-# Each formula is evaluated as printed, with all others right, and held against the 80-digit
-# solution of the differential equations. A right one leaves rounding.
+# Each formula is evaluated as printed, with all others corrected, and compared with the 80-digit
+# solution of the differential equations. A correct one differs by rounding only.
 
 # %%
 for row in result.rows:
@@ -45,7 +45,7 @@ assert {r.formula.equation for r in result.rows if r.formula.correct} == {*MISPR
 # %% [markdown]
 # ## Does it matter?
 #
-# The change of tip velocity and current when that formula alone is taken as printed.
+# The change of tip velocity and current when only that formula is taken as printed.
 
 # %%
 print(f"{'':10} tip velocity at", *(f"{f:9.0f} Hz" for f in AT), "  current, at most")
@@ -83,8 +83,8 @@ assert effect[55].current.max() > 0.05
 # %% [markdown]
 # ## With all corrected
 #
-# The paper's chain of matrices is then exact, and its A is the five-port matrix of this project
-# in other variables.
+# With the corrections the paper's chain of matrices is exact, and its matrix A is the five-port
+# matrix of this project in other variables.
 
 # %%
 (section, length), *_ = sections(scene.device, scene.support, scene.beam, lossy=True)

@@ -3,7 +3,7 @@
 #
 # What if the bimorph were longer? The paper chose 20 mm: long enough to move the finger, short
 # enough to keep the minimum of the response at the end of the band. The transfer-matrix model
-# answers in milliseconds, so we can simply ask for every length.
+# answers in milliseconds, so every length can be computed.
 
 # %%
 import matplotlib.pyplot as plt
@@ -28,7 +28,7 @@ for length, displacement, minimum in zip(
     print(f"{length * 1e3:3.0f} mm: {displacement[0] * 1e6:6.1f} µm at 10 Hz, {at}")
 
 # %% [markdown]
-# Three of them against what a finger just feels:
+# Three lengths and the detection threshold of a finger:
 
 # %%
 figure, axis = plt.subplots(figsize=(7.0, 3.8))
@@ -45,7 +45,7 @@ _ = axis.legend()
 
 # %% [markdown]
 # Which lengths stay above the detection threshold from 10 to 1000 Hz? Those whose minimum
-# lies above the band, and those whose minimum has moved to where the finger feels less.
+# lies above the band, and those whose minimum lies where the threshold is higher.
 
 # %%
 aim = design(scene, Aim(lengths=(10e-3, 40e-3)))
@@ -64,11 +64,11 @@ assert len(aim.intervals) == 2
 assert aim.intervals[0].longest < 20e-3 < aim.intervals[1].shortest
 
 # %% [markdown]
-# ## The voltage that a finger just feels
+# ## Threshold voltage
 #
-# The paper states voltages at which its subjects felt the display (Fig 17). The model needs less
-# at low frequency and more near the minimum, in either wiring, so no constant factor closes the
-# gap: the finger, the support or the place of the measurement must differ.
+# The paper measured the voltage at which its subjects felt the display (Fig 17). The model predicts
+# a lower voltage at low frequency and a higher one near the minimum, in either wiring. A constant
+# factor cannot explain that: the finger, the support or the measured position must differ.
 
 # %%
 from tactgen.validation.studies.excitation_voltage import voltage_study

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 4 What the rod does to the bimorph
 #
-# A clamp is an idea. In the generator the bimorph's shim tab is glued into the slot of a rod, and
-# the rod stands on a contact that the spring presses together. Each step makes the hold softer.
-# How much does each of them lower the first natural frequency?
+# A real support is not a rigid clamp. In the generator the bimorph's shim tab is glued into the
+# slot of a rod, and the rod stands on a contact that the spring preloads. Each of these adds
+# compliance. How much does each lower the first natural frequency?
 
 # %%
 import matplotlib.pyplot as plt
@@ -32,9 +32,9 @@ for words, frequency in steps.items():
     print(f"{words:26} {frequency:7.1f} Hz")
 
 # %% [markdown]
-# Tab and glue together are about as soft as the springs that the paper fitted to its prototype, so
-# a fit to one curve cannot tell which of the two it saw. The contact has one calibrated constant
-# and lands on the same springs at the rated preload; what differs is that rod and coil move too.
+# Tab and glue together are about as compliant as the springs that the paper fitted to its
+# prototype, so one fitted curve cannot separate them. The contact has one calibrated constant and
+# gives the same springs at the rated preload; in addition the rod and the coil move.
 
 # %%
 names = list(steps)
@@ -42,10 +42,10 @@ assert steps[names[0]] > steps[names[1]] > steps[names[2]]
 assert abs(steps[names[4]] / steps[names[3]] - 1.0) < 0.05
 
 # %% [markdown]
-# ## What tells them apart is the preload
+# ## The preload separates them
 #
-# A contact of rough surfaces is stiff in proportion to what presses it; glue does not care. The
-# paper tunes its generators over about 300 Hz with the screw behind the spring.
+# The stiffness of a contact of rough surfaces is proportional to its load; that of glue is
+# constant. The paper tunes its generators over about 300 Hz with the screw behind the spring.
 
 # %%
 preloads = np.array([40.0, 75.0, 110.0, 180.0, 330.0])
@@ -66,8 +66,8 @@ assert 200.0 < np.ptp(tuned) < 400.0
 # %% [markdown]
 # ## Which tab has the stiffness that the paper fitted?
 #
-# A beam on a bare tab turns by length over bending stiffness. In the solid the ceramic's lower end
-# clamps the tab less, and glue and rod add their own rotation.
+# A beam on a bare tab rotates by the tab's length over its bending stiffness. In the solid the
+# lower end of the ceramic clamps the tab less, and glue and rod add compliance.
 
 # %%
 from tactgen.validation.models.bimorph import rod_joint

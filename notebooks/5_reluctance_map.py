@@ -1,9 +1,9 @@
 # %% [markdown]
 # # 5 The reluctance actuator's map
 #
-# The rod is drawn down by the coil and pushed up by a spring. From one co-energy map follow
-# the pull, the flux linkage and the currents at which the rod moves. Here the map comes from
-# the reluctance network, which takes a moment; the field gives the same kind of map.
+# The coil pulls the rod down and a spring pushes it up. One co-energy map gives the magnetic
+# force, the flux linkage and the currents at which the rod switches. Here the reluctance network
+# computes the map in a moment; the field models give the same kind of map.
 
 # %%
 import matplotlib.pyplot as plt
@@ -21,8 +21,9 @@ device = scene.device
 pull = fit(network_samples(device, *map_grid(device)))
 
 # %% [markdown]
-# The pull is the map's slope along the gap. Where the spring's line lies above a curve the rod goes
-# up, below it down; a current whose curve touches the line is one at which the rod leaps.
+# The magnetic force is the map's slope along the gap. Where the spring force is larger the rod
+# moves up, where it is smaller down. At a current whose curve is tangent to the spring's line it
+# snaps.
 
 # %%
 gaps = np.linspace(20e-6, device.gap, 200)
@@ -36,7 +37,7 @@ axis.set(xlabel="gap (µm)", ylabel="force (mN)")
 _ = axis.legend(fontsize=8)
 
 # %% [markdown]
-# What each refinement of the textbook formula is worth at the upper stop:
+# Effect of each refinement of the textbook formula at the upper stop:
 
 # %%
 bridge = network_refinements(device, device.coil.current, device.gap)
@@ -52,8 +53,8 @@ print(thermal_statement(device, device.coil.current))
 # %% [markdown]
 # ## The field behind it
 #
-# The half section, revolved and opened by a quarter: |B| in the parts, and lines between which the
-# same flux runs. The shaft is the bottleneck; what leaks along the coil never reaches the gap.
+# The revolved half section with a quarter removed: |B| in the parts, and flux lines. The shaft is
+# the bottleneck; the leakage flux along the coil does not reach the gap.
 
 # %%
 tactgen.show(scene)

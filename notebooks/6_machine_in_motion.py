@@ -1,8 +1,8 @@
 # %% [markdown]
 # # 6 The machine in motion
 #
-# Bimorph, rod, coil, spring and stops are one machine. Where does its rod rest, what do small
-# voltages move, what changes when the voltage grows, and what happens in time?
+# Bimorph, rod, coil, spring and stops form one machine. Where is the rod in equilibrium, how does
+# it respond to small voltages, to large voltages, and in time?
 
 # %%
 import warnings
@@ -27,8 +27,9 @@ device = scene.device
 # %% [markdown]
 # ## Position
 #
-# With a growing current the rod stays up until the spring can hold it no longer, then leaps; with a
-# falling one it stays down until far less. Between them one current has two answers.
+# With rising current the rod stays up until the magnetic force exceeds the spring force, then snaps
+# down. With falling current it stays down to a much lower current: between them there are two
+# stable positions at one current.
 
 # %%
 currents = np.linspace(0.0, 0.14, 71)
@@ -46,8 +47,8 @@ assert falling[at_50] < -150e-6
 # %% [markdown]
 # ## Small motions
 #
-# Spring or pull press the head on its stop, and so decide how it is held. Held down with 50 mA the
-# contact bears three times the force, and the resonance moves up.
+# The spring or the magnetic force presses the head on its stop and so sets the contact stiffness.
+# Held down with 50 mA the contact force is three times as large, and the resonance rises.
 
 # %%
 asked = ["short_circuit_frequencies", "lateral_tip_per_voltage"]
@@ -116,8 +117,9 @@ assert np.allclose(10.0 ** (decibels / 20.0), exact, rtol=1e-6, atol=0.0)
 # %% [markdown]
 # ## Amplitude
 #
-# A head pressed with 110 mN tips when the bimorph's moment grows. The peak then leans to the left,
-# and one frequency has several answers: what the paper's Fig 14 shows. No constant is fitted here.
+# A head pressed with 110 mN tilts when the bimorph's moment grows. The peak then leans to lower
+# frequencies, and one frequency has several amplitudes, as in the paper's Fig 14. No constant is
+# fitted here.
 
 # %%
 (curve,) = backbone(held_head(scene), [1.0], (330.0, 500.0)).curves
@@ -136,8 +138,8 @@ assert len(curve.folds) >= 2
 # %% [markdown]
 # ## Time
 #
-# The coil is switched on for 5 ms and off again while the bimorph vibrates. The rod is drawn down,
-# is held, and leaps back; what the tip does sideways depends on how it is held meanwhile.
+# The coil is on for 5 ms while the bimorph vibrates. The rod moves down, is held, and returns; the
+# lateral motion of the tip depends on the contact meanwhile.
 
 # %%
 run = run_scene(

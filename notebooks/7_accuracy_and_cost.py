@@ -1,8 +1,8 @@
 # %% [markdown]
 # # 7 How accurate is it, and what does accuracy cost?
 #
-# A number without an error bar is an opinion. Each model says how far its own arithmetic can be
-# trusted; whether its assumptions hold is another question, answered by a better model.
+# Each model states the numerical error of its own solution. Whether its assumptions hold is another
+# question: the modelling error, found by comparison with a more detailed model.
 
 # %%
 from time import process_time
@@ -12,10 +12,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.comparison import choose
 
 # %% [markdown]
-# ## The solid converges, and its bars know
+# ## The solid converges, and its error bars cover the error
 #
 # A clamped PZT-5H bimorph on which four public finite-element codes agree to 3e-5. Two levels of
-# bricks: the error against the four codes, and the bar that each level states without knowing them.
+# bricks: the error against the four codes, and the error bar that each level states by itself.
 
 # %%
 FOUR_CODES = {"static_tip_displacement": 6.7582e-7, "short_circuit_frequencies": 1065.96}
@@ -41,11 +41,11 @@ for name in FOUR_CODES:
     assert bars[name, 3] < 0.5 * bars[name, 2]
 
 # %% [markdown]
-# ## The beam is exact, and wrong by five percent
+# ## The beam: a small numerical error and a modelling error of five percent
 #
 # The transfer-matrix model solves its equations to thirteen digits in milliseconds. What its
-# equations leave out is a thousand million times larger than its bar. So ask for what you need:
-# with `accuracy` and no model, the cheapest model whose *known* error meets it answers.
+# equations neglect is a thousand million times larger. With `accuracy` and no model named, the
+# cheapest model whose total error meets the accuracy is used.
 
 # %%
 asked = ["static_tip_displacement", "short_circuit_frequencies"]
@@ -65,7 +65,7 @@ costs = {rung.model: rung for rung in chosen["5 %"].ladders[0]}
 assert costs["tmm"].numerical < 1e-9 < costs["tmm"].form
 
 # %% [markdown]
-# What no model can give is refused, with what each would:
+# An accuracy that no model reaches is refused, with the errors of each model:
 
 # %%
 impossible, _ = tactgen.load_scene("paper", ["support.kind=clamped", "accuracy=1e-9"])
@@ -77,6 +77,6 @@ else:
     raise AssertionError("no mesh is that fine")
 
 # %% [markdown]
-# `tactgen bench` draws run time against error for every kind of mesh, beside public finite-element
-# codes; `tactgen stress` drives the models to where their digits end; `tactgen coverage` counts, on
-# random devices, how often the truth lies inside the bars.
+# `tactgen bench` draws run time against error for every kind of mesh, beside public
+# finite-element codes; `tactgen stress` finds the numerical limits of each model; `tactgen
+# coverage` counts, on random devices, how often the exact value lies within the error bars.

@@ -1,8 +1,9 @@
 # %% [markdown]
 # # From the beam to the solid
 #
-# The transfer-matrix model deflects about five percent more than the solid. Where do they go?
-# One assumption at a time is given up; coarse bricks are enough, since all steps share them.
+# The transfer-matrix model deflects about five percent more than the solid. Why? Here its
+# assumptions are removed one at a time; coarse bricks are sufficient, since all steps share the
+# same mesh.
 
 # %%
 from tactgen.validation.models.difference import beam_to_solid, causes
@@ -19,16 +20,16 @@ for step in steps[1:]:
 by_name = {step.name: step for step in steps}
 
 # %% [markdown]
-# **A solid that assumes what a beam assumes is the beam**, once the beam's shear factor is that
-# of the section's own shear energy (0.425 for the soft core, not 5/6): deflection and frequency
-# agree to some hundred-thousandths, the ends' work.
+# **A solid with the assumptions of a beam equals the beam**, if the beam's shear factor is computed
+# from the shear energy of the section (0.425 for the soft core, not 5/6): deflection and frequency
+# agree to a few parts in 100,000, which are end effects.
 
 # %%
 same = by_name["three dimensions"].change
 assert all(abs(same[name]) < 1e-4 for name in HEADLINE)
 
 # %% [markdown]
-# **The field is not uniform** through a bending layer. A closed form predicts what that is worth.
+# **The field is not uniform** through a bending layer. A closed form predicts the effect.
 
 # %%
 varies = by_name["field varies"]
@@ -36,8 +37,8 @@ deflection = HEADLINE[0]
 assert abs(varies.change[deflection] - varies.predicted[deflection]) < 1e-4  # the ends again
 
 # %% [markdown]
-# **The width takes part.** Laminate theory, a plate without side edges, overshoots; the bimorph has
-# side edges and, near the clamp, no room to contract.
+# **Strain across the width.** Laminate theory (a plate without side edges) overestimates the
+# effect: the bimorph has side edges, and near the clamp it cannot contract.
 
 # %%
 for name in ("d32", "Poisson's effect"):
@@ -45,7 +46,7 @@ for name in ("d32", "Poisson's effect"):
     assert step.predicted[deflection] < step.change[deflection]
 
 # %% [markdown]
-# **All together** are the difference of the two models, nothing is left.
+# **The sum** is the difference of the two models, without a remainder.
 
 # %%
 shares = {cause.name: cause.shares[deflection] for cause in causes(steps)}
@@ -54,8 +55,8 @@ print({name: f"{100 * share:+.2f} %" for name, share in shares.items()})
 assert abs(sum(shares.values()) - (first / last - 1.0)) < 1e-12
 
 # %% [markdown]
-# **What the assumed constants are worth.** The paper gives three constants of its ceramic; a solid
-# needs ten. Other choices that are as good, and what each does to the solid:
+# **Effect of the assumed constants.** The paper gives three constants of its ceramic; a solid needs
+# ten. Equally plausible choices and their effect on the solid:
 
 # %%
 from tactgen.validation.models.bimorph.rod_joint import material_effects

@@ -3,7 +3,7 @@
 #
 # The paper fitted its support springs by hand to the measured velocity of a 14 mm prototype
 # (its Fig 8). Here the same fit is made on a curve that we make ourselves, with 2 % noise, so
-# that we know what should come out; then we ask what it rests on.
+# that the correct result is known; then we vary what the fit assumes.
 
 # %%
 import numpy as np
@@ -40,8 +40,8 @@ for name in ("c_s", "d_s"):
     print(f"{name}: {estimate.value:.4g}, 95 % interval {low:.4g} to {high:.4g}")
 
 # %% [markdown]
-# The interval is narrow, but it takes the mass of the ceramic for known. The paper does not
-# give its density: 1 % more of it would move c_s by 1 %.
+# The interval is narrow, but it assumes that the mass of the ceramic is known. The paper does not
+# give the density: 1 % more would change c_s by 1 %.
 
 # %%
 density = next(a for a in found.assumptions if a.row.key == "piezo.density")

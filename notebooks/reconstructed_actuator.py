@@ -1,9 +1,9 @@
 # %% [markdown]
-# # The normal actuator that the paper's few numbers leave
+# # Reconstruction of the normal actuator
 #
 # The paper gives the outer diameter, the gap, the force, three currents and the total height. The
-# rest is searched: which shaft, bore and coil pull with 110 mN at 130 mA, and heat the coil least
-# at the 50 mA that hold the rod?
+# rest is found by a search: which shaft, bore and coil give 110 mN at 130 mA with the least heat at
+# the holding current of 50 mA?
 
 # %%
 import math
@@ -17,8 +17,8 @@ from tactgen.validation.studies import reconstruction as stated
 from tactgen.validation.studies.reconstruction import actuator, coolest, field_pull, weighed
 
 # %% [markdown]
-# The valley floor by the network: for each length of the coil the coolest shaft and bore. A long
-# coil has more copper, but the flux that leaks along it saturates the shaft.
+# Optimum by the network: the shaft and bore with the least heat for each coil length. A long coil
+# has more copper, but its leakage flux saturates the shaft.
 
 # %%
 lengths = np.array([0.8, 1.6, 4.0, 12.0]) * 1e-3

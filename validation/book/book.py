@@ -32,21 +32,21 @@ from tactgen.validation.show.page import page_templates
 #: Problems with a known answer, and why nothing here is compared with it.
 UNANSWERED = {
     "ANSYS VM190: magnetomotive force round a loop":
-        "the current that a loop encloses is put in, into the right side of one potential and the "
-        "source field of the other, so that its return tests nothing",
+        "the enclosed current is an input of both formulations (right-hand side and source field), "
+        "so the loop integral would test nothing",
     "ANSYS VM310: electrostatic pull-in":
-        "no model here has an electrostatic force; its magnetic twin is the case SNAP",
+        "no model here has an electrostatic force; the magnetic equivalent is the case SNAP",
     "NAFEMS LE1 and LE10; stresses of NAFEMS tests 5H and R0031/1 and of ANSYS VM34 and VM231, "
     "whose field strength, too":
-        "boxes give displacements, forces and charges, and have no elliptic edges; stresses and "
-        "fields are read off the model solid's own bimorph only",
+        "box cases give displacements, forces and charges and have no elliptic edges; stresses "
+        "and fields are evaluated for the bimorph of the model solid only",
     "ANSYS VM174: large deflection of a bimetal strip":
         "all models of the bimorph are linear; small deflections are the cases VM35 and VM144",
     "ANSYS VM183: two masses on springs":
-        "its answer is the solution of two equations, of which every response here has more",
+        "its answer is a system of two equations; every response here solves a larger one",
     "NASA's example of a grid convergence index (0.97050, 0.96854, 0.96178)":
-        "error bars here are no grid convergence index: how they are made stands beside each, and "
-        "tactgen coverage judges them",
+        "error bars here are not a grid convergence index; each names its method, and "
+        "tactgen coverage tests them",
 }  # fmt: skip
 
 #: What each group is about, for the reader who was not there.
@@ -71,7 +71,7 @@ _STATIC = "magnetostatics has none"
 #: By way of dividing, the rows that show the order of each kind, or why no order can be seen.
 DIVISIONS: dict[str, tuple[tuple[str, ...] | str, ...]] = {
     "beam elements of degree five": (
-        "exact on uniform pieces: nothing is left that could converge", ("BEAMO-1",), ("BEAMO-3",),
+        "exact on uniform pieces: no convergence to observe", ("BEAMO-1",), ("BEAMO-3",),
     ),
     **{
         f"bricks of degree {p}": (
@@ -266,8 +266,8 @@ def scattered(groups: dict[str, Scatter]) -> str:
 #: How many levels coarser than its own a case is solved: they cost less each time.
 _LEVELS = 3
 _WITHOUT = (
-    "closed forms, transfer matrices, circuits and harmonic balance divide nothing into elements, "
-    "and what is solved on a mesh of the model's own choice has the bar that the model states"
+    "closed forms, transfer matrices, circuits and harmonic balance have no mesh; where the model "
+    "chooses its own mesh, the model's error estimate is used"
 )
 
 
@@ -291,7 +291,7 @@ def converged(rows: Sequence[Verified]) -> Convergence:
         return Convergence(figure, f"theory: {order}")
     run = [row for row in rows if row.found is not None]
     if not run:
-        return Convergence("", "none of its rows was run; run them with --heavy")
+        return Convergence("", "none of its rows has been run; run them with --heavy")
     for row in run:
         divisions = list(_levels(row))
         if len(divisions) > 1:
@@ -332,7 +332,7 @@ def _values(row: Verified, levels: Sequence[Division]) -> Convergence:
         curves.insert(0, Curve("error", sizes, errors))
     words = (
         f"row {check.id}, from right to left each point with {finest.kind.coarser}. "
-        f"Expected: {finest.kind.theory}; what is left of the error at the end is the model's or "
-        "the reference's"
+        f"Expected: {finest.kind.theory}; the error left at the finest level is that of the "
+        "model or the reference"
     )
     return Convergence(convergence(curves, measure, check.tolerance), words)

@@ -111,12 +111,12 @@ class Scene(p.Device):
     )
     models: tuple[str, ...] = Field(
         default_factory=lambda: models_of("bimorph"),
-        description="models asked for; by default all of the bimorph's that can",
+        description="models to solve; by default all of the bimorph's that apply",
     )
     quantities: tuple[str, ...] = Field(
         default_factory=lambda known: _usual_quantities(known.get("models", ())),
-        description="quantities asked for; by default all of the bimorph, or of the normal "
-        "actuator if only its models are asked for",
+        description="quantities to compute; by default all of the bimorph, or of the normal "
+        "actuator if only its models are listed",
     )
 
     _tolerances: dict[str, Tolerance] = PrivateAttr(default_factory=dict)

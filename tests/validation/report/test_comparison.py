@@ -181,5 +181,5 @@ def test_on_the_rod_no_cause_replaces_another():
         for m, v in (("tmm", 1.1), ("cad", 1.0))
     ]
     (row,) = compare(scene, found, LATERAL)
-    for said in ("no d32", "no Poisson effect", "uniform field", "head rigid around the slot"):
+    for said in ("no d32", "no Poisson effect", "uniform field", "rigid head around the slot"):
         assert said in row.cells[0].why

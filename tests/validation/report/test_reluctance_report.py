@@ -122,9 +122,9 @@ def test_network_alone(tmp_path):
     assert not any("axisymmetric" in step or "field" in step for step in steps)
     check_words(
         words(html),
-        ("stays at the upper stop until", "the preload was set to it",
+        ("stays at the upper stop until", "the preload was set to this value",
          "The turns were chosen so that", "the network's force differs from the field's"),
-        ("floats", "this scene sets another", "this scene has another"),
+        ("floats", "the scene sets a different", "circuit differs from"),
     )  # fmt: skip
 
 

@@ -77,7 +77,7 @@ def test_another_netcdf_is_refused(tmp_path):
 
     with netcdf_file(str(tmp_path / "map.nc"), "w") as file:
         file.title = "something else"
-    with pytest.raises(InputError, match="no run of a generator"):
+    with pytest.raises(InputError, match="not a run of a generator"):
         read_film(tmp_path / "map.nc")
 
 

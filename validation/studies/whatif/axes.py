@@ -266,8 +266,10 @@ def _distribution(field: SceneField, text: str, name: str, arguments: str) -> Di
     where = f"--vary {field.key} = {quoted(text)}"
     parts = [part.strip() for part in arguments.split(",")]
     if name not in ("normal", "lognormal") or len(parts) != 2:
-        raise InputError(f"{where} is not a distribution; known are normal(mean, standard "
-                         "deviation), lognormal(median, share), and ranges as START:STOP[:log]")  # fmt: skip
+        raise InputError(
+            f"{where} is not a distribution; write normal(mean, standard "
+            "deviation), lognormal(median, share) or a range START:STOP[:log]"
+        )
     if field.scale is None:
         raise InputError(f"{where} cannot be sampled: {field.key} is not a number on a scale; "
                          "list its values, separated by commas")  # fmt: skip
