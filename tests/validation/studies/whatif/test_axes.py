@@ -53,7 +53,7 @@ def test_ranges_and_lists_are_in_si():
         ("bimorph=1,2", "is a group"),
         ("gap=normal(200um,10um)", "add for example --sample 16"),
         ("bimorph.length=14mm:22mm", "add for example --sample 16"),
-        ("gap=gauss(200um,10um)", "is not a distribution; known are normal(mean"),
+        ("gap=gauss(200um,10um)", "is not a distribution; write normal(mean"),
         ("load.kind=normal(1,2)", "not a number on a scale"),
     ],
 )  # fmt: skip
