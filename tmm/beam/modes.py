@@ -20,7 +20,7 @@ The smallest angle π/2 − θ_i tells how far the next mode is; it is smooth an
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from typing import TypeAlias
 
@@ -77,16 +77,24 @@ def bending_frequencies(row: Row, ends: Ends, count: int, *, open_circuit: bool)
 
 
 def natural_frequencies(
-    row: Row, ends: Ends, count: int, *, open_circuit: bool
+    row: Row,
+    ends: Ends,
+    count: int,
+    *,
+    open_circuit: bool,
+    of_row: Callable[[Floats], Floats] = lambda frequencies: frequencies,
 ) -> NaturalFrequencies:
     """Lowest `count` natural frequencies of a lossless row with their rounding.
+
+    `of_row`, rising, gives the frequencies (Hz) at which the row without its ends moves as the body
+    does that it stands for.
 
     Raises ArithmeticError if the count of modes, or their rounding, is not certain (section
     constants beyond all proportion).
     """
     first = ends.rigid_motions
     wanted = np.arange(first, first + count)
-    attached = _Attached(row, ends, open_circuit=open_circuit)
+    attached = _Attached(row, ends, of_row, open_circuit=open_circuit)
     # frequencies grow like (n + 1/2)²
     highest = _first_guess(row) * (wanted[-1] + 1.5) ** 2
     looks = _TO_A_MODE * (wanted[-1] + 1)
@@ -170,8 +178,10 @@ def _signed(counts: Ints, angles: Floats, wanted: Ints) -> Floats:
 class _Attached:
     """A row with both ends attached and its circuit open or closed."""
 
-    def __init__(self, row: Row, ends: Ends, *, open_circuit: bool) -> None:
-        self._row, self._ends, self._open = row, ends, open_circuit
+    def __init__(
+        self, row: Row, ends: Ends, of_row: Callable[[Floats], Floats], *, open_circuit: bool
+    ) -> None:
+        self._row, self._ends, self._of_row, self._open = row, ends, of_row, open_circuit
 
     def nearest(self, frequencies: Floats, unit: float) -> Floats:
         """Angle (n,) that is nearest to zero; see :meth:`count`."""
@@ -184,8 +194,8 @@ class _Attached:
 
         `unit` changes the reference stiffness, and nothing but rounding and the angles' size.
         """
-        omega = 2.0 * np.pi * frequencies
-        made, order, reference = in_waves(_cut(self._row, float(omega.max())), omega, unit)
+        omega, inside = 2.0 * np.pi * frequencies, 2.0 * np.pi * self._of_row(frequencies)
+        made, order, reference = in_waves(_cut(self._row, float(inside.max())), inside, unit)
         x, turned = _joined(made, order)
         r = (np.eye(4) - THROUGH[:, :4] - x[:, :4, :4]) / 2j
         if self._open and x[:, :4, 4].any():

@@ -147,13 +147,14 @@ def laminate_section(
     poisson: bool = True,
     d32: bool = True,
     varying_field: bool = True,
+    lossy: bool = False,
 ) -> Section:
     """Section constants of the plate, no moment across; all else as the beam's.
 
     Parameters
     ----------
     device : Device
-        Without losses.
+        Dimensions and materials.
     beam : Beam
         Shear correction.
     poisson : bool
@@ -163,6 +164,8 @@ def laminate_section(
     varying_field : bool
         Let the field vary through each layer.  Without this and the two others the
         constants are those of the beam models.
+    lossy : bool
+        Losses of ceramic and shim.
 
     Raises InputError if there is glue between the layers.
     """
@@ -175,12 +178,16 @@ def laminate_section(
     ceramic = piezo.ceramic()
     s, h, hp = ceramic.s, bimorph.shim_thickness, bimorph.piezo_thickness
     nu = -s[0, 1] / s[0, 0] if poisson else 0.0
-    plane = _plane_stress(1.0 / piezo.s11, 1.0 / piezo.s11, nu)
+    plane = _plane_stress(1.0 / piezo.s11, 1.0 / piezo.s11, nu) * (
+        1.0 + 1j / piezo.quality_factor if lossy else 1.0
+    )
+    permittivity = ceramic.eps_t[2, 2] * (1.0 - 1j * piezo.loss_tangent if lossy else 1.0)
     d = piezo.d31 * np.array([1.0, 1.0 if d32 else 0.0])
     coupling = plane @ d
-    clamped = float(ceramic.eps_t[2, 2] - d @ coupling)
+    clamped = permittivity - d @ coupling
     across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus
     core = _plane_stress(shim.youngs_modulus, across, shim.poisson_ratio if poisson else 0.0)
+    core = lossy_modulus(core, shim.loss_factor, lossy=lossy)
     layers = 2.0 / 3.0 * ((0.5 * h + hp) ** 3 - (0.5 * h) ** 3)
     stiffness = core * h**3 / 12.0 + plane * layers
     if varying_field:
@@ -188,10 +195,10 @@ def laminate_section(
     moment = -bimorph.poling_sign * coupling * (h + hp)
     b, follows = bimorph.width, stiffness[0, 1] / stiffness[1, 1]
     return replace(
-        section(Piece("bimorph", bimorph.length), device, beam, lossy=False),
-        EI=b * float(stiffness[0, 0] - stiffness[0, 1] * follows),
-        K=b * float(moment[0] - moment[1] * follows),
-        C=b * float(2.0 * clamped / hp + moment[1] ** 2 / stiffness[1, 1]),
+        section(Piece("bimorph", bimorph.length), device, beam, lossy=lossy),
+        EI=b * (stiffness[0, 0] - stiffness[0, 1] * follows),
+        K=b * (moment[0] - moment[1] * follows),
+        C=b * (2.0 * clamped / hp + moment[1] ** 2 / stiffness[1, 1]),
     )
 
 

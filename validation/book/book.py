@@ -16,8 +16,11 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.files import write_text
 from tactgen.validation.engine.origin import this_origin
+from tactgen.validation.evidence.calibration import shipped
 from tactgen.validation.evidence.case import Case
+from tactgen.validation.evidence.coverage import PROMISED
 from tactgen.validation.evidence.faults import cached_rows
+from tactgen.validation.evidence.fit_record import CURVE
 from tactgen.validation.evidence.verification import (
     VERDICTS,
     Division,
@@ -157,6 +160,8 @@ def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], No
     for page in pages:
         write(page.file, "case.html", page=page)
     write("matrix.html", "matrix.html")
+    known = {name: {**part, "figure": _curves(part)} for name, part in shipped().items()}
+    write("modelling.html", "modelling.html", modelling=known)
     return write("index.html", "index.html")
 
 
@@ -241,6 +246,27 @@ def convergence(curves: Sequence[Curve], measure: str, tolerance: float) -> str:
     axis.set_ylabel("relative")
     axis.legend(fontsize=8, labelcolor=DARK)
     return svg(figure)
+
+
+def _curves(part: dict[str, Any]) -> str:
+    """Share of modelling errors within a multiple of those stated, a curve for each number."""
+    figure, axis = panels(6.4, 4.0)
+    for kind, fit in part.items():
+        for name, row in _errors(fit).items():
+            shares = [100.0 * share for share in row["curve"]]
+            axis.semilogx(CURVE, shares, label=f"{kind}: {name.replace('_', ' ')}")
+    axis.axhline(100.0 * PROMISED, color=GREY, linestyle="--", linewidth=1.0)
+    axis.axvline(1.0, color=GREY, linestyle="--", linewidth=1.0)
+    axis.set_xlabel("multiple of the stated error")
+    axis.set_ylabel("errors within it (%)")
+    axis.legend(fontsize=6, labelcolor=DARK)
+    return svg(figure)
+
+
+def _errors(fit: Any) -> dict[str, Any]:
+    """Errors by name of one fit of a calibration; nothing of its other entries."""
+    whole = isinstance(fit, dict) and "evidence" in fit
+    return dict(fit["evidence"]["errors"]) if whole else {}
 
 
 def scattered(groups: dict[str, Scatter]) -> str:

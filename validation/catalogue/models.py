@@ -114,7 +114,7 @@ def plain_keys(entries: tuple[str, ...]) -> tuple[str, ...]:
 
 
 #: Equations that a model solves: two of one theory differ by no more than their error bars.
-Theory = Literal["beam", "solid", "circuit", "field"]
+Theory = Literal["beam", "calibrated", "solid", "circuit", "field"]
 
 
 @dataclass(frozen=True)
@@ -132,6 +132,8 @@ class ModelRow:
     #: What it can be asked for, each with the stages that the answer needs, in order
     gives: Mapping[Need, tuple[str, ...]]
     shortcut: str = ""  #: What it leaves out of its theory, except at 0 Hz; empty if nothing
+    #: Whether its answers rest on no other model's
+    independent: bool = True
     quick: bool = False  #: Whether it answers anything in a fraction of a second
     remedy: str = ""  #: What to do when its error bar is wider than asked for, if it can be
     #: Stages whose results are kept in the store, since they cost more than reading them
@@ -140,6 +142,11 @@ class ModelRow:
     loads: tuple[str, ...] = ()
     #: Relative error that its finest mesh is known to come down to; 0 if that is not known
     finest: float = 0.0
+
+    @property
+    def detailed(self) -> bool:
+        """Whether no theory here knows more, so that its modelling error is zero."""
+        return self.theory in ("solid", "field")
 
     def reads(self, key: str) -> bool:
         """Whether some stage reads a scene key or group."""
@@ -238,15 +245,20 @@ _ROWS = (
         kept=("ports", "static", "modes"),
     ),
     ModelRow(
+        "calibrated", "transfer-matrix model with sections calibrated on 3D solids", "bimorph",
+        theory="calibrated", rank=4,
+        stages=_row_stages("modes"), gives=_ROW_GIVES, quick=True, independent=False,
+    ),
+    ModelRow(
         "solid", "3D piezoelectric solid on bricks of high order", "bimorph",
-        theory="solid", rank=5,
+        theory="solid", rank=6,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the error", kept=_SOLID_KEPT,
         finest=6e-5,
     ),
     ModelRow(
         "cad", "3D piezoelectric solid on the CAD solids: fTetWild's tetrahedra in scikit-fem",
-        "bimorph", theory="solid", rank=4,
+        "bimorph", theory="solid", rank=5,
         stages=_SOLID_STAGES, gives=_SOLID_GIVES,
         remedy="raise mesh.level (at most 5) or accept the error",
         kept=_SOLID_KEPT, loads=_MESHER,
@@ -275,6 +287,10 @@ _ROWS = (
 
 #: Cheapest first within each actuator.
 MODELS: dict[str, ModelRow] = {row.name: row for row in _ROWS}
+
+
+#: Models whose answers rest on no other's: what ``all`` stands for, and what is asked by default.
+WITNESSES: tuple[str, ...] = tuple(row.name for row in _ROWS if row.independent)
 
 
 def map_model(models: Iterable[str]) -> str:

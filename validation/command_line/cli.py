@@ -39,7 +39,7 @@ _COMMANDS = {
         ("report", "solve", "view", "whatif", "compare", "design", "sensitivity", "identify",
          "backbone", "positions", "simulate", "plan", "bill", "export"), ""
     ),
-    **dict.fromkeys(("verify", "coverage", "stress", "bench"), "evidence"),
+    **dict.fromkeys(("verify", "coverage", "calibrate", "stress", "bench"), "evidence"),
     **dict.fromkeys(("scenes", "cache", "init", "completion"), "without_solving"),
 }  # fmt: skip
 

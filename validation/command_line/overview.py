@@ -9,7 +9,14 @@ import numpy as np
 from tactgen.geometry.formats import FINE, engineering, with_share
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES, Actuator
-from tactgen.validation.engine.answers import Representative, class_suffix, representative
+from tactgen.validation.engine.answers import (
+    NONE,
+    Representative,
+    bracketed,
+    class_suffix,
+    modelling_at,
+    representative,
+)
 from tactgen.validation.engine.solve import Solution
 from tactgen.validation.models.model import Quantity
 
@@ -42,8 +49,10 @@ def print_overview(solution: Solution) -> None:
     if any(q.extreme is not None for q in solution.quantities):
         print("The largest and least values are at each model's own resonance.")
     print(
-        f"± is the numerical error (not shown below {100 * FINE:g} %). For all values: --quantity "
-        "all or NAME;\nfor all frequencies: --json; for the causes of differences: tactgen report"
+        f"± is the numerical error (not shown below {100 * FINE:g} %). In brackets: modelling\n"
+        "error, the known difference from the most detailed model ± its own error; (?) not known.\n"
+        "For all values: --quantity all or NAME; for all frequencies: --json; for the causes of\n"
+        "differences: tactgen report"
     )
 
 
@@ -99,7 +108,9 @@ def _rows(name: str, solution: Solution, models: list[str]) -> list[tuple[str, l
 
 def _value(found: Representative | None) -> str:
     """Largest value over a band with its numerical error, nothing where the model has none."""
-    return "" if found is None else with_share(found.value, found.error, found.unit)
+    if found is None:
+        return ""
+    return with_share(found.value, found.error, found.unit) + bracketed(found.modelling)
 
 
 def _cell(q: Quantity | None, at: int | tuple[()], *, of_class: bool = False) -> str:
@@ -113,7 +124,8 @@ def _cell(q: Quantity | None, at: int | tuple[()], *, of_class: bool = False) ->
     text = _pole(number) if q.unit == "rad/s" else engineering(value, q.unit)
     if of_class and isinstance(at, int):
         text += class_suffix(q, at)
-    return with_share(value, bar, q.unit, text)
+    modelling = modelling_at(q, at) if value else NONE
+    return with_share(value, bar, q.unit, text) + bracketed(modelling)
 
 
 def _pole(value: complex) -> str:

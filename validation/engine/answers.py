@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.formats import engineering, share, with_share
 from tactgen.geometry.store.values import storable
-from tactgen.validation.catalogue.models import gives
+from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.models.model import Extreme, Quantity
+from tactgen.validation.models.model import Extreme, Modelling, Quantity
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -33,6 +33,10 @@ Array = NDArray[Any]
 STATUSES = ("ok", "failed", "refused")
 #: Frequencies of a response on the screen, at most.
 _FREQUENCIES = 12
+#: Relative modelling error that is rounding.
+_NOTHING = 1e-9
+#: Said of the modelling error of the most detailed model, and where it is not known.
+NONE, NOT_KNOWN = "none", "not known"
 #: Digits of a value on the screen.
 _DIGITS = 7
 
@@ -59,8 +63,8 @@ class Answer:
 #: a mode, or the place in a matrix over the ports row by row, from 1; `class` that of the mode's
 #: motion.  Numbers are None where there is no answer.
 COLUMNS = (
-    "quantity", "model", "frequency", "index", "class", "value", "value_im", "uncertainty", "unit",
-    "status", "reason",
+    "quantity", "model", "frequency", "index", "class", "value", "value_im", "uncertainty",
+    "modelling_error", "unit", "status", "reason",
 )  # fmt: skip
 #: One number of the table, in the order of :data:`COLUMNS`.
 Row = tuple[Any, ...]
@@ -73,17 +77,21 @@ def rows(model: str, names: Iterable[str], answer: Answer) -> Iterator[Row]:
         if found is not None:
             yield from quantity_rows(found, answer.status, answer.reason)
         elif gives(model, name):
-            none = (None,) * 6
+            none = (None,) * 7
             yield name, model, *none, QUANTITIES[name].unit, answer.status, answer.reason
 
 
 def quantity_rows(q: Quantity, status: str = "ok", reason: str = "") -> Iterator[Row]:
     """Yield every number of a quantity."""
     errors, imaginary = np.broadcast_to(q.error, q.value.shape), np.iscomplexobj(q.value)
+    modelling = np.broadcast_to(q.modelling_error, q.value.shape)
     for place in itertools.product(*map(range, q.value.shape)):
         value, (frequency, index) = q.value[place], _labels(q, place)
         kind = q.classes[place[0]] if q.classes else None
-        parts = float(value.real), float(value.imag) if imaginary else None, float(errors[place])
+        parts = (
+            float(value.real), float(value.imag) if imaginary else None, float(errors[place]),
+            float(modelling[place]) if np.isfinite(modelling[place]) else None,
+        )  # fmt: skip
         yield q.name, q.model, frequency, index, kind, *parts, q.unit, status, reason
 
 
@@ -121,11 +129,35 @@ def quantity_json(q: Quantity) -> dict[str, Any]:
         "unit": q.unit,
         "uncertainty": plain(q.error),
         "uncertainty_method": q.method,
+        "modelling_error": plain(q.modelling_error),
+        "modelling": _modelling_json(q),
         "seconds": q.seconds,
         **({} if q.frequency is None else {"frequency": list(q.frequency)}),
         **({} if q.classes is None else {"classes": list(q.classes)}),
         **({} if q.extreme is None else {"extreme": plain(q.extreme)}),
     }
+
+
+def _modelling_json(q: Quantity) -> dict[str, Any] | None:
+    """Value that the most detailed model is expected to give, its error and their origin."""
+    if q.modelling is None:
+        return None
+    value = np.asarray(q.modelling.expected)
+    parts = np.stack([value.real, value.imag], axis=-1) if np.iscomplexobj(value) else value
+    return {
+        "expected": plain(parts),
+        "error": plain(np.asarray(q.modelling.error)),
+        "method": q.modelling.method,
+    }
+
+
+def _modelling_from_json(entry: Mapping[str, Any] | None) -> Modelling | None:
+    if entry is None:
+        return None
+    value, error = (np.array(entry[name], dtype=float) for name in ("expected", "error"))
+    if value.ndim == error.ndim + 1:
+        value = value[..., 0] + 1j * value[..., 1]
+    return Modelling(value, error, entry["method"])
 
 
 def quantity_from_json(entry: Mapping[str, Any]) -> Quantity:
@@ -140,8 +172,13 @@ def quantity_from_json(entry: Mapping[str, Any]) -> Quantity:
         method=entry["uncertainty_method"], seconds=entry["seconds"],
         frequency=None if frequency is None else tuple(frequency),
         classes=None if classes is None else tuple(classes),
-        extreme=None if extreme is None else Extreme(**extreme),
+        extreme=None if extreme is None else _extreme_from_json(extreme),
+        modelling=_modelling_from_json(entry.get("modelling")),
     )  # fmt: skip
+
+
+def _extreme_from_json(entry: Mapping[str, float | None]) -> Extreme:
+    return Extreme(**{name: np.nan if v is None else v for name, v in entry.items()})
 
 
 def answer_json(answer: Answer) -> dict[str, Any]:
@@ -191,15 +228,37 @@ def format_error(value: Any, error: float, unit: str) -> str:
 
 def screen_lines(quantities: Iterable[Quantity]) -> Iterator[str]:
     """Yield the table for people, a line a number; responses are thinned out."""
-    yield f"{'quantity':26} {'model':12} {'at':>10}  {'value':>28}  {'+/-':>9}"
+    yield f"{'':26} {'':12} {'':10}  {'':28}  {'numerical':>9}  {'modelling':>16}"
+    yield f"{'quantity':26} {'model':12} {'at':>10}  {'value':>28}  {'error':>9}  {'error':>16}"
     for q in quantities:
-        for label, value, error in _screen_cells(q):
-            yield f"{q.name:26} {q.model:12} {label:>10}  {value:>28}  {error:>9}"
+        for label, value, error, modelling in _screen_cells(q):
+            yield f"{q.name:26} {q.model:12} {label:>10}  {value:>28}  {error:>9}  {modelling:>16}"
 
 
-def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str]]:
+def format_modelling(value: Any, expected: Any, error: float) -> str:
+    """Known relative difference from the most detailed model, and its own error.
+
+    Of complex numbers the largest relative difference that is possible.
+    """
+    size = float(abs(expected))
+    if not (np.isfinite(size) and np.isfinite(error)) or not size:
+        return NONE if value == expected and error == 0.0 else NOT_KNOWN
+    if abs(value - expected) + error < _NOTHING * size:
+        return NONE
+    if np.iscomplexobj(value) or np.iscomplexobj(expected):
+        return f"± {share((abs(value - expected) + error) / size)}"
+    known = "" if value == expected else f"{_signed(float(value) / float(expected) - 1.0)} "
+    return f"{known}± {share(error / size)}"
+
+
+def _signed(fraction: float) -> str:
+    """Signed percent to two digits."""
+    return f"{100.0 * fraction:+.2g}"
+
+
+def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str, str]]:
     if q.value.ndim > 1:
-        yield "", f"5x5 at {len(q.frequency or ())} frequencies: --json", ""
+        yield "", f"5x5 at {len(q.frequency or ())} frequencies: --json", "", ""
         return
     labels = [""]
     if q.value.ndim == 1:
@@ -209,12 +268,33 @@ def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str]]:
     shown = len(labels) if q.classes else min(len(labels), _FREQUENCIES)
     for i in np.unique(np.linspace(0, len(labels) - 1, shown).astype(int)):
         error = format_error(values[i], float(errors[i]), q.unit)
-        yield labels[i], format_value(values[i], q.unit), error
+        yield labels[i], format_value(values[i], q.unit), error, modelling_at(q, i)
     if q.extreme is not None:
         peak = representative(q)
         at = engineering(q.extreme.frequency, "Hz")
         value = f"{engineering(peak.value, q.unit, _DIGITS)} at {at}"
-        yield peak.what, value, format_error(peak.value, peak.error, q.unit)
+        yield peak.what, value, format_error(peak.value, peak.error, q.unit), _of_extreme(q)
+
+
+def modelling_at(q: Quantity, place: Any) -> str:
+    """Modelling error of one value of a quantity as people read it."""
+    if q.modelling is None:
+        return NONE if MODELS[q.model].detailed else NOT_KNOWN
+    values = (q.value, q.modelling.expected, q.modelling.error)
+    value, expected, error = (np.asarray(one)[place if np.ndim(one) else ()] for one in values)
+    return format_modelling(value, expected, float(error))
+
+
+def _of_extreme(q: Quantity) -> str:
+    """Modelling error of the largest or least value over a band."""
+    if q.extreme is None or MODELS[q.model].detailed:
+        return NONE
+    return format_modelling(q.extreme.value, q.extreme.expected, q.extreme.expected_error)
+
+
+def bracketed(modelling: str) -> str:
+    """Modelling error behind a value: nothing of the most detailed model's, ? if not known."""
+    return {NONE: "", NOT_KNOWN: " (?)"}.get(modelling, f" ({modelling})")
 
 
 #: Classes of motion that go without saying.
@@ -240,12 +320,14 @@ class Representative:
     what: str
     at: float | None = None  #: Frequency (Hz) of the largest or least
     suffix: str = ""  #: The mode's class as of :func:`class_suffix`
+    modelling: str = NOT_KNOWN  #: Modelling error as of :func:`format_modelling`
 
     @property
     def text(self) -> str:
         """As people read it."""
         where = f" at {engineering(self.at, 'Hz', 4)}" if self.at is not None else ""
-        return with_share(self.value, self.error, self.unit) + self.suffix + where
+        value = with_share(self.value, self.error, self.unit) + self.suffix
+        return f"{value}{bracketed(self.modelling)}{where}"
 
 
 def representative(q: Quantity) -> Representative:
@@ -262,11 +344,16 @@ def representative(q: Quantity) -> Representative:
         if np.iscomplexobj(value):
             what, value = "size of the first", np.abs(value)
         suffix = class_suffix(q, 0)
-        return Representative(float(value), float(errors[place]), q.unit, what, suffix=suffix)
+        return Representative(
+            float(value), float(errors[place]), q.unit, what, suffix=suffix,
+            modelling=modelling_at(q, place),
+        )  # fmt: skip
     what, size = "least" if QUANTITIES[q.name].is_limit else "largest", np.abs(q.value)
     if q.extreme is not None:
         found = q.extreme
-        return Representative(found.value, found.error, q.unit, what, found.frequency)
+        return Representative(
+            found.value, found.error, q.unit, what, found.frequency, modelling=_of_extreme(q)
+        )
     if not np.isfinite(size).any():
         return Representative(np.nan, np.nan, q.unit, what)
     best = np.nanargmin if what == "least" else np.nanargmax
@@ -276,6 +363,7 @@ def representative(q: Quantity) -> Representative:
         float(size[place]), np.nan if matrix else float(errors[place]), q.unit,
         "largest entry" if matrix else what if several else "",
         q.frequency[int(place[0])] if several else None,
+        modelling=NOT_KNOWN if matrix else modelling_at(q, place),
     )  # fmt: skip
 
 
@@ -326,12 +414,13 @@ def dataset(
         known = [q for each in found for q in each if q is not None]
         if not known:
             continue
-        value, error = _filled(found, known)
+        value, error, modelling = _filled(found, known)
         names: tuple[str, ...] = ("mode",) if known[0].value.ndim else ()
         if known[0].frequency is not None:
             names = ("frequency", "effort", "motion")[: known[0].value.ndim]
             if "frequency" in axes:
                 value, error, names = value[:, :, 0], error[:, :, 0], names[1:]
+                modelling = modelling[:, :, 0]
         inner = value.shape[2:]
         for own, size in zip(names, inner, strict=True):
             if own == "frequency":
@@ -344,6 +433,10 @@ def dataset(
         variables[name] = variable(dimensions, value.reshape(of), row.meaning, row.unit)
         bars = f"numerical error bar of {name}, absolute, of the magnitude"
         variables[f"{name}_uncertainty"] = variable(dimensions, error.reshape(of), bars, row.unit)
+        beside = f"modelling error of {name}, absolute, beside the most detailed model"
+        variables[f"{name}_modelling_error"] = variable(
+            dimensions, modelling.reshape(of), beside, row.unit
+        )
         if any(q.classes for q in known):
             kinds = _classes(found, value.shape).reshape(of)
             variables[f"{name}_class"] = variable(dimensions, kinds, "class of the mode's motion")
@@ -362,18 +455,20 @@ def dataset(
     return Dataset(variables, coordinates)
 
 
-def _filled(found: list[list[Quantity | None]], known: list[Quantity]) -> tuple[Array, Array]:
-    """Values and errors over model and point, nan where there are none."""
+def _filled(
+    found: list[list[Quantity | None]], known: list[Quantity]
+) -> tuple[Array, Array, Array]:
+    """Values, errors and modelling errors over model and point, nan where there are none."""
     inner = tuple(max(sizes) for sizes in zip(*(q.value.shape for q in known), strict=True))
     kind = np.result_type(*(q.value for q in known))
     value = np.full((len(found), len(found[0]), *inner), np.nan, kind)
-    error = np.full(value.shape, np.nan)
+    error, modelling = np.full(value.shape, np.nan), np.full(value.shape, np.nan)
     for m, n in np.ndindex(value.shape[:2]):
         q = found[m][n]
         if q is not None:
             place: Any = (m, n, *(slice(size) for size in q.value.shape))
-            value[place], error[place] = q.value, q.error
-    return value, error
+            value[place], error[place], modelling[place] = q.value, q.error, q.modelling_error
+    return value, error, modelling
 
 
 def _classes(found: list[list[Quantity | None]], shape: tuple[int, ...]) -> Array:

@@ -1,9 +1,9 @@
 """Agreement of models: their numbers side by side, and the cheapest model of a wanted accuracy.
 
-:func:`compare` says of each difference whether the error bars cover it, or the measured causes
-(:mod:`validation.models.difference`) account for it, or only the model's form can be named.
-:func:`choose` measures each model's error of form on the device itself: against the most detailed
-theory on its coarsest mesh, whose own error is added.
+:func:`compare` says of each difference whether the numerical errors cover it, or the modelling
+error does, or only the model's form can be named.
+:func:`choose` takes the cheapest model whose modelling and numerical error together are small
+enough, without a field solution.
 """
 
 from __future__ import annotations
@@ -17,36 +17,28 @@ import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.readout import ModalReadout
-from tactgen.validation.catalogue.models import MODELS, ModelRow, gives, ranked
+from tactgen.validation.catalogue.models import MODELS, gives, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES, Actuator, QuantityRow, quantities_of
+from tactgen.validation.engine.answers import NONE, format_modelling
 from tactgen.validation.engine.solve import recorded, solve
 from tactgen.validation.models.classes import model_class
-from tactgen.validation.models.difference import Cause
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 
 Verdict = Literal["reference", "agrees", "explained", "model form", "differs"]
 
-#: A difference is explained if the causes account for all but this fraction of the value and what
-#: the bars allow: they are told apart on coarser meshes.
-UNEXPLAINED = 2e-3
-#: Fraction that a shortcut of a model may be worth beside what the bridge follows, where no model
-#: of the same theory without it was asked for, whose difference measures it.
-_SHORTCUT = 0.01
 #: Models of one theory agree to this fraction, whatever their error bars say.
 _SAME_THEORY = 1e-8
 
 #: By actuator: models from the cheapest on, the last of them of the most detailed theory.
 _LADDERS: Mapping[Actuator, tuple[str, ...]] = {
-    "bimorph": ("lumped", "tmm", "solid"),
+    "bimorph": ("lumped", "tmm", "calibrated", "solid"),
     "reluctance": ("network", "axisymmetric"),
-    "generator": ("lumped", "tmm", "solid"),
-    "display": ("lumped", "tmm", "solid"),
+    "generator": ("lumped", "tmm", "calibrated", "solid"),
+    "display": ("lumped", "tmm", "calibrated", "solid"),
 }
 #: The last one where the first choice cannot take the scene.
 _INSTEAD = {"solid": "cad"}
-#: Accuracy at which the last one judges the others: its coarsest mesh.
-_COARSE = 0.1
 
 _ONE_DIMENSIONAL = "one-dimensional: uniform field, no Poisson effect, no d32"
 _ON_ROD = "joint to the rod: rigid head around the slot, plane sections where tab and ceramic meet"
@@ -54,6 +46,7 @@ _TUBES = (
     "flux tubes of assumed shape; not modelled: the field outside the sleeve (except tubes that "
     "start on the head), the field below the flange, leakage from the shaft between collar and head"
 )
+_BEYOND = "more than numerical and modelling error together"
 _SAME_EQUATIONS = (
     "both models solve the same equations, so their error bars should cover the difference"
 )
@@ -61,19 +54,15 @@ _SAME_EQUATIONS = (
 
 @dataclass(frozen=True)
 class Cell:
-    """One model's value: number, error bar, difference from the reference, verdict.
-
-    `left` is what measured causes leave of the difference, beyond the bars (a fraction of the
-    value): 0 where the bars cover it, nan where no causes were measured.
-    """
+    """One model's value: number, errors, difference from the reference, verdict."""
 
     model: str
     value: float
-    error: float
+    error: float  #: Numerical
+    modelling: str  #: Modelling error as people read it
     difference: float
     verdict: Verdict
     why: str
-    left: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -108,20 +97,8 @@ class ComparedRow:
         return [f"{', '.join(models)}: {why}" for why, models in named.items()]
 
 
-def compare(
-    scene: Scene,
-    quantities: Sequence[Quantity],
-    actuator: Actuator,
-    causes: Sequence[Cause] | None = None,
-) -> list[ComparedRow]:
-    """Compare all single numbers about an actuator with those of the most detailed model.
-
-    Parameters
-    ----------
-    causes : sequence of Cause, optional
-        Why the simplest theory is not the most detailed one, each with its share, which can
-        explain a difference.
-    """
+def compare(scene: Scene, quantities: Sequence[Quantity], actuator: Actuator) -> list[ComparedRow]:
+    """Compare all single numbers about an actuator with those of the most detailed model."""
     rows = []
     for row in (QUANTITIES[name] for name in quantities_of(actuator)):
         by_model = {q.model: q for q in quantities if q.name == row.name}
@@ -131,89 +108,59 @@ def compare(
         )
         if by_model and single and not row.by_frequency:
             found = [by_model[model] for model in ranked(tuple(by_model))]
-            cells = tuple(_cell(scene, row, q, found, causes) for q in found)
-            rows.append(ComparedRow(row, cells))
+            rows.append(ComparedRow(row, tuple(_cell(scene, row, q, found[-1]) for q in found)))
     return rows
 
 
-def _cell(
-    scene: Scene,
-    row: QuantityRow,
-    q: Quantity,
-    found: Sequence[Quantity],
-    causes: Sequence[Cause] | None,
-) -> Cell:
-    reference = found[-1]
-    (value, bar), (base, base_bar) = _first(q), _first(reference)
+def _cell(scene: Scene, row: QuantityRow, q: Quantity, reference: Quantity) -> Cell:
+    (value, bar, expected, of_form), (base, base_bar, *_) = _first(q), _first(reference)
     difference = 0.0 if value == base else np.inf
     if base != 0.0:
         difference = value / base - 1.0
+    shown = NONE if MODELS[q.model].detailed else format_modelling(value, expected, of_form)
+
+    def cell(verdict: Verdict, why: str = "") -> Cell:
+        return Cell(q.model, value, bar, shown, difference, verdict, why)
+
     if q is reference:
-        return Cell(q.model, value, bar, difference, "reference", "")
-    neither = np.isnan(value) and np.isnan(base)
-    if neither or abs(value - base) <= bar + base_bar + 1e-12 * abs(base):
-        return Cell(q.model, value, bar, difference, "agrees", "")
-    model, size = MODELS[q.model], abs(base) or np.inf
+        return cell("reference")
+    bars, apart = bar + base_bar, abs(value - base)
+    if (np.isnan(value) and np.isnan(base)) or apart <= bars + 1e-12 * abs(base):
+        return cell("agrees")
+    model = MODELS[q.model]
     shortcut = "" if row.static else model.shortcut
     if model.theory == MODELS[reference.model].theory:
         if shortcut:
-            return Cell(q.model, value, bar, difference, "model form", shortcut, np.nan)
+            return cell("model form", shortcut)
         if abs(difference) < _SAME_THEORY:
-            return Cell(q.model, value, bar, difference, "agrees", "")
-        why = f"{_SAME_EQUATIONS}; cause unknown"
-        return Cell(q.model, value, bar, difference, "differs", why, np.nan)
-    shares = {c.name: c.shares[row.name] for c in causes or () if row.name in c.shares}
-    # what the shortcut is worth beside the same theory without it
-    plain = (p for p in found if MODELS[p.model].theory == model.theory)
-    plain = (p for p in plain if not MODELS[p.model].shortcut)
-    whole = next((_first(p)[0] for p in plain), np.nan)
-    if shares and shortcut and not np.isnan(whole):
-        shares[shortcut], shortcut = (value - whole) / np.copysign(size, base), ""
-    bars, granted = (bar + base_bar) / size, _SHORTCUT if shortcut else 0.0
-    verdict, why, left = _explained(scene, model, shares, difference, bars, granted)
-    why = f"{why}; {shortcut}" if shortcut else why
-    return Cell(q.model, value, bar, difference, verdict, why, left)
+            return cell("agrees")
+        return cell("differs", f"{_SAME_EQUATIONS}; cause unknown")
+    modelling = abs(value - expected) + of_form
+    if math.isfinite(modelling):
+        covered = apart <= bars + modelling
+        return cell("explained") if covered else cell("differs", _BEYOND)
+    reason = _TUBES if model.theory == "circuit" else _ONE_DIMENSIONAL
+    on_rod = scene.support.kind == "rod" and model.theory != "circuit"
+    return cell("model form", f"{reason}; {_ON_ROD}" if on_rod else reason)
 
 
-def _explained(
-    scene: Scene,
-    model: ModelRow,
-    shares: Mapping[str, float],
-    difference: float,
-    bars: float,
-    granted: float,
-) -> tuple[Verdict, str, float]:
-    """Verdict on a difference (as its bars, a fraction) by measured shares, reason, the rest."""
-    on_rod = scene.support.kind == "rod"
-    if not shares:
-        reason = _TUBES if model.theory == "circuit" else _ONE_DIMENSIONAL
-        joint = f"; {_ON_ROD}" if on_rod and model.theory != "circuit" else ""
-        return "model form", reason + joint, np.nan
-    together = sum(shares.values())
-    left = (1.0 + difference) / (1.0 + together) - 1.0
-    named = ", ".join(f"{name} {_points(share)}" for name, share in shares.items())
-    reason = f"{named}: sum {_points(together)} %, difference {_points(difference)} %"
-    beyond = max(abs(left) - bars, 0.0)
-    if beyond > UNEXPLAINED and on_rod:  # no step measures the joint
-        return "model form", f"{reason}; {_points(left)} % attributed to the {_ON_ROD}", beyond
-    if beyond > UNEXPLAINED + granted:
-        return "differs", f"{reason}; {_points(left)} % unexplained", beyond
-    return "explained", reason, beyond
+def _first(q: Quantity) -> tuple[float, float, float, float]:
+    """Scalar, or the first bending mode in x of a list.
 
-
-def _points(share: float) -> str:
-    """Fraction in percent, two decimals, without the sign of a nought."""
-    return f"{round(100.0 * share, 2) + 0.0:+.2f}"
-
-
-def _first(q: Quantity) -> tuple[float, float]:
-    """Scalar, or the first bending mode in x of a list, with its error bar."""
-    if q.classes is None:
-        return float(q.value), float(q.error)
-    if "bending_x" not in q.classes:
-        return float("nan"), float("nan")
-    at = q.classes.index("bending_x")
-    return float(np.asarray(q.value)[at]), float(np.asarray(q.error)[at])
+    With its numerical error, what the most detailed model is expected to give, and the error of
+    that.
+    """
+    none = float("nan")
+    values = [np.asarray(q.value), np.asarray(q.error)]
+    if q.modelling is not None:
+        values += [np.asarray(q.modelling.expected), np.asarray(q.modelling.error)]
+    if q.classes is not None:
+        if "bending_x" not in q.classes:
+            return none, none, none, none
+        values = [one[q.classes.index("bending_x")] for one in values]
+    value, error, *rest = (float(one) for one in values)
+    expected, of_form = rest or (none, none)
+    return value, error, expected, of_form
 
 
 # The cheapest model of a wanted accuracy
@@ -320,19 +267,15 @@ def ladder(
     announce: Callable[[str], None],
     judge: str,
 ) -> tuple[FidelityLevel, ...]:
-    """Model hierarchy: known errors in these quantities by a judge, cheapest first."""
-    simple = [m for m in _LADDERS[actuator][:-1] if all(gives(m, q) for q in quantities)]
-    level = {"mesh": scene.mesh.model_copy(update={"level": 0}), "accuracy": _COARSE}
-    announce(f"{judge} on its coarsest mesh, to judge the others")
-    reference = solve(scene.model_copy(update=level), (judge,), quantities, announce)
+    """Model hierarchy with the errors in these quantities, cheapest first, the judge last."""
     costs, rungs = recorded(), []
-    for model in simple:
-        found = solve(scene, (model,), quantities, announce)
-        errors = {
-            q: _error(found.get(q, model), reference.get(q, judge))
-            for q in quantities
-        }  # fmt: skip
-        form = {q: both[0] for q, both in errors.items() if not math.isnan(both[0])}
+    for model in (m for m in _LADDERS[actuator][:-1] if all(gives(m, q) for q in quantities)):
+        try:
+            found = solve(scene, (model,), quantities, announce)
+        except InputError:  # a scene that this model does not take
+            continue
+        errors = {q.name: _errors(q, scene) for q in found.quantities}
+        form = {name: both[0] for name, both in errors.items() if not math.isnan(both[0])}
         numerical = max((both[1] for both in errors.values()), default=0.0)
         worst = max(form, key=form.__getitem__, default="")
         total = form.get(worst, math.inf) + numerical
@@ -374,31 +317,23 @@ def _judge(actuator: Actuator, scenes: Sequence[Scene], quantities: Sequence[str
     return judge
 
 
-def _error(found: Quantity, reference: Quantity) -> tuple[float, float]:
-    """Model's largest relative error of form and numerical error in a quantity.
+def _errors(q: Quantity, scene: Scene) -> tuple[float, float]:
+    """Largest relative modelling and numerical error of a quantity.
 
-    Of modes those of bending in x are compared, which every theory knows; infinite if a model
-    has fewer than were asked for, nan if there is nothing to compare.
+    Of modes those of bending in x count, which every theory knows.  Infinite where an error is not
+    known or modes are missing, nan where there is nothing to compare.
     """
-    if found.value.ndim > 1:  # entries of a matrix have no common scale
+    if q.value.ndim > 1:  # entries of a matrix have no common scale
         return math.nan, 0.0
-    value, bar = _comparable(found)
-    judged, judged_bar = _comparable(reference)
-    if value.size < judged.size:  # a one-mode circuit does not know the second
+    if q.classes is not None and q.value.size < scene.modes:  # a one-mode circuit
         return math.inf, 0.0
-    count = judged.size
-    value, bar, judged, judged_bar = (a[:count] for a in (value, bar, judged, judged_bar))
-    known = np.isfinite(judged) & np.isfinite(value) & (np.abs(judged) > 0.0)
-    if not known.any():
-        return math.nan, 0.0
-    size = np.abs(judged[known])
-    form = (np.abs(value - judged)[known] + judged_bar[known]) / size
-    return float(form.max()), float((bar[known] / size).max())
-
-
-def _comparable(q: Quantity) -> tuple[np.ndarray, np.ndarray]:
-    value, bar = np.atleast_1d(q.value), np.atleast_1d(q.error)
+    value, bar, modelling = (np.atleast_1d(a) for a in (q.value, q.error, q.modelling_error))
     if q.classes is not None:
         bends = np.array(q.classes) == "bending_x"
-        value, bar = value[bends], bar[bends]
-    return value, bar
+        value, bar, modelling = value[bends], bar[bends], modelling[bends]
+    known = np.isfinite(value) & (np.abs(value) > 0.0)
+    if not known.any():
+        return math.nan, 0.0
+    size = np.abs(value[known])
+    form = np.where(np.isfinite(modelling[known]), modelling[known] / size, np.inf)
+    return float(form.max()), float((bar[known] / size).max())

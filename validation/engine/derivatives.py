@@ -58,7 +58,7 @@ def derivatives(
 
     Raises InputError if the model cannot take the scene, or one next to it.
     """
-    base = solve(scene, (model,), quantities, announce)
+    base = solve(scene, (model,), quantities, announce, modelling=False)
     start = [base.get(name, model) for name in quantities]
     slopes: list[dict[str, Numbers]] = [{} for _ in start]
     bars: list[dict[str, Floats]] = [{} for _ in start]
@@ -69,7 +69,13 @@ def derivatives(
         value = float(value_of(scene, key))
         distance = within(changed, key, value, far * abs(value))
         near = [
-            solve(changed(key, value + place * distance), (model,), quantities, reuse=base)
+            solve(
+                changed(key, value + place * distance),
+                (model,),
+                quantities,
+                reuse=base,
+                modelling=False,
+            )
             for place in PLACES
         ]
         for n, q in enumerate(start):

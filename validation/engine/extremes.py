@@ -22,12 +22,20 @@ _SWEEP = 8
 _TRIALS = 400
 #: Rounds of the search, frequencies of a round, and how much narrower the next one is.
 _ROUNDS, _OF_A_ROUND, _NARROWER = 3, 65, 32.0
+#: How far two models' resonances may be apart, relative: half the width of a coarse grid's step.
+_AROUND = 0.2
 
 
-def extreme(row: QuantityRow, model: Model) -> Extreme | None:
+def extreme(row: QuantityRow, model: Model, around: float | None = None) -> Extreme | None:
     """Largest size of a response in the band of the scene's sweep, of a limit the least.
 
     None of what is no scalar response of the bimorph, and of fewer than eight frequencies.
+
+    Parameters
+    ----------
+    around : float, optional
+        Frequency (Hz) of another model's extreme, about which alone it is searched; at an end of
+        the band it is taken for that of this model.
     """
     asked = np.unique(np.asarray(model.scene.frequency, dtype=float))
     if not row.is_response or not isinstance(model, BimorphModel) or asked.size < _SWEEP:
@@ -40,16 +48,26 @@ def extreme(row: QuantityRow, model: Model) -> Extreme | None:
         found = np.where(np.isnan(found), -np.inf, -found if row.is_limit else found)
         return np.asarray(found)
 
-    centre, reach = _tops(asked, level)
+    centre: Floats
+    reach: Floats
+    if around in (asked[0], asked[-1]):
+        centre, reach, rounds = np.array([around]), np.zeros(1), 0
+    elif around is not None:
+        centre, rounds = np.array([around]), _ROUNDS - 1
+        reach = _AROUND * centre
+    else:
+        centre, reach = _tops(asked, level)
+        rounds = _ROUNDS
     if not centre.size:
         return None
-    for _ in range(_ROUNDS):
+    best = float(centre[0])
+    for _ in range(rounds):
         near = centre[:, None] + reach[:, None] * np.linspace(-1.0, 1.0, _OF_A_ROUND)
         near = np.clip(near, asked[0], asked[-1])
         levels = level(near)
         centre = near[np.arange(centre.size), levels.argmax(axis=1)]
         reach = reach / _NARROWER
-    best = float(centre[levels.max(axis=1).argmax()])
+        best = float(centre[levels.max(axis=1).argmax()])
     found = read(row, model.at(np.array([best])))
     return Extreme(best, float(np.abs(found.value[0])), float(found.error[0]))
 

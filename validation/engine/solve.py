@@ -24,6 +24,7 @@ from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import NEEDS, QUANTITIES, Actuator
 from tactgen.validation.engine.answers import plain, quantity_json
 from tactgen.validation.engine.extremes import extreme
+from tactgen.validation.engine.modelling import with_modelling
 from tactgen.validation.engine.readout import read
 from tactgen.validation.engine.warnings import answer_warnings, held_warnings, request_warnings
 from tactgen.validation.models.classes import make_model, map_of, model_class, stage_code
@@ -245,6 +246,8 @@ def solve(
     announce: Callable[[str], None] = lambda _: None,
     reuse: Solution | None = None,
     checked: tuple[Plan, tuple[str, ...]] | None = None,
+    *,
+    modelling: bool = True,
 ) -> Solution:
     """Compute the wanted quantities with the wanted models (the scene's by default).
 
@@ -253,6 +256,7 @@ def solve(
     Stages whose inputs are those of an earlier solution, `reuse`, are not run again: a
     new load, support spring or voltage needs no new field solution.  Of the very same scene its
     quantities are taken as they are.  `checked` is what :func:`check_request` gave, if it ran.
+    Without `modelling` the quantities have no modelling errors.
 
     A quantity whose field no grid resolves is left out, with a warning.
 
@@ -286,6 +290,8 @@ def solve(
     if not found:
         raise CoarseGridError(next(iter(refused)))
     warnings += tuple(f"no {', '.join(few)} by {why}" for why, few in refused.items())
+    if modelling:
+        found = [*with_modelling(scene, found, made)]
     warnings += answer_warnings(scene, made, found)
     record({stage: stages.seconds[stage] for stage in stages.computed})
     # models of one theory say the same

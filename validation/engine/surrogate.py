@@ -386,7 +386,7 @@ def build_surrogate(
         announce(f"{model}: {number} of {len(points)} solutions over {', '.join(ranges)}")
         try:
             at = design_scene(with_values(scene, point), quantities)
-            reuse = solve(at, (model,), quantities, reuse=reuse)
+            reuse = solve(at, (model,), quantities, reuse=reuse, modelling=False)
         except InputError:
             found.append(None)
             continue

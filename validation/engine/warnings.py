@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import share as share_of
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.loads import FINGER_RANGE, MeasuredLaw
 from tactgen.tmm.ports.readout import Readout
@@ -24,8 +25,8 @@ from tactgen.validation.scene.scene import Scene
 _SMALL_DEFLECTION = 0.1
 #: How the tip's displacement at the drive voltage is read.
 _DEFLECTIONS = (Readout("w_tip", "motion"), Readout("w_tip", "motion", static=True))
-#: A beam shorter than this many thicknesses is no longer slender.
-SLENDER = 10.0
+#: Modelling error of a number (relative) from which on it is given with a warning.
+_LARGE = 0.1
 #: Frequencies up to which the stress is looked at unasked; more take longer than what was asked.
 _FREQUENCIES = 5000
 
@@ -41,7 +42,7 @@ def request_warnings(
     found = [*load_warnings(scene, quantities), *_of_threshold(scene, quantities)]
     if not scene.awaits_map:
         found += held_warnings(scene, models, quantities)
-    return (*found, *field_warnings(scene, quantities), *_of_slenderness(scene, models))
+    return (*found, *field_warnings(scene, quantities))
 
 
 def held_warnings(
@@ -56,8 +57,10 @@ def held_warnings(
 
 
 def number_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
-    """Warnings about numbers: a bar wider than asked for, motion beyond linear theory."""
-    return (*accuracy_warnings(scene, found), *_of_deflection(scene, found))
+    """Warnings about numbers: large errors of either kind, motion beyond linear theory."""
+    return (
+        *accuracy_warnings(scene, found), *modelling_warnings(found), *_of_deflection(scene, found),
+    )  # fmt: skip
 
 
 def answer_warnings(
@@ -86,6 +89,32 @@ def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> Iterator[str]:
                 f"the numerical error of the model {model.name} exceeds the requested "
                 f"{100.0 * scene.accuracy:g} % in {', '.join(missed)}; {model.remedy}"
             )
+
+
+def modelling_warnings(found: Sequence[Quantity]) -> Iterator[str]:
+    """Quantities of which the modelling error of a model is large."""
+    for model in dict.fromkeys(q.model for q in found):
+        own = {q.name: _modelling_share(q) for q in found if q.model == model}
+        large = {name: share for name, share in own.items() if share > _LARGE}
+        if large:
+            named = ", ".join(f"{name} ({share_of(share)})" for name, share in large.items())
+            detailed = "solid" if MODELS[model].actuator == "bimorph" else "axisymmetric"
+            yield (
+                f"the modelling error of the model {model} reaches {share_of(max(large.values()))}"
+                f": {named}; compare with --set models={detailed}"
+            )
+
+
+def _modelling_share(q: Quantity) -> float:
+    """Largest relative modelling error of numbers, 0 where none is known.
+
+    Of a response over frequency none counts: beside a minimum all errors are large.
+    """
+    if q.value.ndim > 1 or q.frequency is not None:
+        return 0.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        shares = np.atleast_1d(q.modelling_error / np.abs(q.value))
+    return float(np.nanmax(np.where(np.isfinite(shares), shares, 0.0), initial=0.0))
 
 
 def _of_deflection(scene: Scene, found: Sequence[Quantity]) -> Iterator[str]:
@@ -237,17 +266,6 @@ def field_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
             "against the poling in half of each period; limits.depoling_field = "
             f"{1e-6 * limit:g} kV/mm allows "
             f"{_rounded_down(limit * scene.bimorph.piezo_thickness / share)} V"
-        )
-
-
-def _of_slenderness(scene: Scene, models: Sequence[str]) -> Iterator[str]:
-    """Beam theory about an actuator that is not a beam."""
-    slenderness = scene.bimorph.length / scene.bimorph.thickness
-    if slenderness < SLENDER and any(MODELS[name].theory == "beam" for name in models):
-        yield (
-            f"the thickness is {100.0 / slenderness:.3g} % of bimorph.length = "
-            f"{1e3 * scene.bimorph.length:.4g} mm, more than the {100.0 / SLENDER:g} % to which "
-            "beam theory is trusted; compare with the model solid"
         )
 
 

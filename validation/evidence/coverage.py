@@ -256,6 +256,10 @@ PARTS: dict[str, PartRow] = {
                    "coverage_bimorph.judge_cad"),
     "surrogate": _row_of(12, "a fresh length by a surrogate against bricks two levels finer",
                        "coverage_bimorph.judge_surrogate"),
+    "calibrated": _row_of(40, "modelling errors of the transfer matrix against bricks",
+                          "coverage_bimorph.judge_calibrated"),
+    "network": _row_of(60, "modelling errors of the network against the magnetic field",
+                       "coverage_actuator.judge_network"),
     "axisymmetric": _row_of(20, "the magnetic field against a finer grid, higher order and farther "
                             "walls", "coverage_actuator.judge_axisymmetric"),
     "magnetic3d": _row_of(20, "the magnetic field on coarse tetrahedra against the half section's",

@@ -18,6 +18,7 @@ from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import Linearised
 from tactgen.tmm.generator.transient.time_integration import output_at, simulate
 from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources
+from tactgen.tmm.reluctance.calibrated import VALUES, State, sizes
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.map_range import map_grid, network_map
 from tactgen.tmm.reluctance.network import DirectForce, network_samples
@@ -35,6 +36,8 @@ from tactgen.validation.scene.scene import Scene, load_scene
 
 #: The reference's order, refinement of the grid, and how many times as far its walls are.
 _ORDER, _REFINEMENT, _FARTHER = 5, 1.5, 3.0
+#: Quantities of the network, in the order of the calibration's values.
+_NETWORK = ("magnetic_force", *VALUES[1:])
 _VALUES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
 
 #: A field with its error bars, and a better one.
@@ -63,6 +66,32 @@ def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) 
             one for name in _VALUES
             for one in relative(" ".join(overrides), name, getattr(found, name),
                                 getattr(found.errors, name), getattr(right, name))
+        ]  # fmt: skip
+
+    return accepted(attempt)
+
+
+def judge_network(rng: np.random.Generator) -> list[Judged]:
+    """Modelling errors of the network for a fresh actuator of those that it is calibrated on.
+
+    Relative to the sizes that the calibration's errors are stated for.
+    """
+    fresh = np.random.default_rng(int(rng.integers(2**62)))  # no stream of the calibration's own
+
+    def attempt() -> list[Judged]:
+        overrides = random_devices.any_actuator(fresh)
+        scene, _ = load_scene("reluctance", overrides)
+        found = solve(scene, ["network"], _NETWORK)
+        field = solve_point(scene.device)
+        right = np.array([getattr(field, name) for name in VALUES])
+        state = State(*right[:, None])
+        size = sizes(state, np.array([scene.coil.current]), np.array([scene.gap]))[:, 0]
+        return [
+            Judged(
+                " ".join(overrides), name, float(abs(q.value - right[k]) / size[k]),
+                float(q.modelling_error / size[k]),
+            )
+            for k, name in enumerate(_NETWORK) for q in (found.get(name, "network"),)
         ]  # fmt: skip
 
     return accepted(attempt)

@@ -20,6 +20,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.checks import beyond_plain_layers
+from tactgen.tmm.beam.calibrated import laminate
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
 from tactgen.tmm.ports.elements import attach, base_stiffness
@@ -34,8 +35,10 @@ from tactgen.validation.evidence.random_devices import (
     accepted,
     between,
     bimorph_on_rod,
+    clamped_bimorph,
     slender_bimorph,
     solid_bimorph,
+    sprung,
     tapered_bimorph,
 )
 from tactgen.validation.scene.scene import Scene, load_scene
@@ -250,6 +253,48 @@ def judge_solid(rng: np.random.Generator) -> list[Judged]:
     (case,) = varied_cases(int(rng.integers(2**31)), 1, finer=0)
     every, responds = rng.random(2) < _ONE_IN_THREE
     return judged(replace(case, all_motions=bool(every), at=_AT if responds else ()))
+
+
+#: Tip masses beside the bimorph's own, of a device in three.
+_TIP_MASS = (0.1, 3.0)
+
+
+def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
+    """Modelling errors of the transfer matrix for a fresh device of those that it is calibrated on.
+
+    A third clamped and free, a third on springs, a third with a tip mass.
+    """
+    fresh = np.random.default_rng(int(rng.integers(2**62)))  # no stream of the calibration's own
+    overrides = clamped_bimorph(fresh)
+    scene, _ = load_scene("prototype", overrides)
+    kind = fresh.random()
+    if kind < _ONE_IN_THREE:
+        overrides = sprung(fresh, overrides, laminate(scene.device).EI / scene.bimorph.length)
+    elif kind < 2.0 * _ONE_IN_THREE:
+        mass = laminate(scene.device).m * scene.bimorph.length * between(fresh, *_TIP_MASS)
+        overrides = [*(one for one in overrides if not one.startswith("load.")), "load.kind=mass",
+                     f"load.mass={1e6 * mass:.5g}mg"]  # fmt: skip
+    scene, _ = load_scene("prototype", [*overrides, "mesh.level=2"])
+    asked = (*_STATIC, _SHORT, "coupling_factor")
+    found = solve(scene, ["tmm", "solid"], asked)
+    answers = []
+    for name in asked:
+        beam, solid = found.get(name, "tmm"), found.get(name, "solid")
+        right = np.atleast_1d(solid.value)
+        if solid.classes is not None:
+            right = right[np.array(solid.classes) == "bending_x"]
+        count = min(right.size, np.size(beam.value))
+        value, error = (
+            np.atleast_1d(a)[:count] for a in (beam.value, beam.modelling_error)
+        )  # fmt: skip
+        known = np.isfinite(error)
+        label = " ".join(overrides)
+        answers += [
+            one for one, is_known in zip(
+                relative(label, name, value, error, right[:count]), known, strict=True
+            ) if is_known
+        ]  # fmt: skip
+    return answers
 
 
 def judge_cad(rng: np.random.Generator) -> list[Judged]:

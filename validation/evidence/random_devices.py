@@ -5,12 +5,14 @@ Coverage, the random scenes of the stress run, witnesses and tests all sample he
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias, TypeVar
 
 import numpy as np
 
+from tactgen.geometry.device.material_library import LIBRARY, STEELS
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.calibrated import BROADEST, STOUTEST
 from tactgen.tmm.ports.loads import FINGER_RANGE
 
 #: Draws after which no device is looked for any more: at most one in two of those sampled here is
@@ -217,6 +219,117 @@ def solid_bimorph(rng: np.random.Generator) -> list[str] | None:
         f"bimorph.piezo_thickness={piezo:.4g}mm", f"bimorph.shim_thickness={shim:.4g}mm",
         f"piezo.material={material}", *(key for key, wanted in options.items() if wanted),
     ]  # fmt: skip
+
+
+#: Ratios of a clamped bimorph: length to thickness, width to thickness, shim to ceramic thickness;
+#: modulus of a stiff shim and of a soft one (GPa); share of stiff and of isotropic ones.
+_SLENDER, _WIDE, _THICK = (STOUTEST, 100.0), (0.4, 40.0), (0.12, 6.0)
+_STIFF, _SOFT, _MOSTLY_STIFF, _ISOTROPIC = (2.0, 400.0), (0.02, 2.0), 0.8, 0.6
+
+
+def clamped_bimorph(rng: np.random.Generator) -> list[str]:
+    """Overrides of a bimorph 20 mm long, of any ratios, on any core, clamped and free of load.
+
+    Not wider than 1.5 lengths.  d31 and s55 vary about those of the library's ceramics.
+    """
+    length = 20.0
+    while True:
+        slender, wide = between(rng, *_SLENDER), between(rng, *_WIDE)
+        if wide <= BROADEST * slender:
+            break
+    thickness, ratio = length / slender, between(rng, *_THICK)
+    piezo = thickness / (2.0 + ratio)
+    young = between(rng, *(_STIFF if rng.random() < _MOSTLY_STIFF else _SOFT))
+    poisson = rng.uniform(0.15, 0.45)
+    shear = young / (2.0 * (1.0 + poisson))
+    if rng.random() >= _ISOTROPIC:
+        shear *= between(rng, 0.05, 1.0)
+    material = str(rng.choice(list(LIBRARY)))
+    own, density = LIBRARY[material].reduced(), rng.uniform(1500.0, 9000.0)
+    return [
+        f"bimorph.length={length}mm", f"bimorph.width={wide * thickness:.6g}mm",
+        f"bimorph.piezo_thickness={piezo:.6g}mm", f"bimorph.shim_thickness={ratio * piezo:.6g}mm",
+        f"piezo.material={material}", f"piezo.d31={own['d31'] * rng.uniform(0.3, 1.2):.6g}m/V",
+        f"piezo.s55={own['s55'] * rng.uniform(0.8, 1.2):.6g}m^2/N",
+        f"shim.youngs_modulus={young:.6g}GPa", f"shim.poisson_ratio={poisson:.4g}",
+        f"shim.shear_modulus={shear:.6g}GPa", f"shim.density={density:.5g}kg/m^3",
+        "support.kind=clamped", "load.kind=none", "modes=3",
+    ]  # fmt: skip
+
+
+#: Ratios beyond those of :func:`clamped_bimorph`.
+_STOUT, _THIN_SHIM = (2.0, STOUTEST), (0.03, 0.12)
+
+
+def unusual_bimorph(rng: np.random.Generator, what: str) -> list[str]:
+    """Overrides of a clamped bimorph with a tab, glue or bare ends, or beyond the usual ratios."""
+    value = dict(one.split("=", 1) for one in clamped_bimorph(rng))
+    length, width, piezo, shim = (
+        float(value[f"bimorph.{name}"].removesuffix("mm"))
+        for name in ("length", "width", "piezo_thickness", "shim_thickness")
+    )
+    share = rng.uniform(0.02, 0.15)
+    if what == "tab":
+        value["bimorph.tab_length"] = f"{length * share:.5g}mm"
+    elif what == "glue":
+        glue = min(piezo, shim) * between(rng, 0.03, 0.3)
+        value["bimorph.glue_thickness"] = f"{max(glue, 1e-3):.5g}mm"
+    elif what == "bare ends":
+        value[f"bimorph.bare_{rng.choice(['below', 'above'])}"] = f"{length * share:.5g}mm"
+    elif rng.random() < 0.5:
+        value["bimorph.shim_thickness"] = f"{piezo * between(rng, *_THIN_SHIM):.5g}mm"
+    else:
+        shorter = (2.0 * piezo + shim) * between(rng, *_STOUT)
+        value["bimorph.length"] = f"{shorter:.5g}mm"
+        value["bimorph.width"] = f"{min(width, BROADEST * shorter):.5g}mm"
+    return [f"{key}={text}" for key, text in value.items()]
+
+
+def sprung(rng: np.random.Generator, overrides: Sequence[str], stiffness: float) -> list[str]:
+    """The same bimorph on springs of about its own rotational stiffness (N m/rad)."""
+    rotational = stiffness * between(rng, 0.5, 8.0)
+    return [
+        *(one for one in overrides if not one.startswith("support.")), "support.kind=spring",
+        f"support.rotational_stiffness={rotational:.6g}N*m/rad",
+        f"support.lateral_stiffness={rotational / 4e-6:.6g}N/m",
+    ]  # fmt: skip
+
+
+def any_actuator(rng: np.random.Generator) -> list[str]:
+    """Overrides of an actuator of any ratios about a head of 1.15 mm, at one current and gap.
+
+    Gaps of 2 to 35 % of the head's radius, flux densities of an ideal gap up to 2.5 T; two in five
+    with a collar above the coil, half with head and sleeve flush; all built-in steels, and
+    permeabilities from 10 on.
+    """
+    head, turns = 1.15, 500
+    shaft = head * rng.uniform(0.4, 0.7)
+    outer = head * (1.0 if rng.random() < 0.5 else rng.uniform(0.92, 1.12))
+    inner = min(shaft + head * rng.uniform(0.15, 0.35), outer - 0.08 * head)
+    coil, thickness = head * between(rng, 0.7, 4.0), head * between(rng, 1.0, 4.0)
+    plate, collar = head * between(rng, 0.2, 0.6), head * between(rng, 0.1, 0.4)
+    overhangs = rng.random() < 0.4
+    bore = inner - (inner - shaft) * rng.uniform(0.1, 0.6) * overhangs
+    top = collar + 0.05 if overhangs else 0.05
+    flange = top + coil + 0.05
+    gap = between(rng, 0.02, 0.4)
+    current = between(rng, 0.02, 2.5) * gap * 1e-3 / (4e-7 * np.pi * turns)
+    if rng.random() < 0.25:
+        steel = ["steel.curve=linear", f"steel.relative_permeability={between(rng, 10.0, 1e4):.4g}"]
+    else:
+        steel = [f"steel.curve={rng.choice([one for one in STEELS if one != 'linear'])}"]
+    sizes = {
+        "rod.head_radius": head, "rod.radius": shaft, "rod.head_thickness": plate,
+        "rod.slot_depth": 0.9 * plate, "rod.flange_position": flange,
+        "rod.flange_thickness": thickness, "rod.length": flange + thickness,
+        "rod.flange_radius": inner - between(rng, 0.02, 0.1) * head,
+        "sleeve.outer_radius": outer, "sleeve.inner_radius": inner, "sleeve.collar_radius": bore,
+        "sleeve.collar_thickness": collar, "coil.inner_radius": shaft, "coil.length": coil,
+        "coil.outer_radius": inner - 0.04 * head, "coil.position": top, "gap": gap,
+        "sleeve.length": (flange + thickness) * between(rng, 1.02, 5.0),
+    }  # fmt: skip
+    lengths = [f"{key}={size:.6g}mm" for key, size in sizes.items()]
+    return [*lengths, f"coil.turns={turns}", f"coil.current={current:.5g}A", *steel]
 
 
 def machine(rng: np.random.Generator) -> list[str]:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 CLASSES = {
     "lumped": ("bimorph.model", "LumpedModel"), "tmm": ("bimorph.model", "TmmModel"),
     "beam": ("bimorph.beam", "BeamModel"),
+    "calibrated": ("bimorph.calibrated", "CalibratedModel"),
     "solid": ("bimorph.solid", "SolidModel"), "cad": ("bimorph.solid", "CadModel"),
     "network": ("reluctance.model", "NetworkModel"),
     "axisymmetric": ("reluctance.field", "AxisymmetricModel"),

@@ -23,7 +23,6 @@ import numpy as np
 from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.device.profile import UNIFORM
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.beam.modes import bending_frequencies
@@ -397,21 +396,6 @@ def clamp_to_rod(
     return chain(entries)
 
 
-def causes_on_rod(scene: Scene, announce: Announce) -> list[Cause]:
-    """Differences of beam and solid in the rod: clamp, shim and tab.
-
-    The rest of the difference is the joint's: slot, glue and head.
-    """
-    found = causes(beam_to_solid(clamped(scene), announce))
-    steps = clamp_to_rod(scene, announce)
-    ratios = [change(step.simple, step.values) for step in steps]
-    found += [
-        Cause(step.name, {name: now[name] - before[name] for name in now})
-        for step, (before, now) in zip(steps[1:], pairwise(ratios), strict=True)
-    ]
-    return found
-
-
 def _with(scene: Scene, group: str, **changed: float) -> Scene:
     return scene.model_copy(update={group: getattr(scene, group).model_copy(update=changed)})
 
@@ -420,50 +404,6 @@ def _on(scene: Scene, kind: str) -> Scene:
     support = scene.support.model_copy(update={"kind": kind})
     load = scene.load.model_copy(update={"kind": "none"})
     return scene.model_copy(update={"support": support, "load": load})
-
-
-# How far a beam is expected from the solid, without solving one
-
-#: Share of a value that the ends may move, over (width + 1.5 thickness) / length: found by
-#: comparing tmm with solid for sixty random clamped bimorphs, 0.5 to 10 thicknesses wide and 2 to
-#: 40 long, of three ceramics and two shims; 0.132 bounds them all, most by far.
-_ENDS, _THICKNESSES = 0.15, 1.5
-
-
-@dataclass(frozen=True)
-class Band:
-    """Bounds of an expected relative difference (tmm / solid − 1)."""
-
-    low: float
-    high: float
-
-
-def end_share(scene: Scene) -> float:
-    """Share of deflection, first frequency or capacitance that the ends may move."""
-    bimorph = scene.bimorph
-    width = max((w for _, w in bimorph.width_profile), default=bimorph.width)
-    return float(_ENDS * (width + _THICKNESSES * bimorph.thickness) / bimorph.length)
-
-
-def expected_differences(scene: Scene) -> dict[str, Band]:
-    """Expected difference of beam theory from the solid by quantity; empty on a rod.
-
-    From nothing (a narrow strip) to laminate theory of the scene's layers (a wide plate), and the
-    ends' share on both sides.  A taper counts by its nominal layers, glue between them not at all.
-    """
-    if scene.support.kind == "rod":
-        return {}
-    plain = {**dict.fromkeys(scene.bimorph.profiles, UNIFORM), "glue_thickness": 0.0}
-    uniform = scene.model_copy(update={"bimorph": scene.bimorph.model_copy(update=plain)})
-    strip = beam_values(uniform)
-    plate = beam_values(uniform, laminate_section(uniform.device, uniform.beam))
-    ends = end_share(scene)
-    bands = {}
-    for name in (DEFLECTION, FIRST_FREQUENCY, CAPACITANCE):
-        if plate[name] != 0.0 and np.isfinite(strip[name] / plate[name]):
-            width = strip[name] / plate[name] - 1.0
-            bands[name] = Band(min(0.0, width) - ends, max(0.0, width) + ends)
-    return bands
 
 
 # From the one-gap formula to the field

@@ -53,6 +53,19 @@ class Extreme:
     frequency: float  #: Hz
     value: float
     error: float
+    #: What the most detailed model is expected to reach at its own resonance, and the error of that
+    expected: float = float("nan")
+    expected_error: float = float("nan")
+
+
+@storable
+@dataclass(frozen=True)
+class Modelling:
+    """What the most detailed model is expected to answer in place of another one."""
+
+    expected: Any  #: Its value, in SI units; nan where nothing is known
+    error: Any  #: Absolute error of `expected`
+    method: str  #: Where both come from, for the reader
 
 
 @storable
@@ -67,6 +80,16 @@ class Quantity(Estimate):
     frequency: tuple[float, ...] | None = None
     #: Between the frequencies of a sweep too, at the model's own resonance
     extreme: Extreme | None = None
+    #: Beside the most detailed model; None of its own answers, and where nothing is known
+    modelling: Modelling | None = None
+
+    @property
+    def modelling_error(self) -> Any:
+        """Absolute difference from the most detailed model that is possible; nan if not known."""
+        if self.modelling is None:
+            known = 0.0 if MODELS[self.model].detailed else np.nan
+            return np.full(np.shape(self.value), known)
+        return np.abs(self.value - self.modelling.expected) + self.modelling.error
 
 
 @storable

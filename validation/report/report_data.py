@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from tactgen.geometry.bimorph.bricks import Bricks
     from tactgen.geometry.meshing.mesh import Mesh
     from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
-    from tactgen.validation.models.difference import Cause, Step
+    from tactgen.validation.models.difference import Step
     from tactgen.validation.studies.parameter_uncertainty import Uncertainty
 
 
@@ -146,21 +146,9 @@ class Study:
         return list(parameter_uncertainty(self.scene, announce=self.announce))
 
     @cached_property
-    def causes(self) -> list[Cause] | None:
-        """Differences between beam and solid; in the rod not in a quick report."""
-        from tactgen.validation.models.difference import causes, causes_on_rod
-
-        if self.steps:
-            return causes(self.steps)
-        scene = self.scene
-        free = scene.load.kind in ("none", "finger")
-        on_rod = scene.support.kind == "rod" and self.asks_field and scene.piezo.d31 != 0.0
-        return causes_on_rod(scene, self.announce) if on_rod and free and not self.quick else None
-
-    @cached_property
     def comparison(self) -> list[ComparedRow]:
         """All scalar quantities of the lateral actuator by all its models."""
-        return compare(self.scene, self.solution.quantities, "bimorph", self.causes)
+        return compare(self.scene, self.solution.quantities, "bimorph")
 
     @property
     def compared(self) -> list[ComparedRow]:

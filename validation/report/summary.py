@@ -16,7 +16,6 @@ from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT, VOLTAGE_LI
 from tactgen.validation.engine.answers import representative
 from tactgen.validation.engine.comparison import ComparedRow
 from tactgen.validation.engine.warnings import accuracy_warnings
-from tactgen.validation.models.difference import Band, expected_differences
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.scene.conditions import conditions
@@ -92,7 +91,6 @@ def summary(study: Study) -> dict[str, Any]:
 
 def _numbers(study: Study) -> Iterator[Headline]:
     """Headline numbers of the comparison, by its reference."""
-    bands = _expected(study)
     for row in study.compared:
         cell = row.most_detailed
         if not row.info.headline or not math.isfinite(cell.value):
@@ -106,7 +104,7 @@ def _numbers(study: Study) -> Iterator[Headline]:
             _label(study, row),
             with_error(cell.value, cell.error, row.unit),
             cell.model,
-            ", ".join(others) or _band(bands.get(row.quantity)),
+            ", ".join([*others, *([cell.modelling] if MODELS[cell.model].quick else [])]),
         )
 
 
@@ -141,20 +139,6 @@ def _extremes(study: Study) -> Iterator[Headline]:
             model,
             ", ".join(others) or "not estimated",
         )
-
-
-def _expected(study: Study) -> dict[str, Band]:
-    """Expected difference of beam theory from a solid, where no solid was solved."""
-    models = study.solution.models_of("bimorph")
-    if not models or any(MODELS[name].theory == "solid" for name in models):
-        return {}
-    return expected_differences(study.scene)
-
-
-def _band(band: Band | None) -> str:
-    if band is None:
-        return "not estimated"
-    return f"expected {percent(band.low, 0)} to {percent(band.high, 0)} from a solid"
 
 
 def _figure(study: Study) -> tuple[str, str]:
@@ -197,10 +181,12 @@ def _doubts(study: Study) -> Iterator[str]:
                     f"The models {cell.model} and {row.most_detailed.model} solve the same "
                     f"equations, but their errors do not cover the difference in {row.info.label}."
                 )
-    if _expected(study):
+    quick = [row.most_detailed for row in study.compared if not row.info.by_frequency]
+    estimated = [c.model for c in quick if MODELS[c.model].quick and c.modelling != "not known"]
+    if estimated:
         yield (
-            "No solid was solved. All models here leave out the width, the ends and the variation "
-            "of the field; add --model solid."
+            f"No detailed model was solved. Modelling errors of {estimated[0]} are estimated from "
+            "random devices; add --model solid or axisymmetric."
         )
     yield from (f"{text[0].upper()}{text[1:]}." for text in _inaccurate(study))
     moment = study.shown.get("support", {}).get("moment")

@@ -15,7 +15,7 @@ from tactgen.geometry.device.parameters import Parameters, sources, spreads
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.units import Unit
-from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.validation.catalogue.models import MODELS, WITNESSES, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.scene.files import NEUTRAL
 from tactgen.validation.scene.scene import Scene, load_scene
@@ -183,7 +183,7 @@ def template() -> str:
 
 def _lists() -> dict[str, tuple[str, str]]:
     """Keys whose TOML value is a list or text of another form, with what to add."""
-    usual = ", ".join(f'"{name}"' for name in models_of("bimorph"))
+    usual = ", ".join(f'"{name}"' for name in models_of("bimorph") if name in WITNESSES)
     return {
         "frequency": ('"10 Hz:1000 Hz:100:log"', ""),
         "models": (f"[{usual}]", f": all, or of {', '.join(MODELS)}"),

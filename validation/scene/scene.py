@@ -32,7 +32,14 @@ from tactgen.geometry.names import nearest
 from tactgen.geometry.units import WholeNumber, quoted
 from tactgen.tmm.ports.elements import ends_of
 from tactgen.validation.catalogue.detection import threshold_of
-from tactgen.validation.catalogue.models import MODELS, all_given, gives, map_model, models_of
+from tactgen.validation.catalogue.models import (
+    MODELS,
+    WITNESSES,
+    all_given,
+    gives,
+    map_model,
+    models_of,
+)
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.files import (
     LONGEST_NAME,
@@ -110,7 +117,7 @@ class Scene(p.Device):
         description="list of frequencies, or START:STOP:N[:log]",
     )
     models: tuple[str, ...] = Field(
-        default_factory=lambda: models_of("bimorph"),
+        default_factory=lambda: tuple(m for m in models_of("bimorph") if m in WITNESSES),
         description="models to solve; by default all of the bimorph's that apply",
     )
     quantities: tuple[str, ...] = Field(
@@ -235,8 +242,12 @@ class Scene(p.Device):
 
 
 def chosen_models(value: Any) -> tuple[str, ...]:
-    """Names of models: one, "a,b", a list, or "all"; InputError for an unknown one."""
-    return choices(value, tuple(MODELS), "model", "models")
+    """Names of models: one, "a,b", a list, or "all" independent ones.
+
+    Raises InputError for an unknown one.
+    """
+    named = choices(value, tuple(MODELS), "model", "models")
+    return WITNESSES if named == tuple(MODELS) else named
 
 
 def chosen_quantities(value: Any, models: Sequence[str]) -> tuple[str, ...]:
@@ -324,7 +335,7 @@ def checked_scene(values: dict[str, Any]) -> Scene:
         raise InputError(sentence(error)) from None
     scene._tolerances, scene._not_stated = tolerances, not_stated
     _check_together(scene)
-    if "models" not in values or scene.models == tuple(MODELS):  # none, or all of them
+    if "models" not in values or scene.models == WITNESSES:  # none, or all of them
         scene = scene.model_copy(update={"models": _able_models(scene)})
     return scene
 

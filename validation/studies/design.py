@@ -32,7 +32,9 @@ from tactgen.tmm.beam.parametric import Actuator
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import wavenumbers
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
-from tactgen.validation.engine.warnings import SLENDER
+from tactgen.validation.catalogue.quantities import STATIC_TIP_DISPLACEMENT
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.warnings import modelling_warnings
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.length_map import (
     LengthMap,
@@ -277,11 +279,6 @@ def design(scene: Scene, aim: Aim) -> Design:
         length = largest_margin(device, aim, around)
         limit = "compromise" if not intervals else "end" if length in aim.lengths else "peak"
     reached, at = lowest_margin(device, aim, np.array([length, own]))
-    slenderness = length / scene.bimorph.thickness
-    doubt = (
-        f"at {1e3 * length:.4g} mm the length is {slenderness:.2g} thicknesses, too short for beam "
-        "theory; compare with --set models=solid"
-    )
     return Design(
         scene=scene,
         aim=aim,
@@ -293,8 +290,16 @@ def design(scene: Scene, aim: Aim) -> Design:
         lengths=grid,
         margins=margins,
         present=(float(reached[1]), float(at[1])),
-        warnings=() if slenderness >= SLENDER else (doubt,),
+        warnings=_doubts(scene, length),
     )
+
+
+def _doubts(scene: Scene, length: float) -> tuple[str, ...]:
+    """Warning of a large modelling error at a length (m)."""
+    bimorph = scene.bimorph.model_copy(update={"length": length})
+    asked = scene.model_copy(update={"bimorph": bimorph})
+    found = solve(asked, ("tmm",), (STATIC_TIP_DISPLACEMENT.name,))
+    return tuple(modelling_warnings(found.quantities))
 
 
 def largest_margin(device: Actuator, aim: Aim, around: tuple[float, float]) -> float:

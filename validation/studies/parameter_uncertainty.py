@@ -207,7 +207,8 @@ def values_and_errors(
         ]
     at = (*FREQUENCIES, ILL_CONDITIONED, *peaks[1:])
     names = sorted({target.name for target in numbers})
-    solution = solve(scene.model_copy(update={"frequency": at}), ("tmm",), names)
+    at_them = scene.model_copy(update={"frequency": at})
+    solution = solve(at_them, ("tmm",), names, modelling=False)
     for target in numbers:
         if target.peak == "frequency":
             yield target, peaks[1], abs(peaks[1] - peaks[0])

@@ -50,12 +50,16 @@ def test_quantities_per_volt_have_no_drive():
     assert warnings("paper", *FREE, "drive.voltage=1000V", quantity="admittance") == ()
 
 
-def test_a_stubby_beam_is_said():
-    """Below ten thicknesses, for beam theory only."""
-    (text,) = warnings("paper", "bimorph.length=7mm", quantity="static_tip_displacement")
-    assert "7 mm" in text
-    assert "11 %" in text
-    assert warnings("paper", "bimorph.length=8mm", quantity="static_tip_displacement") == ()
+def test_a_large_modelling_error_is_said():
+    """Of a wide bimorph and one on a soft core, not of a slender narrow one."""
+    asked = "static_tip_displacement"
+    assert warnings("paper", quantity=asked) == ()
+    for overrides in (
+        ["bimorph.width=30mm"], ["shim.youngs_modulus=50MPa", "shim.shear_modulus=20MPa"],
+    ):  # fmt: skip
+        (text,) = warnings("paper", *overrides, quantity=asked)
+        assert "modelling error" in text
+        assert asked in text
 
 
 def test_voltage_limits_are_where_each_limit_is_reached():

@@ -108,15 +108,16 @@ MAGNETIC = {
 
 
 #: The machine in small motions, on each model of the bimorph.
-MACHINE = {f"{model}.machine" for model in ("lumped", "tmm", "beam", "solid", "cad")}
+MACHINE = {f"{model}.machine" for model in ("lumped", "tmm", "beam", "calibrated", "solid", "cad")}
 #: Many of these beside each other, and units that differ.
 DISPLAY = {
-    *(f"{model}.crosstalk" for model in ("lumped", "tmm", "beam", "solid", "cad")),
-    *(f"{model}.spread" for model in ("lumped", "tmm", "beam")),
+    *(f"{model}.crosstalk" for model in ("lumped", "tmm", "beam", "calibrated", "solid", "cad")),
+    *(f"{model}.spread" for model in ("lumped", "tmm", "beam", "calibrated")),
 }
 #: The field between them.
 NEIGHBOURS = {f"{model}.neighbours" for model in ("network", "magnetic3d")}
-#: Modes of the two field models.
+#: Modes of rows of beams, and of the two field models.
+BEAM_MODES = {f"{model}.modes" for model in ("lumped", "tmm", "beam", "calibrated")}
 FIELD_MODES = {f"{model}.modes_{end}" for model in ("solid", "cad") for end in ("short", "open")}
 
 
@@ -128,9 +129,9 @@ FIELD_MODES = {f"{model}.modes_{end}" for model in ("solid", "cad") for end in (
         ("gap=0.15mm", MAGNETIC | MACHINE | DISPLAY | NEIGHBOURS),
         ("steel.curve=linear", MAGNETIC | MACHINE | DISPLAY | NEIGHBOURS),
         ("rod.density=7800kg/m^3", MACHINE | DISPLAY),
-        ("load.kind=none", {"lumped.modes", "tmm.modes", "beam.modes"} | FIELD_MODES | DISPLAY),
-        ("modes=3", {"tmm.modes", "beam.modes", "solid.modal", "cad.modal", *FIELD_MODES,
-                     "lumped.spread", "tmm.spread", "beam.spread"}),
+        ("load.kind=none", BEAM_MODES | FIELD_MODES | DISPLAY),
+        ("modes=3", {*(BEAM_MODES - {"lumped.modes"}), "solid.modal", "cad.modal", *FIELD_MODES,
+                     *(stage for stage in DISPLAY if stage.endswith("spread"))}),
         ("accuracy=3e-3", {s for s in stage_reads() if s.startswith(("solid", "cad"))} - MACHINE
          | {f"{m}.{s}" for m in ("axisymmetric", "magnetic3d")
             for s in ("point", "switching", "rest")}),

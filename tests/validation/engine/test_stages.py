@@ -22,7 +22,7 @@ from tactgen.validation.scene.scene import load_scene
 SCENES = (
     ("j1", ("frequency=100,2000", "mesh.level=2", "modes=2", "models=solid")),
     ("prototype", ("frequency=100,500", "mesh.level=2", "models=solid")),
-    ("reluctance", ("models=network,axisymmetric", "accuracy=5%")),
+    ("reluctance", ("models=axisymmetric", "accuracy=5%")),
 )
 
 

@@ -1,7 +1,6 @@
 """Steps from the beam to the solid, from a clamp to the rod, from the formula to the field."""
 
 import math
-import random
 
 import pytest
 
@@ -22,8 +21,6 @@ from tactgen.validation.models.difference import (
     change,
     clamp_to_rod,
     clamped,
-    end_share,
-    expected_differences,
     formula_to_field,
     on_rod,
     remaining,
@@ -195,36 +192,6 @@ def sized(layers, thicknesses, widths, more=()):
     return paper(*sizes, *more)
 
 
-def assert_within(scene):
-    difference = change(beam_values(scene), solid_values(SolidCase(scene)))
-    bands = expected_differences(scene)
-    assert len(bands) == 3
-    for name, band in bands.items():
-        # the divisions of this level are right to 3e-3 on such bimorphs
-        assert band.low - 3e-3 <= difference[name] <= band.high + 3e-3, (name, scene.bimorph)
-
-
-@pytest.mark.parametrize(
-    ("thicknesses", "widths", "more"),
-    [(26, 2.7, []), (5, 0.5, []), (10, 6, ["piezo.material=PZT-5H", *BRASS])],
-)
-def test_the_band_holds_what_the_solid_says(thicknesses, widths, more):
-    """The paper's section, a stubby strip, a plate of other layers."""
-    assert_within(sized((0.26, 0.25), thicknesses, widths, more))
-
-
-@pytest.mark.heavy
-def test_the_band_holds_over_many_bimorphs():
-    """Sixty at random, others than it was found by, of three ceramics and two shims."""
-    chance = random.Random(4)
-    for _ in range(60):
-        more = [f"piezo.material={chance.choice(['M1876', 'PZT-5H', 'PZT-5A'])}"]
-        more += BRASS if chance.random() < 0.5 else []
-        layers = chance.uniform(0.1, 0.5), chance.uniform(0.05, 0.5)
-        long, wide = 2 * 20 ** chance.random(), 0.5 * 20 ** chance.random()
-        assert_within(sized(layers, long, wide, more))
-
-
 def test_a_bimorph_shorter_than_thick_is_no_beam():
     """No one-dimensional model answers; a little longer, each does, and says how far it is off."""
     scene = paper("bimorph.length=1um")
@@ -232,7 +199,5 @@ def test_a_bimorph_shorter_than_thick_is_no_beam():
         with pytest.raises(InputError, match=r"length = 0.001 mm .*0.77 mm: that is not a beam"):
             solve(scene, (model,), ("static_tip_displacement",))
     scene = paper("bimorph.length=2mm")
-    found = solve(scene, ("lumped", "tmm"), ("static_tip_displacement",))
-    (warning,) = (w for w in found.warnings if "thicknesses" in w)  # said once, not by each model
-    assert "2.6 thicknesses" in warning
-    assert f"{100 * end_share(scene):.3g} %" in warning
+    for q in solve(scene, ("lumped", "tmm"), ("static_tip_displacement",)).quantities:
+        assert 0.01 < q.modelling_error / abs(q.value) < 1.0

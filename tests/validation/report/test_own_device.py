@@ -5,7 +5,6 @@ from html import unescape
 
 import pytest
 
-from tactgen.validation.models.difference import expected_differences
 from tactgen.validation.report.page import write_report
 from tactgen.validation.scene.scene import load_scene
 
@@ -36,16 +35,9 @@ def words(html):
 
 @pytest.mark.heavy
 def test_a_report_of_ones_own(tmp_path, undrawn, run_elsewhere):
-    """The whole page: its own sections, and in the headline what no model here has."""
+    """The whole page: its own sections, and nothing of the paper's."""
     scene, origins = load_scene("paper", OWN)
     page = write_report(scene, origins, tmp_path, True, lambda _: None)
     text = words(page.read_text("utf-8"))
-    assert [said for said in (*SAID, "No solid was solved") if said not in text] == []
-    for label, band in zip(
-        ("static tip displacement", "free capacitance"),
-        list(expected_differences(scene).values())[::2],
-        strict=True,
-    ):
-        both = f"expected {100 * band.low:+.0f} % to {100 * band.high:+.0f} % from a solid"
-        assert re.search(rf"{label}\D+[\d.]+\D+.*?{re.escape(both)}", text)
+    assert [said for said in SAID if said not in text] == []
     assert not re.search(r"finger|fingertip|Fig \d", text)

@@ -150,7 +150,7 @@ def test_network_is_held_against_the_field(at_a_point):
     network, field = force.cells
     assert (field.model, field.verdict) == ("axisymmetric", "reference")
     assert network.difference == pytest.approx(network.value / field.value - 1.0)
-    assert network.verdict == "model form"
+    assert network.verdict == "explained"
     last = at_a_point.steps[-2:]
     assert [step.values["magnetic_force"] for step in last] == pytest.approx(
         [network.value, field.value]

@@ -95,7 +95,7 @@ def test_report_without_the_solid_says_so(prototype):
         "models", "modes", "response", "drive_limits", "uncertainty", "checks", "parameters",
     ]  # fmt: skip
     assert not re.search(r"(?:src|href)=\"(?!data:|#)", html)
-    assert "No solid was solved" in html
+    assert "No detailed model was solved" in html
     assert not re.search(r"\bnan\b|\bNone\b(?! does)|Undefined", re.sub(r"<[^>]+>", " ", html))
     assert not any(step.startswith("solid.") for step in steps if "check" not in step)
 

@@ -179,6 +179,34 @@ def _coverage(options: argparse.Namespace) -> int:
     return int(not all(part.holds for part in parts))
 
 
+def _calibrated() -> Collection[str]:
+    from tactgen.validation.evidence.calibration import PARTS
+
+    return PARTS
+
+
+def add_calibrate(commands: Commands) -> None:
+    """Declare ``calibrate``."""
+    words = "fit the modelling errors of the quick models anew, on random devices"
+    parser = _declare(commands, "calibrate", words, _calibrated, _calibrate)
+    parser.add_argument(
+        "--install", action="store_true", help="use the new fits in this installation from now on"
+    )
+
+
+def _calibrate(options: argparse.Namespace) -> int:
+    """Run the command."""
+    from tactgen.validation.evidence.calibration import PARTS, install, run, table, write
+
+    found = _run(
+        options, PARTS, run, lambda parts, out, _: write(parts, out),
+        lambda parts: print(table(parts)), dict,
+    )  # fmt: skip
+    if options.install:
+        name_files(install(found))
+    return 0
+
+
 def _stressed() -> Collection[str]:
     from tactgen.validation.evidence.stress import PARTS
 

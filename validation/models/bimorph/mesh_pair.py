@@ -197,8 +197,8 @@ class TwoMeshModel(BimorphModel):
     def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
         modal = self._modal()
         fine, *judges = self._judged(open_circuit=open_circuit)
-        # a cantilever's modes have a quarter of the mass; frequencies go as the root
-        stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * modal.mass / 4.0
+        # frequencies go as the root
+        stiffness = (2.0 * np.pi * fine.frequencies) ** 2 * self._modal_masses(fine)
         rounding = 0.5 * modal.spurious_stiffness / stiffness
         if modal.fine.judges:
             coarser = tuple((judge, modal.mode_factors[0]) for judge in judges)
@@ -227,6 +227,17 @@ class TwoMeshModel(BimorphModel):
         )
         coarser += ((Modes(stiffer, fine.classes), modal.static_factor),)
         return Refined(fine, coarser, modal.method, rounding)
+
+    def _modal_masses(self, fine: Modes) -> Floats:
+        """Modal masses (n,) in kg of unit displacement where a mode moves most.
+
+        A cantilever has a quarter of its mass; the first modes that bend carry the tip's as well.
+        """
+        masses = np.full(fine.frequencies.size, self._modal().mass / 4.0)
+        for kind in ("bending_x", "bending_y"):
+            if kind in fine.classes:
+                masses[fine.classes.index(kind)] += self.scene.ends.conservative_tip.mass
+        return masses
 
     def _beside(self, fine: Modes, *, open_circuit: bool) -> tuple[tuple[Modes, float], ...]:
         """Paired difference of both circuits, by their first bending modes.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from copy import copy
 from dataclasses import astuple, dataclass, replace
 from typing import Any, ClassVar, Self, TypeVar
@@ -23,7 +23,6 @@ from tactgen.tmm.ports.elements import attach, tip_stiffness
 from tactgen.tmm.ports.loads import OF_THE_TABLE, MeasuredLaw
 from tactgen.tmm.ports.multiport import Multiport, Response, respond
 from tactgen.validation.catalogue.quantities import Need
-from tactgen.validation.models.difference import end_share
 from tactgen.validation.models.model import SAFETY, Estimate, Model, Modes, Refined, Stages
 from tactgen.validation.scene.scene import Scene
 
@@ -55,10 +54,6 @@ class MeasuredLoad:
         return Estimate(value, bar)
 
 
-#: Share of a value from which on an answer by beam theory is given with a warning.
-_STUBBY = 0.1
-
-
 class BimorphModel(Model):
     """One model of the scene's lateral actuator."""
 
@@ -68,6 +63,7 @@ class BimorphModel(Model):
     def __init__(self, scene: Scene, stages: Stages) -> None:
         super().__init__(scene, stages)
         self.frequencies = np.asarray(scene.frequency, dtype=float)
+        self._at_others: dict[tuple[bytes, bool], Self] = {}
 
     def answer(self, need: Need) -> Any:
         """Answer that quantities of this analysis are read from."""
@@ -101,13 +97,18 @@ class BimorphModel(Model):
     def at(self, frequencies: Floats, *, judged: bool = True) -> Self:
         """Copy with harmonic answers at other frequencies (n,) in the scene's band (Hz).
 
-        Unless `judged` without the basis of their error.
+        Unless `judged` without the basis of their error.  Several responses are followed to the
+        same frequencies, which are solved once.
         """
+        key = frequencies.tobytes(), judged
+        if key in self._at_others:
+            return self._at_others[key]
         other = copy(self)
         other.scene = self.scene.model_copy(update={"frequency": tuple(frequencies.tolist())})
         other.frequencies = frequencies
         found = self._ports_between(frequencies, judged=judged)
         other._between = found if judged else replace(found, coarser=())
+        self._at_others[key] = other
         return other
 
     def _ports_between(self, frequencies: Floats, *, judged: bool) -> Refined[Multiport]:
@@ -157,19 +158,6 @@ class BeamTheoryModel(BimorphModel):
                 f"of {bimorph.thickness * mm:g} mm: that is not a beam, and the models lumped, tmm "
                 "and beam have no answer; make it longer or ask for --set models=solid"
             )
-
-    def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
-        """Effect of the ends of a short bimorph on beam theory."""
-        bimorph, share = self.scene.bimorph, end_share(self.scene)
-        if share < _STUBBY:
-            return ()
-        sentence = (
-            "the ends may change deflection, frequency and capacitance by "
-            f"{100.0 * share:.3g} % against beam theory: bimorph.length = "
-            f"{1e3 * bimorph.length:g} mm is {bimorph.length / bimorph.thickness:.2g} thicknesses "
-            f"and {bimorph.length / bimorph.width:.2g} widths; compare with --set models=solid"
-        )
-        return (sentence,)
 
     def answer(self, need: Need) -> Any:
         """Answer that quantities of this analysis are read from, unit by unit."""

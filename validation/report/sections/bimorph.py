@@ -14,7 +14,6 @@ from tactgen.validation.catalogue.quantities import (
     TIP_DISPLACEMENT,
 )
 from tactgen.validation.engine.answers import representative
-from tactgen.validation.engine.comparison import UNEXPLAINED
 from tactgen.validation.models.bimorph.model import LumpedModel
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections import gallery
@@ -35,7 +34,6 @@ def _models(study: Study) -> Context:
         "comparison": study.comparison,
         "models": ranked(study.solution.models_of("bimorph")),
         "methods": methods,
-        "unexplained": UNEXPLAINED,
         "meshes": [] if study.machine else gallery.meshes(study),
     }
 

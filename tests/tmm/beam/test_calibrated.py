@@ -1,0 +1,78 @@
+"""Calibrated sections: limits, scaling, and what a port matrix must keep."""
+
+import numpy as np
+import pytest
+
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam import calibrated
+from tactgen.tmm.beam.sections import laminate_section
+from tactgen.tmm.ports.multiport import BIMORPH
+from tactgen.validation.scene.scene import load_scene
+
+
+def scene(*overrides):
+    return load_scene("prototype", ["support.kind=clamped", "load.kind=none", *overrides])[0]
+
+
+def solved(of, frequencies):
+    factors = calibrated.section_factors(of.device, of.beam)
+    row = calibrated.sections(of.device, of.support, of.beam, factors, lossy=False)
+    return calibrated.multiport(row, factors, frequencies), factors
+
+
+def sized(scale, *more):
+    """Return the bimorph of the scene in another size."""
+    sizes = {"length": 14.0, "width": 2.1, "piezo_thickness": 0.26, "shim_thickness": 0.25}
+    return scene(*(f"bimorph.{name}={scale * v}mm" for name, v in sizes.items()), *more)
+
+
+def test_only_ratios_matter():
+    """Ten times as large: the same factors and errors."""
+    one, ten = (calibrated.section_factors(s.device, s.beam) for s in (sized(1.0), sized(10.0)))
+    for name in ("stiffness", "shear", "coupling", "capacitance", "root", "root_coupling"):
+        assert getattr(ten, name) == pytest.approx(getattr(one, name), rel=1e-9)
+    np.testing.assert_allclose(ten.errors, one.errors, rtol=1e-9)
+    np.testing.assert_allclose(ten.knots, one.knots / 10.0, rtol=1e-9)
+
+
+def test_a_slender_plate_is_its_laminate():
+    """Far from ends and edges laminate theory is right."""
+    of = scene("bimorph.length=60mm", "bimorph.width=12mm", "bimorph.piezo_thickness=0.2mm")
+    factors = calibrated.section_factors(of.device, of.beam)
+    plate, beam = laminate_section(of.device, of.beam), laminate_section(
+        of.device, of.beam, poisson=False, d32=False, varying_field=False
+    )  # fmt: skip
+    assert factors.stiffness == pytest.approx(plate.EI / beam.EI, rel=0.01)
+    assert factors.coupling == pytest.approx(plate.K / beam.K, rel=0.02)
+
+
+def test_the_port_matrix_is_reciprocal_and_carries_the_mass():
+    """Symmetric but for the sign of the charge; slow translation meets the mass, no more."""
+    of = sized(1.0)
+    port, _ = solved(of, np.array([1.0, 500.0, 3000.0]))
+    d = port.stiffness.real
+    moving = [BIMORPH.index(p) for p in port.ports if p.name != "voltage"]
+    block = d[:, moving][:, :, moving]
+    np.testing.assert_allclose(block, block.transpose(0, 2, 1), rtol=1e-8, atol=1e-8)
+    section = laminate_section(of.device, of.beam)
+    shift = np.array([1.0, 0.0, 1.0, 0.0])
+    force = shift @ block[0] @ shift
+    assert force == pytest.approx(-section.m * 14e-3 * (2.0 * np.pi) ** 2, rel=1e-4)
+
+
+def test_beyond_the_range_is_named_and_widened():
+    usual = calibrated.section_factors(sized(1.0).device, sized(1.0).beam)
+    stout = scene("bimorph.length=2.2mm")
+    found = calibrated.section_factors(stout.device, stout.beam)
+    assert usual.beyond == ()
+    assert found.beyond
+    glued = sized(1.0, "bimorph.glue_thickness=10um")
+    wider = calibrated.section_factors(glued.device, glued.beam).errors
+    assert (wider > usual.errors).all()
+    taper = sized(1.0, "bimorph.width_profile=0 mm: 2.1 mm, 14 mm: 1 mm")
+    assert np.isnan(calibrated.section_factors(taper.device, taper.beam).errors).all()
+
+
+def test_a_rod_is_refused():
+    with pytest.raises(InputError, match="--model cad, which takes both"):
+        calibrated.check_support(load_scene("bimorph_on_rod")[0].support)

@@ -1,0 +1,91 @@
+"""Modelling errors: the quick models' answers beside what solids and fields say."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.answers import quantity_from_json, quantity_json
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
+
+ASKED = ("static_tip_displacement", "capacitance_free", "short_circuit_frequencies")
+BENDER = (
+    "bimorph.length=27mm", "bimorph.width=12.7mm", "bimorph.piezo_thickness=0.19mm",
+    "bimorph.shim_thickness=0.13mm", "piezo.material=PZT-5A", "shim.material=brass",
+    "support.kind=clamped",
+)  # fmt: skip
+
+
+def both(name, *overrides, models=("tmm", "solid"), asked=ASKED):
+    scene, _ = load_scene(name, ["mesh.level=2", "modes=1", *overrides])
+    found = solve(scene, models, asked)
+    return [(found.get(q, models[0]), found.get(q, models[1])) for q in asked]
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides"),
+    [
+        ("paper", []), ("prototype", []), ("j1", []), ("prototype", BENDER),
+        ("prototype", [*BENDER, "load.kind=mass", "load.mass=2g"]),
+        ("prototype", ["shim.youngs_modulus=20MPa", "shim.shear_modulus=7.7MPa"]),
+        ("j1", ["bimorph.width=15mm"]),
+    ],
+)  # fmt: skip
+def test_it_covers_what_the_solid_says(name, overrides):
+    """The paper's devices, a wide bender with a tip mass, a soft core, a wide plate."""
+    for quick, solid in both(name, *overrides):
+        right, bar = float(np.ravel(solid.value)[0]), float(np.ravel(solid.error)[0])
+        value, error = float(np.ravel(quick.value)[0]), float(np.ravel(quick.modelling_error)[0])
+        assert abs(value - right) <= error + bar, quick.name
+        assert not np.any(solid.modelling_error)
+
+
+def test_the_known_difference_is_taken_off():
+    """The calibrated model is nearer to the solid than the beam by a factor of five at least."""
+    for name, overrides in (("paper", []), ("prototype", BENDER)):
+        pairs = both(name, *overrides, models=("calibrated", "solid"), asked=ASKED[:2])
+        for (quick, solid), (beam, _) in zip(pairs, both(name, *overrides), strict=False):
+            apart, before = (abs(float(q.value - solid.value)) for q in (quick, beam))
+            assert 5.0 * apart < before, quick.name
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides", "quantity", "model"),
+    [
+        ("bimorph_on_rod", [], "static_tip_displacement", "tmm"),
+        ("paper", ["bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"], "capacitance_free", "tmm"),
+        ("reluctance", [], "resting_positions", "network"),
+    ],
+)
+def test_what_is_not_known_says_so(name, overrides, quantity, model):
+    scene, _ = load_scene(name, [f"models={model}", *overrides])
+    (found,) = solve(scene, (model,), (quantity,)).quantities
+    assert np.isnan(found.modelling_error).all()
+
+
+def test_the_network_beside_the_field():
+    """Force, flux linkage and currents of the paper's actuator."""
+    asked = ("magnetic_force", "flux_linkage", "pull_in_current", "holding_current")
+    scene, _ = load_scene("reluctance", ["accuracy=5%"])
+    found = solve(scene, ("network", "axisymmetric"), asked)
+    for name in asked:
+        network, field = found.get(name, "network"), found.get(name, "axisymmetric")
+        assert abs(network.value - field.value) <= network.modelling_error + field.error, name
+
+
+def test_json_keeps_it():
+    (quick, solid), *_ = both("prototype")
+    for q in (quick, solid):
+        again = quantity_from_json(json.loads(json.dumps(quantity_json(q))))
+        np.testing.assert_array_equal(again.modelling_error, q.modelling_error)
+        assert (again.modelling is None) == (q.modelling is None)
+
+
+def test_the_screen_shows_both_errors(capsys):
+    asked = ["--model", "tmm", "--quantity", "static_tip_displacement,short_circuit_frequencies"]
+    assert main(["solve", "prototype", *asked]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    rows = [line for line in lines if line.startswith(("static", "short"))]
+    assert all("±" in row and row.endswith("%") for row in rows[:3])

@@ -1,0 +1,91 @@
+"""Calibrations: what they state covers devices that they were not fitted to."""
+
+import numpy as np
+import pytest
+
+from tactgen.validation.command_line.cli import main
+from tactgen.validation.evidence import calibration, fit_record
+from tactgen.validation.evidence.calibration_bimorph import observe, statics
+from tactgen.validation.evidence.coverage import PROMISED, run_parts
+from tactgen.validation.evidence.fit_record import evidence
+
+
+def test_evidence_counts():
+    """Medians, shares and the worst device, of numbers known beforehand."""
+    left = np.array([[0.01, np.nan], [0.02, 0.1], [0.03, 0.4]])
+    found = evidence(("a", "b"), left, np.full((3, 2), 0.025), [["one"], ["two"], ["three"]])
+    assert found["errors"]["a"]["median"] == 0.02
+    assert found["errors"]["a"]["covered"] == pytest.approx(2.0 / 3.0, rel=1e-4)
+    assert found["errors"]["b"]["devices"] == 2
+    assert [one["device"] for one in found["worst"]] == ["three", "two", "one"]
+    assert found["worst"][0]["of"] == "b"
+
+
+def test_what_is_shipped_covers():
+    """Every number of both calibrations, on the quarter of the devices that was left out."""
+    for record in calibration.shipped().values():
+        for part in (part for part in record.values() if "evidence" in str(part)):
+            for name, row in part["evidence"]["errors"].items():
+                assert row["covered"] >= PROMISED, name
+                assert row["devices"] > 100
+
+
+def test_a_calibration_is_written_where_asked(tmp_path, monkeypatch, capsys):
+    """By the command, and into the package only on demand."""
+    record = {"devices": 3, "seed": 1, "beyond": {}}
+    part = (lambda announce: record), tmp_path / "package.json"
+    monkeypatch.setitem(calibration.PARTS, "bimorph", part)
+    asked = ["calibrate", "--only", "bimorph", "--out", str(tmp_path)]
+    assert main(asked) == 0
+    assert (tmp_path / "bimorph.json").exists()
+    assert not part[1].exists()
+    assert main([*asked, "--install"]) == 0
+    assert part[1].read_text() == (tmp_path / "bimorph.json").read_text()
+    capsys.readouterr()
+    assert main(["calibrate", "--only", "beams"]) == 2
+    assert "beams" in capsys.readouterr().err
+
+
+def test_the_statics_that_are_fitted_are_those_of_a_cantilever():
+    """Of a uniform beam: closed forms, whatever the length of the zone at the clamp."""
+    from tactgen.tmm.beam.sections import Section
+    from tactgen.validation.evidence.calibration_bimorph import Devices
+
+    length, (ei, ga, k, c) = 0.02, (0.02, 9e4, 3e-5, 8e-7)
+    section = Section(*(np.array([v]) for v in (ei, ga, 0.01, 1e-9, k, c)))
+    for root in (1e-3, 8e-3):
+        at = np.array([length]), np.array([root])
+        of = Devices((), np.zeros((1, 10)), np.zeros((1, 3)), np.zeros(1), *at, section, ())
+        found = np.exp(statics(np.zeros((1, 6)), of))[0]
+        expected = [
+            length**3 / (3 * ei) + length / ga, length**2 / (2 * ei), length / ei,
+            k * length**2 / (2 * ei), k * length / ei, (c + k**2 / ei) * length,
+        ]  # fmt: skip
+        np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.heavy
+def test_a_device_is_observed_as_before():
+    """Seed and number give the same device; clamped, open and sprung frequencies in their order."""
+    one, again = observe(5, 3), observe(5, 3)
+    assert one.overrides == again.overrides
+    np.testing.assert_allclose(one.statics, again.statics, rtol=1e-9)
+    assert (one.opened > one.short).all()
+    assert one.sprung[0] < one.short[0]
+
+
+@pytest.mark.heavy
+@pytest.mark.parametrize(("part", "devices"), [("calibrated", 60), ("network", 120)])
+def test_fresh_devices_are_covered(part, devices):
+    """By the modelling errors that the quick models state."""
+    (found,) = run_parts([part], devices, 11, lambda _: None)
+    assert [row.quantity for row in found.rows if not row.holds] == []
+
+
+def test_curves_rise():
+    """The share within a multiple of the stated error, up to all."""
+    for record in calibration.shipped().values():
+        for part in (part for part in record.values() if "evidence" in str(part)):
+            for row in part["evidence"]["errors"].values():
+                assert row["curve"] == sorted(row["curve"])
+                assert len(row["curve"]) == len(fit_record.CURVE)

@@ -1,0 +1,423 @@
+"""Transfer matrices with section constants calibrated on the solid.
+
+The section is that of laminate theory (no force and no moment across the width, the field follows
+the strain).  What it lacks depends on ratios only, :func:`groups`, and was fitted once to solids of
+random bimorphs, clamped in all layers (:mod:`validation.evidence.calibration`):
+
+* six factors: on bending stiffness, shear compliance, coupling and free capacitance of the section,
+  and on flexibility and coupling next to the clamp, where the width cannot contract;
+* three ratios of frequencies, through which bending across the width and the shear of a soft core
+  make short waves stiffer or softer than any beam.
+
+Each comes with the error that was left on devices which the fit had not seen.  Since the factors
+are those of the section, every support, load and circuit has them.
+
+The coefficients come from finite elements: this model is no witness of its own.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.segments import Piece, beam_pieces
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.device.profile import UNIFORM
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam import transfer_matrix
+from tactgen.tmm.beam.modes import natural_frequencies
+from tactgen.tmm.beam.scattering import Element, joined
+from tactgen.tmm.beam.sections import (
+    Section,
+    energy_shear_correction,
+    laminate_section,
+    section,
+    without_electrode,
+)
+from tactgen.tmm.chebyshev import Products
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport
+
+#: Coefficients, their ranges and their errors, as ``tactgen calibrate`` writes them.
+FILE = Path(__file__).with_name("calibration.json")
+#: Names of the groups in order, for people.
+GROUPS = (
+    "width/thickness", "ceramic/shim thickness", "shim/ceramic modulus", "end zone/length",
+    "Poisson's ratio of the shim", "shear modulus of the shim", "coupling k31^2",
+    "shear compliance of the ceramic", "Poisson's ratio of the ceramic", "core shear",
+)  # fmt: skip
+#: What the six factors act on, in order; see :class:`SectionFactors`.
+FACTORS = ("stiffness", "root", "shear", "coupling", "root_coupling", "capacitance")
+#: What an error is known of, in order: the tip's displacement per force and per voltage, the free
+#: capacitance, natural frequencies of bending in x, and the coupling factor of the first mode.
+ERRORS = ("compliance", "deflection", "capacitance", "f1", "f2", "f3", "coupling_factor")
+#: Core shear E_p t_p (t_s + t_p) / (G_s L²) from which on a core is soft; between both values the
+#: two fits are blended.
+SOFT = (0.01, 0.03)
+#: Relative error of the loss factor in motion, with a stiff core and with a soft one.  Not fitted:
+#: of 108 random bimorphs the height of the first resonance was off by 9 % at most with a core shear
+#: below 0.01, and by factors where the shear of a core without losses takes most of the energy.
+DAMPING = (0.1, 10.0)
+#: Least length over thickness, and largest width over length, of the bimorphs of the fit.
+STOUTEST, BROADEST = 4.0, 1.5
+#: Width over length from which on the second and third mode may be one across the width.
+WIDEST = (np.inf, 0.9, 0.54)
+#: Eigenvalues λ of the first modes of a clamped beam.
+_LAMBDA = np.array([1.8751040687, 4.6940911330, 7.8547574382])
+
+
+@dataclass(frozen=True)
+class SectionFactors:
+    """Calibrated bimorph relative to beam theory, by factors; lengths in m, frequencies in Hz."""
+
+    stiffness: Any  #: On EI, complex where there are losses
+    shear: float  #: On GA
+    coupling: Any  #: On K
+    capacitance: Any  #: On C + K²/EI, the capacitance that bends freely
+    #: On 1/EI and K/EI in the zone next to the clamp, and its length
+    root: float
+    root_coupling: float
+    root_length: float
+    #: Frequencies (3,) at which the beam's own frequency is known, and the ratio (3,) of that
+    #: to the solid's
+    knots: Floats
+    ratios: Floats
+    errors: Floats  #: (7,) Relative errors of :data:`ERRORS`
+    #: How many of the first three modes surely bend along the length, none across the width
+    lengthwise: int
+    damping_error: float  #: Relative error of the loss factor in motion, see :data:`DAMPING`
+    beyond: tuple[str, ...]  #: Groups outside the range of the fit, which their limit stands for
+
+    def of_beam(self, frequency: Floats) -> Floats:
+        """Frequencies at which the beam moves as the solid does at these."""
+        ratios = np.interp(frequency, np.append(0.0, self.knots), np.append(1.0, self.ratios))
+        return np.asarray(frequency * ratios)
+
+    def frequency_error(self, frequency: Floats) -> Floats:
+        """Relative errors (n,) of frequencies: of the first mode, then between the modes'.
+
+        nan beyond the last mode whose error is known.
+        """
+        known = self.mode_error(self.knots.size)
+        return np.interp(frequency, self.knots, known, right=np.nan)
+
+    def mode_error(self, count: int) -> Floats:
+        """Relative errors (n,) of the first natural frequencies, nan where they are not known.
+
+        Those are modes beyond the third, and of a wide plate those above its first mode across.
+        """
+        known = np.full(max(count, self.knots.size), np.nan)
+        known[: self.lengthwise] = self.errors[3:6][: self.lengthwise]
+        return known[:count]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Coefficients over a range of groups."""
+
+    products: Products  #: Polynomials in all groups
+    #: Polynomials in the sizes; each of the :func:`amplitudes` times them is a term as well
+    transition: Products
+    factors: Floats  #: (t, 6) Coefficients of the logarithms of :data:`FACTORS`
+    ratios: Floats  #: (t, 3) The same of the ratios of frequencies
+    errors: Floats  #: (1 + 2 g, 7) Of the logarithms of :data:`ERRORS`
+
+    def terms(self, at: Floats, amplitude: Floats) -> Floats:
+        """Terms (..., t) at groups (..., g) and amplitudes (..., 3)."""
+        across = amplitude[..., :, None] * self.transition(at)[..., None, :]
+        flat = across.reshape(*across.shape[:-2], -1)
+        return np.concatenate([self.products(at), flat], axis=-1)
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Fits for stiff and for soft cores, and the error factors of other bimorphs."""
+
+    stiff: Fit
+    soft: Fit
+    #: Factors on all errors by property that the fit does not know (tab, glue, bare ends), and of
+    #: ratios beyond its range; of others, such as a taper, no error is known
+    beyond: dict[str, float]
+
+
+def calibration_from(record: dict[str, Any]) -> Calibration:
+    """Calibration as read from a file."""
+    stiff, soft = (
+        Fit(
+            Products(*(np.array(one[name]) for name in ("low", "high", "powers"))),
+            Products(*(np.array(one[name]) for name in ("low", "high", "transition"))),
+            *(np.array(one[name]) for name in ("factors", "ratios", "errors")),
+        )
+        for one in (record["stiff"], record["soft"])
+    )
+    return Calibration(stiff, soft, record["beyond"])
+
+
+@cache
+def calibration() -> Calibration:
+    """Calibration that is shipped."""
+    return calibration_from(json.loads(FILE.read_text(encoding="utf-8")))
+
+
+# ---- groups and the uncalibrated section ----
+
+
+def plain(device: Device) -> Device:
+    """Device with the mean layers all along, without glue, tab or bare ends."""
+    own = device.bimorph
+    simple: dict[str, Any] = {
+        "glue_thickness": 0.0, "tab_length": 0.0, "bare_below": 0.0, "bare_above": 0.0,
+    }  # fmt: skip
+    for name, profile in own.profiles.items():
+        z, size = np.array(profile).T
+        mean = float(np.trapezoid(size, z) / z[-1])
+        simple |= {name: UNIFORM, name.removesuffix("_profile"): mean}
+    return device.model_copy(update={"bimorph": own.model_copy(update=simple)})
+
+
+def groups(device: Device) -> Floats:
+    """Ratios (10,) on which the difference of solid and laminate depends; see :data:`GROUPS`."""
+    bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
+    tp, ts, h, length = (
+        bimorph.piezo_thickness, bimorph.shim_thickness, bimorph.thickness, bimorph.length
+    )  # fmt: skip
+    ceramic = piezo.ceramic()
+    return np.array([
+        np.log(bimorph.width / h), np.log(tp / ts), np.log(shim.youngs_modulus * piezo.s11),
+        np.sqrt((0.5 * bimorph.width + h) / length), shim.poisson_ratio,
+        np.log(2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus / shim.youngs_modulus),
+        piezo.d31**2 / (piezo.s11 * piezo.eps33 * EPS0), piezo.s55 / piezo.s11,
+        -ceramic.s[0, 1] / ceramic.s[0, 0], np.log(core_shear(device)),
+    ])  # fmt: skip
+
+
+def amplitudes(device: Device) -> Floats:
+    """Logarithms (3,) of what the width changes of a section, from a strip to a plate.
+
+    Of the stiffness, the coupling and the free capacitance, by laminate theory.
+    """
+    plate, strip = (
+        laminate_section(device, Beam(), poisson=both, d32=both) for both in (True, False)
+    )
+    coupling = plate.K / strip.K if strip.K else 1.0
+    return np.log([plate.EI / strip.EI, coupling, _free(plate) / _free(strip)])
+
+
+def core_shear(device: Device) -> float:
+    """E_p t_p (t_s + t_p) / (G_s L²): shear of the core beside bending."""
+    bimorph = device.bimorph
+    tp, ts = bimorph.piezo_thickness, bimorph.shim_thickness
+    sliding = device.piezo.s11 * device.shim.shear_modulus * bimorph.length**2
+    return float(tp * (ts + tp) / sliding)
+
+
+def root_length(device: Device) -> float:
+    """Length (m) of the zone next to the clamp: part of the width, and where a soft core slides."""
+    bimorph = device.bimorph
+    slides = np.sqrt(
+        bimorph.piezo_thickness * bimorph.shim_thickness
+        / (device.piezo.s11 * device.shim.shear_modulus)
+    )  # fmt: skip
+    return float(min(0.4 * bimorph.width + bimorph.thickness + slides, 0.5 * bimorph.length))
+
+
+def laminate(device: Device) -> Section:
+    """Section of laminate theory with the shear stiffness of its layers' energy."""
+    return laminate_section(device, Beam(shear_correction=energy_shear_correction(device)))
+
+
+def clamped_guess(active: Section, length: float) -> Floats:
+    """First frequencies (3,) in Hz of a clamped beam, by a closed form within some percent."""
+    bending = _LAMBDA**2 * np.sqrt(active.EI / active.m) / length**2
+    softer = 1.0 + _LAMBDA**2 * active.EI / (active.GA * length**2)
+    return np.asarray(bending / np.sqrt(softer) / (2.0 * np.pi))
+
+
+# ---- the calibrated section ----
+
+
+def check_support(support: Support) -> None:
+    """Refuse a rod, of whose joint no calibration knows.
+
+    Raises InputError with the remedy.
+    """
+    if support.kind == "rod":
+        raise InputError(
+            'support.kind = "rod": the model calibrated takes the bimorph without its rod; ask for '
+            "--model cad, which takes both"
+        )
+
+
+def section_factors(device: Device, beam: Beam, known: Calibration | None = None) -> SectionFactors:
+    """Calibrated section of a bimorph relative to that of beam theory.
+
+    Parameters
+    ----------
+    known : Calibration, optional
+        By default the one that is shipped.
+    """
+    known = known or calibration()
+    simple = plain(device)
+    at, amplitude = groups(simple), amplitudes(simple)
+    low, high = np.log(SOFT)
+    share = float(np.clip((np.log(core_shear(simple)) - low) / (high - low), 0.0, 1.0))
+    fits = [(1.0 - share, known.stiff), (share, known.soft)]
+    fits = [(weight, fit) for weight, fit in fits if weight > 0.0]
+    terms = [(weight, fit, fit.terms(at, amplitude)) for weight, fit in fits]
+    stiffness, root, shear, coupling, root_coupling, capacitance = np.exp(
+        sum(weight * (of @ fit.factors) for weight, fit, of in terms)
+    )
+    ratios = np.exp(sum(weight * (of @ fit.ratios) for weight, fit, of in terms))
+    errors = sum(weight * (fit.products.quadratic(at) @ fit.errors) for weight, fit in fits)
+    outside = [GROUPS[i] for i in sorted({i for _, fit in fits for i in fit.products.outside(at)})]
+    outside += _proportions(simple)
+    unknown = (*properties(device), *(["range"] if outside else []))
+    widened = float(np.prod([known.beyond.get(name, np.nan) for name in unknown]))
+    whole = laminate(simple)
+    own = section(Piece("bimorph", simple.bimorph.length), simple, beam, lossy=False)
+    active = replace(whole, EI=whole.EI * stiffness, GA=whole.GA / shear)
+    return SectionFactors(
+        stiffness=active.EI / own.EI,
+        shear=active.GA / own.GA,
+        coupling=coupling * (whole.K / own.K if own.K else 1.0),
+        capacitance=capacitance * _free(whole) / _free(own),
+        root=float(root), root_coupling=float(root_coupling), root_length=root_length(simple),
+        knots=clamped_guess(active, simple.bimorph.length), ratios=ratios,
+        errors=widened * np.exp(errors), lengthwise=lengthwise_modes(simple),
+        damping_error=float(DAMPING[0] ** (1.0 - share) * DAMPING[1] ** share),
+        beyond=tuple(outside),
+    )  # fmt: skip
+
+
+def lengthwise_modes(device: Device) -> int:
+    """How many of the first three modes surely bend along the length, none across the width."""
+    wide = device.bimorph.width / device.bimorph.length
+    return sum(wide < widest for widest in WIDEST)
+
+
+def _proportions(device: Device) -> list[str]:
+    """Proportions beyond those of the fit."""
+    own = device.bimorph
+    found = {
+        "length/thickness": own.length < STOUTEST * own.thickness,
+        "width/length": own.width > BROADEST * own.length,
+    }
+    return [name for name, beyond in found.items() if beyond]
+
+
+def properties(device: Device) -> tuple[str, ...]:
+    """Properties of a bimorph that the fit does not know."""
+    own = device.bimorph
+    found = {
+        "tab": own.tab_length > 0.0, "glue": own.glue_thickness > 0.0,
+        "bare ends": own.bare_below + own.bare_above > 0.0, "taper": bool(own.profiles),
+    }  # fmt: skip
+    return tuple(name for name, has in found.items() if has)
+
+
+def _free(active: Section) -> Any:
+    """Capacitance per length (F/m) of a section that bends freely."""
+    return active.C + active.K**2 / active.EI
+
+
+def sections(
+    device: Device,
+    support: Support,
+    beam: Beam,
+    factors: SectionFactors,
+    *,
+    lossy: bool,
+    segments: int = transfer_matrix.SEGMENTS,
+) -> list[Element]:
+    """Row of calibrated beams from base to tip, see :func:`tmm.beam.transfer_matrix.sections`."""
+    if lossy:
+        factors = _with_losses(factors, device, beam)
+    left = 0.0 if device.bimorph.tab_length else factors.root_length
+    found: list[Element] = []
+    for piece in beam_pieces(device, support):
+        parts = transfer_matrix.elements(
+            replace(piece, electrode=True), device, beam, lossy=lossy, segments=segments
+        )
+        if piece.section != "bimorph":
+            found += parts
+            continue
+        for element, length in parts:
+            assert isinstance(element, Section)
+            near = min(left, length)
+            left -= near
+            for active, of in (
+                (_corrected(element, factors, at_root=True), near),
+                (_corrected(element, factors, at_root=False), length - near),
+            ):
+                if of > 0.0:
+                    found.append((active if piece.electrode else without_electrode(active), of))
+    return found
+
+
+def _with_losses(factors: SectionFactors, device: Device, beam: Beam) -> SectionFactors:
+    """Complex factors, so that the losses are those of the laminate, not of the beam.
+
+    In a bending layer the field that follows the strain costs dielectric losses as well.
+    """
+    simple = plain(device)
+    plate, strip = (
+        [laminate_section(simple, beam, lossy=q, **simplified) for q in (True, False)]
+        for simplified in ({}, {"poisson": False, "d32": False, "varying_field": False})
+    )
+
+    def beside(of: Callable[[Section], Any]) -> Any:
+        lossy, lossless = (of(a) / of(b) if of(b) else 1.0 for a, b in (plate, strip))
+        return lossy / lossless
+
+    return replace(
+        factors,
+        stiffness=factors.stiffness * beside(lambda one: one.EI),
+        coupling=factors.coupling * beside(lambda one: one.K),
+        capacitance=factors.capacitance * beside(_free),
+    )
+
+
+def _corrected(plain: Section, factors: SectionFactors, *, at_root: bool) -> Section:
+    """Section of beam theory with the calibrated factors on it."""
+    flexible, follows = (factors.root, factors.root_coupling) if at_root else (1.0, 1.0)
+    stiffness = plain.EI * factors.stiffness / flexible
+    coupling = plain.K * factors.coupling / flexible * follows
+    return replace(
+        plain,
+        EI=stiffness,
+        GA=plain.GA * factors.shear,
+        K=coupling,
+        C=_free(plain) * factors.capacitance - coupling**2 / stiffness,
+    )
+
+
+def with_inertia(entry: Element, factor: float) -> Element:
+    """Element with its inertia times a factor."""
+    element, length = entry
+    if not isinstance(element, Section):
+        return entry
+    return replace(element, m=element.m * factor, rhoI=element.rhoI * factor), length
+
+
+def multiport(row: Sequence[Element], factors: SectionFactors, frequencies: Floats) -> Multiport:
+    """Calibrated row over its five ports (parallel wiring)."""
+    at = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    omega = 2.0 * np.pi * factors.of_beam(at)
+    return Multiport(at, joined(row, omega), BIMORPH)
+
+
+def bending_frequencies(
+    row: Sequence[Element], factors: SectionFactors, ends: Ends, count: int, *, open_circuit: bool
+) -> Floats:
+    """Lowest `count` natural frequencies (Hz) of a lossless calibrated row."""
+    return natural_frequencies(
+        row, ends, count, open_circuit=open_circuit, of_row=factors.of_beam
+    ).frequencies

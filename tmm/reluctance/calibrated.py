@@ -1,0 +1,175 @@
+"""The reluctance network with its known differences from the field taken off.
+
+A factor on the co-energy, e^P(x), of ratios x of the dimensions, of the current and of the gap,
+fitted once to axisymmetric fields of random actuators (:mod:`validation.evidence`).  Flux
+linkage and force are its slopes, so they stay consistent:
+
+    W' = e^P W,  λ = ∂W'/∂i = e^P (λ₀ + W P_i),  F = −∂W'/∂g = e^P (F₀ − W P_g).
+
+The coefficients come from finite elements: this is no witness of its own.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.magnetisation import MU0
+from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.steel_table import magnetisation_curve
+from tactgen.tmm.chebyshev import Products
+from tactgen.tmm.reluctance.circuit import pole_area
+
+#: Coefficients and errors, as ``tactgen calibrate`` writes them.
+FILE = Path(__file__).with_name("calibration.json")
+#: Ratios in order, for people.
+GROUPS = (
+    "gap", "flux density in the shaft", "shaft radius", "wall of the sleeve",
+    "collar over the coil", "head thickness", "coil length", "gap at the flange",
+    "flange thickness", "sleeve radius", "step between head and sleeve", "steel at 1 kA/m",
+    "steel at 10 kA/m",
+)  # fmt: skip
+_GAP, _FLUX = 0, 1
+#: Names of the values that it corrects, in order.
+VALUES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
+#: Fields (A/m) at which the curve of a steel is read.
+_FIELDS = (1e3, 1e4)
+#: Share of W'/g, and of λ/i, that the error of a slope is never small beside.
+_CANCELS = 0.1
+#: Step of the current for the incremental inductance, relative.
+_STEP = 1e-3
+
+
+class State(NamedTuple):
+    """Values of one actuator at n points, arrays (n,): N, Wb, J, H."""
+
+    force: Floats
+    flux_linkage: Floats
+    coenergy: Floats
+    incremental_inductance: Floats
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Coefficients over a range of groups."""
+
+    products: Products  #: Of t terms
+    coefficients: Floats  #: (t,) Of P
+    errors: Floats  #: (1 + 2 g, 4) Of the logarithms of the errors of :data:`VALUES`
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Fits for straight magnetisation curves and for saturating ones."""
+
+    straight: Fit
+    saturating: Fit
+
+
+def calibration_from(record: dict[str, Any]) -> Calibration:
+    """Calibration as read from a file."""
+    fits = (
+        Fit(
+            Products(*(np.array(one[name]) for name in ("low", "high", "powers"))),
+            np.array(one["coefficients"]), np.array(one["errors"]),
+        )
+        for one in (record["straight"], record["saturating"])
+    )  # fmt: skip
+    return Calibration(*fits)
+
+
+@cache
+def calibration() -> Calibration:
+    """Calibration that is shipped."""
+    return calibration_from(json.loads(FILE.read_text(encoding="utf-8")))
+
+
+def sizes(state: State, current: Floats, gap: Floats) -> Floats:
+    """Sizes (4, n) that errors of :data:`VALUES` are shares of, at currents and gaps (n,).
+
+    A force that is small beside W'/g, since its parts cancel, has no error smaller for it, nor has
+    an incremental inductance that is small beside λ/i.
+    """
+    force = np.abs(state.force) + _CANCELS * np.abs(state.coenergy) / gap
+    linkage = np.abs(state.flux_linkage)
+    slope = np.abs(state.incremental_inductance) + _CANCELS * linkage / np.abs(current)
+    return np.stack([force, linkage, np.abs(state.coenergy), slope])
+
+
+def is_straight(device: Device) -> bool:
+    """Whether the steel has a constant permeability."""
+    return device.steel.curve == "linear"
+
+
+def groups(device: Device, current: Floats, gap: Floats) -> Floats:
+    """Ratios (n, 13) at currents and gaps (n,); see :data:`GROUPS`."""
+    rod, coil, sleeve = device.rod, device.coil, device.sleeve
+    r = rod.head_radius
+    curve = magnetisation_curve(device.steel)
+    at = np.array([np.interp(field, curve.field, curve.flux_density) for field in _FIELDS])
+    flux = MU0 * coil.turns * np.maximum(np.abs(current), 1e-12) / gap * pole_area(device)
+    density = flux / (np.pi * rod.radius**2 * at[-1])
+    collar = (sleeve.inner_radius - sleeve.collar_radius) * sleeve.collar_thickness
+    fixed = (
+        rod.radius / r, np.log((sleeve.outer_radius - sleeve.inner_radius) / r),
+        np.sqrt(max(collar, 0.0)) / r, np.log(rod.head_thickness / r), np.log(coil.length / r),
+        np.log((sleeve.inner_radius - rod.flange_radius) / r), np.log(rod.flange_thickness / r),
+        sleeve.outer_radius / r,
+    )  # fmt: skip
+    step = np.abs(sleeve.outer_radius - r)
+    steel = np.log(at)
+    columns = [np.log(gap / r), np.log(density), *fixed, step / (step + gap), *steel]
+    return np.column_stack([np.broadcast_to(one, np.shape(gap)) for one in columns])
+
+
+def corrected(
+    device: Device, current: Floats, gap: Floats, network: State, known: Fit | None = None
+) -> tuple[State, Floats]:
+    """Values of a network with the known differences from the field taken off.
+
+    Parameters
+    ----------
+    current, gap : (n,) array
+        A and m.
+    network : State
+        What the network gives there.
+
+    Returns
+    -------
+    State
+        Expected of the axisymmetric field.
+    (4, n) array
+        Errors of :data:`VALUES`, as shares of :func:`sizes`.
+    """
+    fit = known or (calibration().straight if is_straight(device) else calibration().saturating)
+    at = groups(device, current, gap)
+    factor = np.exp(fit.products(at) @ fit.coefficients)
+    by_flux = fit.products.slope(at, _FLUX) @ fit.coefficients
+    by_gap = (fit.products.slope(at, _GAP) @ fit.coefficients - by_flux) / gap
+    size = np.maximum(np.abs(current), 1e-12)
+
+    def slope_by_current(current: Floats) -> Floats:
+        there = groups(device, current, gap)
+        return np.asarray(fit.products.slope(there, _FLUX) @ fit.coefficients / current)
+
+    by_current = np.copysign(by_flux / size, current)
+    step = _STEP * size
+    bend = (slope_by_current(size + step) - slope_by_current(size - step)) / (2.0 * step)
+    energy, linkage = network.coenergy, network.flux_linkage
+    found = State(
+        factor * (network.force - energy * by_gap),
+        factor * (linkage + energy * by_current),
+        factor * energy,
+        factor * (
+            network.incremental_inductance + 2.0 * linkage * by_current
+            + energy * (bend + by_current**2)
+        ),
+    )  # fmt: skip
+    errors = np.exp(fit.products.quadratic(at) @ fit.errors).T
+    return found, errors

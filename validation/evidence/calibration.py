@@ -1,0 +1,113 @@
+"""``tactgen calibrate``: known differences of quick models from detailed ones, fitted anew.
+
+Random devices are solved by both, in several processes; each is cached by itself, so a run that was
+stopped goes on.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from tactgen.geometry.files import write_text
+from tactgen.geometry.formats import share
+from tactgen.geometry.operating_system import core_count
+from tactgen.tmm.beam import calibrated as beam
+from tactgen.tmm.reluctance import calibrated as network
+
+Announce = Callable[[str], None]
+#: Name and record of a calibration.
+Part = tuple[str, dict[str, Any]]
+
+
+def table(found: Sequence[Part]) -> str:
+    """Errors that calibrations leave, as lines of text."""
+    lines = []
+    for _, record in found:
+        for kind, part in record.items():
+            if not isinstance(part, dict) or "evidence" not in part:
+                continue
+            head = f"{kind}: {record['devices']} devices, seed {record['seed']}"
+            lines.append(f"{head}, {len(part['powers'])} products; errors on devices not fitted to")
+            lines.append(
+                f"  {'error of':24} {'devices':>7} {'median':>8} {'95 %':>8} {'largest':>8} "
+                f"{'covered':>8} {'stated/error':>12}"
+            )
+            for name, row in part["evidence"]["errors"].items():
+                shares = [share(row[key]) for key in ("median", "covers_95_percent", "largest")]
+                lines.append(
+                    f"  {name:24} {row['devices']:>7} {shares[0]:>8} {shares[1]:>8} "
+                    f"{shares[2]:>8} {share(row['covered']):>8} {row['stated_over_error']:>12.2g}"
+                )
+    return "\n".join(lines)
+
+
+def _bimorph(announce: Announce) -> dict[str, Any]:
+    from tactgen.validation.evidence import calibration_bimorph as part
+
+    observe = partial(part.observe_once, part.SEED)
+    observed = _observed(observe, part.DEVICES, "solid", announce)
+    unusual = {
+        what: _observed(partial(observe, what=what), part.EACH, f"solid with {what}", announce)
+        for what in part.UNUSUAL
+    }
+    return part.calibrate(observed, unusual, announce)
+
+
+def _reluctance(announce: Announce) -> dict[str, Any]:
+    from tactgen.validation.evidence import calibration_reluctance as part
+
+    observed = _observed(partial(part.observe_once, part.SEED), part.DEVICES, "field", announce)
+    return part.calibrate(observed, announce)
+
+
+#: Calibrations by name: what makes each, and the file of the package that holds it.
+PARTS: dict[str, tuple[Callable[[Announce], dict[str, Any]], Path]] = {
+    "bimorph": (_bimorph, beam.FILE),
+    "reluctance": (_reluctance, network.FILE),
+}
+
+
+def _observed(
+    observe: Callable[[int], Any], count: int, what: str, announce: Announce
+) -> list[Any]:
+    """Random devices by number, on all cores."""
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    found = []
+    with ProcessPoolExecutor(core_count(), mp_context=get_context("spawn")) as pool:
+        for number, one in enumerate(pool.map(observe, range(count), chunksize=8)):
+            announce(f"calibration: {what} {number + 1} of {count}")
+            found.append(one)
+    return found
+
+
+def shipped() -> dict[str, dict[str, Any]]:
+    """Calibrations that are in use, by name."""
+    return {name: json.loads(path.read_text(encoding="utf-8")) for name, (_, path) in PARTS.items()}
+
+
+def run(names: Sequence[str], announce: Announce) -> list[Part]:
+    """Calibrations by name."""
+    return [(name, PARTS[name][0](announce)) for name in names]
+
+
+def write(found: Sequence[Part], out: Path) -> list[Path]:
+    """Write each calibration to a file of a folder, whole or not at all; return the files."""
+    return [_written(out / f"{name}.json", record) for name, record in found]
+
+
+def install(found: Sequence[Part]) -> list[Path]:
+    """Write calibrations into the package; return the files.
+
+    Raises InputError if the package cannot be written to.
+    """
+    return [_written(PARTS[name][1], record) for name, record in found]
+
+
+def _written(path: Path, record: dict[str, Any]) -> Path:
+    return write_text(path, json.dumps(record, separators=(",", ":")) + "\n")

@@ -1,0 +1,368 @@
+"""Calibration of the transfer-matrix model on solids of random bimorphs.
+
+``tactgen calibrate`` solves the solids, fits :mod:`tmm.beam.calibrated` to three quarters of them
+and takes its errors from the last quarter.  All devices are clamped in all layers and free at the
+tip; their lengths differ by nothing but scale, so only ratios are sampled.
+
+A fit minimises the relative error of six static numbers: the tip's displacement and rotation per
+force, moment and voltage, and the free capacitance (:func:`statics`), by Gauss-Newton steps on the
+logarithms of the six factors.  The ratios of frequencies follow from what these leave.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.store.values import storable
+from tactgen.tmm.beam import calibrated
+from tactgen.tmm.beam.calibrated import (
+    ERRORS,
+    GROUPS,
+    SOFT,
+    Calibration,
+    Fit,
+    SectionFactors,
+    bending_frequencies,
+    lengthwise_modes,
+    multiport,
+    section_factors,
+    sections,
+)
+from tactgen.tmm.beam.scattering import Element
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.chebyshev import Products, weighted_powers
+from tactgen.validation.evidence.coverage import PROMISED, cached_by_code
+from tactgen.validation.evidence.fit_record import evidence, products_record, rounded
+from tactgen.validation.evidence.random_devices import clamped_bimorph, sprung, unusual_bimorph
+from tactgen.validation.scene.scene import Scene, load_scene
+
+#: Random devices of the shipped fit, their seed, and the share that is fitted to.
+DEVICES, SEED, FITTED = 6000, 1, 0.75
+#: Properties that the fit does not know, and devices of each that tell by how much its errors grow.
+UNUSUAL, EACH = ("tab", "glue", "bare ends", "range"), 120
+#: Level of bricks: within 1e-4 of much finer ones in all that is fitted.
+_LEVEL = 1
+#: Degree of a term, in which each group counts with its weight; of stiff and of soft cores.
+_DEGREE = 4.0
+_WEIGHTS = {
+    "stiff": (1.0, 1.0, 1.0, 1.0, 1.5, 2.0, 1.0, 3.0, 2.0, np.inf),
+    "soft": (1.0, 1.0, 2.0, 1.0, 2.0, 2.0, 1.0, 3.0, 3.0, 1.0),
+}
+#: The same of what multiplies the effect of the width.
+_OF_TRANSITION = 3.0
+_TRANSITION = (1.0, 1.5, 1.5, 1.0, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
+#: Ridge relative to the mean diagonal of the normal equations; Gauss-Newton steps.
+_RIDGE, _STEPS = 1e-6, 10
+#: Weights of the six static numbers: those of a displacement and the capacitance count more.
+_COUNTS = np.array([3.0, 1.0, 1.0, 3.0, 1.0, 3.0])
+#: Weight of equal ratios at neighbouring knots beside that of a frequency; least ratio.
+_SMOOTH, _LEAST_RATIO = 1e-2, 0.2
+#: Quantile of held-out errors that a stated error covers, and the least error (that of the bricks).
+_QUANTILE, _LEAST = 0.97, 1e-4
+
+
+@storable
+@dataclass(frozen=True)
+class Observed:
+    """Solid of one random device."""
+
+    overrides: tuple[str, ...]  #: Of the scene ``prototype``
+    on_springs: tuple[str, ...]  #: The same on springs
+    #: (6,) Static numbers in the order of :func:`statics`
+    statics: Floats
+    #: (3,) First frequencies of bending in x (Hz): clamped with electrodes shorted, and open,
+    #: and on springs
+    short: Floats
+    opened: Floats
+    sprung: Floats
+
+
+def observe(seed: int, number: int, what: str = "") -> Observed:
+    """Solve the solid of a random device, or of one with a property that the fit does not know."""
+    from tactgen.fem.piezo.modes import natural_modes
+    from tactgen.fem.piezo.ports import static_multiport
+    from tactgen.fem.piezo.solid import assemble
+    from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
+
+    rng = np.random.default_rng([seed, number])
+    overrides = unusual_bimorph(rng, what) if what else clamped_bimorph(rng)
+    scene, _ = load_scene("prototype", overrides)
+    softer = sprung(
+        rng,
+        overrides,
+        calibrated.laminate(calibrated.plain(scene.device)).EI / scene.bimorph.length,
+    )
+    system = assemble(scene.device, bimorph_bricks(scene.device, LEVELS[_LEVEL]), lossy=False)
+
+    def first(ends: Any, *, open_circuit: bool = False) -> Floats:
+        found = natural_modes(system, ends, 3, open_circuit=open_circuit)
+        return np.array([mode.frequency for mode in found])
+
+    return Observed(
+        tuple(overrides),
+        tuple(softer),
+        _of_ports(static_multiport(system).stiffness[0].real),
+        first(scene.ends),
+        first(scene.ends, open_circuit=True),
+        first(load_scene("prototype", softer)[0].ends),
+    )
+
+
+def _of_ports(stiffness: Any) -> Floats:
+    """Six static numbers from D(0) (5, 5), its base held."""
+    flexible = np.linalg.inv(stiffness[2:4, 2:4])
+    moved = -flexible @ stiffness[2:4, 4]
+    free = stiffness[4, 4] + stiffness[4, 2:4] @ moved
+    return np.asarray(np.abs([flexible[0, 0], flexible[0, 1], flexible[1, 1], *moved, free]))
+
+
+def observe_once(seed: int, number: int, what: str = "") -> Observed:
+    """Solid of a random device, cached."""
+    one: Observed = cached_by_code(
+        "calibration", ("bimorph", seed, number, what), __name__,
+        partial(observe, seed, number, what),
+    )  # fmt: skip
+    return one
+
+
+# ---- six static numbers of a beam with a root of its own ----
+
+
+@dataclass(frozen=True)
+class Devices:
+    """Observed devices as arrays over n of them."""
+
+    scenes: tuple[Scene, ...]
+    groups: Floats  #: (n, g)
+    amplitudes: Floats  #: (n, 3)
+    core_shear: Floats  #: (n,)
+    length: Floats
+    root: Floats  #: (n,) Length of the zone next to the clamp (m)
+    sections: Section  #: Of laminate theory, arrays (n,)
+    observed: tuple[Observed, ...]
+
+    def part(self, which: Ints | Bools) -> Devices:
+        """Some of them."""
+        numbers = np.arange(len(self.observed))[which]
+        return Devices(
+            tuple(self.scenes[i] for i in numbers),
+            self.groups[numbers], self.amplitudes[numbers], self.core_shear[numbers],
+            self.length[numbers], self.root[numbers],
+            Section(*(getattr(self.sections, name)[numbers] for name in Section.__annotations__)),
+            tuple(self.observed[i] for i in numbers),
+        )  # fmt: skip
+
+
+def devices_of(observed: Sequence[Observed]) -> Devices:
+    """Observed devices with their groups and their laminates."""
+    scenes = tuple(load_scene("prototype", list(one.overrides))[0] for one in observed)
+    plain = [calibrated.laminate(scene.device) for scene in scenes]
+    return Devices(
+        scenes,
+        np.array([calibrated.groups(scene.device) for scene in scenes]),
+        np.array([calibrated.amplitudes(scene.device) for scene in scenes]),
+        np.array([calibrated.core_shear(scene.device) for scene in scenes]),
+        np.array([scene.bimorph.length for scene in scenes]),
+        np.array([calibrated.root_length(scene.device) for scene in scenes]),
+        Section(*(np.array([getattr(s, name) for s in plain]) for name in Section.__annotations__)),
+        tuple(observed),
+    )
+
+
+def statics(factors: Floats, of: Devices) -> Floats:
+    """Logarithms (n, 6) of the six static numbers, from those of the factors (n, 6).
+
+    Displacement per force, rotation per force, rotation per moment, displacement and rotation per
+    voltage, free capacitance.
+    """
+    stiffness, root, shear, coupling, root_coupling, capacitance = np.exp(factors).T
+    active, length, near = of.sections, of.length, of.root
+    bend = 1.0 / (active.EI * stiffness)
+    curve = np.abs(active.K) * coupling * bend
+    far = length - near
+
+    def turned(at_root: Floats, beyond: Floats) -> Floats:
+        return near * at_root + far * beyond
+
+    def moved(at_root: Floats, beyond: Floats) -> Floats:
+        return near * (length - 0.5 * near) * at_root + 0.5 * far**2 * beyond
+
+    bent = bend * (root * (length**3 - far**3) + far**3) / 3.0
+    free = (active.C + active.K**2 / active.EI) * capacitance * length
+    return np.asarray(np.log(np.stack([
+        bent + length * shear / active.GA, moved(bend * root, bend), turned(bend * root, bend),
+        moved(curve * root_coupling, curve), turned(curve * root_coupling, curve), free,
+    ], axis=1)))  # fmt: skip
+
+
+# ---- the fit ----
+
+
+def fit(
+    of: Devices, weights: Sequence[float], announce: Callable[[str], None]
+) -> tuple[Fit, dict[str, Any]]:
+    """Fit to a part of the devices, with errors from the rest, and what these show."""
+    training = np.random.default_rng(SEED).random(len(of.observed)) < FITTED
+    known, fresh = of.part(training), of.part(~training)
+    bounds = of.groups.min(axis=0), of.groups.max(axis=0)
+    products, transition = (
+        Products(*bounds, weighted_powers(*of_weights))
+        for of_weights in ((weights, _DEGREE), (_TRANSITION, _OF_TRANSITION))
+    )
+    count = len(products.powers) + 3 * len(transition.powers)
+    found = Fit(
+        products, transition, np.zeros((count, 6)), np.zeros((count, 3)),
+        np.zeros((1 + 2 * len(GROUPS), len(ERRORS))),
+    )  # fmt: skip
+    announce("calibration: factors of the section")
+    found = replace(found, factors=_fit_factors(known, found.terms(known.groups, known.amplitudes)))
+    announce("calibration: ratios of frequencies")
+    found = replace(found, ratios=_fit_ratios(known, found))
+    announce("calibration: errors")
+    pairs = zip(fresh.observed, fresh.scenes, strict=True)
+    left = np.array([left_over(*one, alone(found)) for one in pairs])
+    found = replace(found, errors=_fit_errors(fresh, left, found))
+    stated = np.exp(found.products.quadratic(fresh.groups) @ found.errors)
+    devices = [one.overrides for one in fresh.observed]
+    return found, evidence(ERRORS, left, stated, devices)
+
+
+def alone(known: Fit) -> Calibration:
+    """Calibration that knows nothing but one fit."""
+    return Calibration(known, known, {})
+
+
+def _fit_factors(of: Devices, terms: Floats) -> Floats:
+    """Coefficients (t, 6) of the logarithms of the factors."""
+    measured = np.log([one.statics for one in of.observed])
+    count, step = terms.shape[1], 1e-6
+    found = np.zeros((count, 6))
+    for _ in range(_STEPS):
+        factors = terms @ found
+        now = statics(factors, of)
+        slopes = np.stack(
+            [(statics(factors + step * np.eye(6)[k], of) - now) / step for k in range(6)], axis=2
+        )
+        rows = np.einsum("nij,nt->nijt", slopes * _COUNTS[:, None], terms)
+        rows = rows.reshape(-1, 6 * count)
+        right = ((measured - now) * _COUNTS).ravel()
+        normal, flat = rows.T @ rows, found.T.ravel()
+        ridge = _RIDGE * np.trace(normal) / len(normal)
+        normal[np.diag_indices_from(normal)] += ridge
+        found = found + np.linalg.solve(normal, rows.T @ right - ridge * flat).reshape(6, count).T
+    return found
+
+
+def _fit_ratios(of: Devices, known: Fit) -> Floats:
+    """Coefficients (t, 3) of the logarithms of the frequencies' ratios."""
+    terms = known.terms(of.groups, of.amplitudes)
+    sought = np.array([
+        _ratios(scene, one.short, alone(known))
+        for one, scene in zip(of.observed, of.scenes, strict=True)
+    ])  # fmt: skip
+    normal = terms.T @ terms
+    normal[np.diag_indices_from(normal)] += _RIDGE * np.trace(normal) / len(normal)
+    return np.asarray(np.linalg.solve(normal, terms.T @ np.log(sought)))
+
+
+def _solved(scene: Scene, known: Calibration) -> tuple[SectionFactors, list[Element]]:
+    """Factors of a scene's bimorph, and its lossless row."""
+    factors = section_factors(scene.device, scene.beam, known)
+    row = sections(scene.device, scene.support, scene.beam, factors, lossy=False)
+    return factors, row
+
+
+def _ratios(scene: Scene, solid: Floats, known: Calibration) -> Floats:
+    """Ratios (3,) at the knots, such that the beam has the solid's frequencies (3,).
+
+    Modes that may be across the width are left out: the ratio of the one below goes on.
+    """
+    factors, row = _solved(scene, known)
+    beam = bending_frequencies(row, factors, scene.ends, 3, open_circuit=False)
+    knots = np.append(0.0, factors.knots)
+    shares = np.array([np.interp(solid, knots, one) for one in np.eye(4)]).T[:, 1:]
+    clear = slice(lengthwise_modes(scene.device))
+    smooth = _SMOOTH * (np.eye(3) - np.eye(3, k=-1))
+    rows = np.concatenate([shares[clear], smooth])
+    right = np.concatenate([(beam / solid - 1.0)[clear], np.zeros(3)])
+    return np.asarray(np.maximum(1.0 + np.linalg.lstsq(rows, right, rcond=None)[0], _LEAST_RATIO))
+
+
+def left_over(one: Observed, scene: Scene, known: Calibration) -> Floats:
+    """Relative errors (7,) of :data:`ERRORS` for one device; nan where a mode is not compared.
+
+    Those of frequencies are the larger of clamped and on springs.
+    """
+    factors, row = _solved(scene, known)
+    ends = (scene.ends, scene.ends, load_scene("prototype", list(one.on_springs))[0].ends)
+    short, opened, soft = (
+        bending_frequencies(row, factors, end, 3, open_circuit=q)
+        for end, q in zip(ends, (False, True, False), strict=True)
+    )
+    port = multiport(row, factors, np.zeros(1))
+    at_rest = _of_ports(port.stiffness[0].real) / one.statics - 1.0
+    apart = np.maximum(np.abs(short / one.short - 1.0), np.abs(soft / one.sprung - 1.0))
+    apart[lengthwise_modes(scene.device) :] = np.nan
+    factor, right = (
+        np.sqrt(max(1.0 - (s[0] / o[0]) ** 2, 0.0))
+        for s, o in ((short, opened), (one.short, one.opened))
+    )
+    coupling = factor / right - 1.0 if right > 0.0 else np.nan
+    return np.asarray(np.abs([at_rest[0], at_rest[3], at_rest[5], *apart, coupling]))
+
+
+def _fit_errors(of: Devices, left: Floats, known: Fit) -> Floats:
+    """Coefficients (1 + 2 g, 7) of the logarithms of the errors, such that they cover."""
+    rows = known.products.quadratic(of.groups)
+    found = np.zeros((rows.shape[1], len(ERRORS)))
+    for k in range(len(ERRORS)):
+        known_ones = np.isfinite(left[:, k])
+        a, error = rows[known_ones], np.maximum(left[known_ones, k], _LEAST)
+        normal = a.T @ a + 1e-2 * len(a) * np.diag([0.0] + [1.0] * (a.shape[1] - 1))
+        found[:, k] = np.linalg.solve(normal, a.T @ np.log(error))
+        found[0, k] += np.log(np.quantile(error / np.exp(a @ found[:, k]), _QUANTILE))
+    return found
+
+
+def calibrate(
+    observed: Sequence[Observed],
+    unusual: Mapping[str, Sequence[Observed]],
+    announce: Callable[[str], None],
+) -> dict[str, Any]:
+    """Calibration as it is written to a file."""
+    devices = devices_of(observed)
+    which = {"stiff": devices.core_shear < SOFT[1], "soft": devices.core_shear > SOFT[0]}
+    record: dict[str, Any] = {"devices": len(observed), "seed": SEED}
+    for kind, part in which.items():
+        found, shown = fit(devices.part(part), _WEIGHTS[kind], announce)
+        record[kind] = {**_plain(found), "evidence": shown}
+    record["beyond"] = dict.fromkeys(UNUSUAL, 1.0)
+    known = calibrated.calibration_from(record)
+    record["beyond"] = {what: _widening(known, those) for what, those in unusual.items()}
+    return record
+
+
+def _widening(known: Calibration, of: Sequence[Observed]) -> float:
+    """Factor on all errors that covers the devices of a property."""
+    ratios = []
+    for one in of:
+        scene, _ = load_scene("prototype", list(one.overrides))
+        stated = section_factors(scene.device, scene.beam, known).errors
+        ratios.append(np.nanmax(left_over(one, scene, known) / stated))
+    return float(f"{max(np.quantile(ratios, PROMISED), 1.0):.3g}")
+
+
+def _plain(found: Fit) -> dict[str, Any]:
+    return products_record(found.products) | {
+        "transition": found.transition.powers.tolist(),
+        **{
+            name: [[rounded(v) for v in row] for row in getattr(found, name)]
+            for name in ("factors", "ratios", "errors")
+        },
+    }
