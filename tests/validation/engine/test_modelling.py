@@ -65,9 +65,15 @@ def test_what_is_not_known_says_so(name, overrides, quantity, model):
     assert np.isnan(found.modelling_error).all()
 
 
-def test_the_network_beside_the_field():
+@pytest.mark.parametrize(
+    "asked",
+    [
+        ("magnetic_force", "flux_linkage", "coenergy"),
+        pytest.param(("pull_in_current", "holding_current"), marks=pytest.mark.heavy),
+    ],
+)
+def test_the_network_beside_the_field(asked):
     """Force, flux linkage and currents of the paper's actuator."""
-    asked = ("magnetic_force", "flux_linkage", "pull_in_current", "holding_current")
     scene, _ = load_scene("reluctance", ["accuracy=5%"])
     found = solve(scene, ("network", "axisymmetric"), asked)
     for name in asked:
