@@ -104,8 +104,13 @@ def _numbers(study: Study) -> Iterator[Headline]:
             _label(study, row),
             with_error(cell.value, cell.error, row.unit),
             cell.model,
-            ", ".join([*others, *([cell.modelling] if MODELS[cell.model].quick else [])]),
+            ", ".join(others) or _modelling(cell.model, cell.modelling),
         )
+
+
+def _modelling(model: str, error: str) -> str:
+    """Modelling error of the value, where no other theory stands beside it."""
+    return "none: most detailed theory" if MODELS[model].detailed else error
 
 
 def _label(study: Study, row: ComparedRow) -> str:
@@ -137,7 +142,7 @@ def _extremes(study: Study) -> Iterator[Headline]:
             f"{info.label}, {best.what}{where}",
             with_error(best.value, best.error, best.unit),
             model,
-            ", ".join(others) or "not estimated",
+            ", ".join(others) or _modelling(model, best.modelling),
         )
 
 
