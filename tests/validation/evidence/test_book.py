@@ -166,3 +166,13 @@ def test_a_case_with_a_refinement_of_its_own_shows_that(drawn, own_store):
     assert found == ("drawn", "theory: second order")
     curve = Curve("error", (4, 2), [0.3 / 16, 0.3 / 4])
     assert curves == [([curve], "intervals along an edge", 0.0)]
+
+
+def test_the_modelling_errors_have_a_page(few, own_store, tmp_path):
+    """Both calibrations, each number with its errors and the devices that are worst."""
+    index = book.write_book(run("quick"), tmp_path, lambda _: None)
+    assert 'href="modelling.html"' in index.read_text("utf-8")
+    text = (tmp_path / "modelling.html").read_text("utf-8")
+    for heading in ("Stiff cores", "Soft cores", "Straight magnetisation", "Saturating steels"):
+        assert heading in text
+    assert text.count("bimorph.length=20.0mm") == 20
