@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 
 # the workers of pytest-xdist are the parallelism: with two threads in each of two they wait for
 # one another, and small systems take up to eight times the processor time
@@ -28,6 +29,8 @@ settings.register_profile(
     "fixed", derandomize=True, database=None, deadline=None, max_examples=30, print_blob=False
 )
 settings.load_profile("fixed")
+# else constants of whichever modules a process has loaded are tried as well, others in each run
+providers._get_local_constants = lambda: providers._local_constants
 
 
 def pytest_collection_modifyitems(items):
