@@ -198,7 +198,8 @@ def test_solid_coenergy_bar_is_the_enclosure():
     shells = max(np.ptp(by.forces) for by in (point.vector, point.scalar))
     half = 0.5 * abs(point.vector.forces[0] - point.scalar.forces[0])
     of_energy = (high - low) / (high + low) * point.force
-    assert point.errors.force >= max(of_energy, half - of_energy, shells)
+    estimated = max(of_energy, half - of_energy, shells)
+    assert estimated <= point.errors.force <= 1.5 * estimated  # with a margin
     share = magnetic_shares(point, exact)
-    assert 0.05 < share["force"] <= 1.0
+    assert 0.08 < share["force"] <= 0.8
     assert 0.1 < share["flux_linkage"] <= 1.0

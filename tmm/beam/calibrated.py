@@ -63,15 +63,16 @@ ERRORS = ("compliance", "deflection", "capacitance", "f1", "f2", "f3", "coupling
 #: two fits are blended.
 SOFT = (0.01, 0.03)
 #: Relative error of the loss factor in motion, with a stiff core and with a soft one.  Not fitted:
-#: of 108 random bimorphs the height of the first resonance was off by 9 % at most with a core shear
-#: below 0.01, and by factors where the shear of a core without losses takes most of the energy.
+#: with a core shear below 0.01 the height of the first resonance was within it for 53 of 54 random
+#: bimorphs.  Where most of the energy is in the shear of a core without losses, it is off by
+#: factors.
 DAMPING = (0.1, 10.0)
 #: Least length over thickness, and largest width over length, of the bimorphs of the fit.
 STOUTEST, BROADEST = 4.0, 1.5
 #: Width over length from which on each of the first modes may be one across the width.
 WIDEST = (np.inf, 0.9, 0.54, 0.385, 0.3)
-#: Errors of the fourth and the fifth mode per error of the third: of 70 random bimorphs that were
-#: not fitted to, 97 % were within 0.91 and 1.62 of it.
+#: Errors of the fourth and the fifth mode per error of the third: 97 % of 70 random bimorphs that
+#: were not fitted to were within 0.91 and 1.62 of it.
 _HIGHER = (1.0, 2.0)
 #: Eigenvalues λ of the first modes of a clamped beam.
 _LAMBDA = np.array([1.8751040687, 4.6940911330, 7.8547574382])
@@ -390,17 +391,17 @@ def _with_losses(factors: SectionFactors, device: Device, beam: Beam) -> Section
     )
 
 
-def _corrected(plain: Section, factors: SectionFactors, *, at_root: bool) -> Section:
+def _corrected(own: Section, factors: SectionFactors, *, at_root: bool) -> Section:
     """Section of beam theory with the calibrated factors on it."""
     flexible, follows = (factors.root, factors.root_coupling) if at_root else (1.0, 1.0)
-    stiffness = plain.EI * factors.stiffness / flexible
-    coupling = plain.K * factors.coupling / flexible * follows
+    stiffness = own.EI * factors.stiffness / flexible
+    coupling = own.K * factors.coupling / flexible * follows
     return replace(
-        plain,
+        own,
         EI=stiffness,
-        GA=plain.GA * factors.shear,
+        GA=own.GA * factors.shear,
         K=coupling,
-        C=_free(plain) * factors.capacitance - coupling**2 / stiffness,
+        C=_free(own) * factors.capacitance - coupling**2 / stiffness,
     )
 
 

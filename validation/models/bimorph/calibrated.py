@@ -53,6 +53,12 @@ class CalibratedModel(TmmModel):
         """Calibrated section relative to that of beam theory."""
         return calibrated.section_factors(self.scene.device, self.scene.beam)
 
+    @property
+    def _origin(self) -> str:
+        """Where the calibration's errors come from, and whether it is beyond its range."""
+        beyond = (*self.factors.beyond, *calibrated.properties(self.scene.device))
+        return f"{METHOD}; beyond the range of the fit: {', '.join(beyond)}" if beyond else METHOD
+
     def closed_form(self, ends: Ends) -> Refined[Response] | None:
         """None: its row is of two parts at least."""
         return None
@@ -73,7 +79,7 @@ class CalibratedModel(TmmModel):
         others = _disturbed(found.fine, self.factors)
         if frequencies.any():
             others.append(self._faster(solved, frequencies))
-        return Refined(found.fine, tuple((other, 1.0) for other in others), METHOD)
+        return Refined(found.fine, tuple((other, 1.0) for other in others), self._origin)
 
     def _ports_between(self, frequencies: Floats, *, judged: bool) -> Refined[Multiport]:
         if judged:
@@ -114,7 +120,7 @@ class CalibratedModel(TmmModel):
         moved = Modes(fine.frequencies * (1.0 + error), classes)
         farther = self._opened_farther(fine.frequencies) if open_circuit else fine.frequencies
         beside = ((Modes(farther, classes), 1.0),)
-        return Refined(fine, ((moved, 1.0),), METHOD, rounding, beside=beside)
+        return Refined(fine, ((moved, 1.0),), self._origin, rounding, beside=beside)
 
     def _opened_farther(self, opened: Floats) -> Floats:
         """Open-circuit frequencies (n,) of a coupling factor that is larger by its error."""
