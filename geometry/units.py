@@ -38,7 +38,13 @@ BY_HEART = {
     "kg/m^3": ("kg/m**3", 0), "N/m": ("N/m", 0), "N*s/m": ("N*s/m", 0),
     "N*m/rad": ("N*m/rad", 0), "N*m*s/rad": ("N*m*s/rad", 0), "kg*m^2": ("kg*m**2", 0),
     "pC/N": ("m/V", -12), "m^2/N": ("1/Pa", 0), "ohm": ("ohm", 0), "ohm*m": ("ohm*m", 0),
+    "kohm": ("ohm", 3), "Mohm": ("ohm", 6), "m/s^2": ("m/s**2", 0), "F": ("F", 0), "uF": ("F", -6),
+    "nF": ("F", -9), "pF": ("F", -12), "H": ("H", 0), "mH": ("H", -3),
 }  # fmt: skip
+
+#: How the size of a sinusoid is stated, each with the peak amplitude per its number.
+AMPLITUDES = {"peak": 1.0, "pp": 0.5, "rms": math.sqrt(2.0)}
+_STATED_AS = re.compile(rf"(?P<unit>.*?)\s*(?P<way>{'|'.join(AMPLITUDES)})", re.ASCII)
 
 #: Longest piece of input that a message repeats.
 _LONGEST = 60
@@ -97,6 +103,9 @@ class Unit:
         real device; a value of 0 is judged by the other bounds alone.
     shown, per_si : str, float
         Unit in which values are shown to people, and how many of it make one SI unit.
+    sinusoid : bool
+        Whether it is the amplitude of a sinusoid: the unit may be followed by ``peak``, ``pp``
+        (peak to peak) or ``rms``, and the value is the peak.
     """
 
     si: str
@@ -108,6 +117,7 @@ class Unit:
     limits: tuple[float, float] | None = None
     shown: str = ""
     per_si: float = 1.0
+    sinusoid: bool = False
 
     @property
     def _a_kind(self) -> str:
@@ -162,6 +172,11 @@ class Unit:
         number, name = Decimal(parts["number"]), (parts["unit"] or "").strip()
         if not name and bare:
             return float(number)
+        stated = _STATED_AS.fullmatch(name) if self.sinusoid else None
+        if stated:
+            return AMPLITUDES[stated["way"]] * self.parse(f"{number} {stated['unit']}")
+        if name == "g" and self.si == "m/s**2":  # of accelerations, and not of masses
+            name = "standard_gravity"
         if not name and self.si:
             raise ValueError(f'has no unit; {self._a_kind} needs one, for example "{self.example}"')
         si, power = BY_HEART.get(name, ("unknown", 0))
@@ -315,12 +330,25 @@ RotationalInertia = _quantity(
 Mass = _quantity(
     Unit("kg", "mass", "10 mg", at_least=0.0, limits=(1e-15, 1e3), shown="mg", per_si=1e6)
 )
-VOLTAGE = Unit("V", "voltage", "50 V", limits=(1e-12, 1e6))
+VOLTAGE = Unit("V", "voltage", "50 V", limits=(1e-12, 1e6), sinusoid=True)
 Voltage = _quantity(VOLTAGE)
 CURRENT = Unit("A", "current", "130 mA", limits=(1e-12, 1e4), shown="mA", per_si=1e3)
 Current = _quantity(CURRENT)
 Force = _quantity(
     Unit("N", "force", "110 mN", at_least=0.0, limits=(1e-9, 1e4), shown="mN", per_si=1e3)
+)
+ForceAmplitude = _quantity(Unit("N", "force", "1 N", limits=(1e-12, 1e6), sinusoid=True))
+Acceleration = _quantity(
+    Unit("m/s**2", "acceleration", "1 g", limits=(1e-9, 1e7), shown="m/s^2", sinusoid=True)
+)
+Capacitance = _quantity(
+    Unit("F", "capacitance", "10 nF", at_least=0.0, limits=(1e-18, 1e3), shown="nF", per_si=1e9)
+)
+Inductance = _quantity(
+    Unit("H", "inductance", "10 mH", at_least=0.0, limits=(1e-12, 1e9), shown="mH", per_si=1e3)
+)
+ElectricalResistance = _quantity(
+    Unit("ohm", "resistance", "100 kohm", at_least=0.0, limits=(1e-9, 1e15), shown="ohm")
 )
 Resistivity = _quantity(
     Unit("ohm*m", "resistivity", "1.72e-8 ohm*m", above=0.0, limits=(1e-9, 1e-4))

@@ -33,13 +33,14 @@ SHARE = dict.fromkeys(("cad", "lumped", "tmm", "beam"), 1.0)
 
 
 def quantities_of(scene):
-    """Return the scene's own quantities; of a single actuator all that there are."""
+    """Return the scene's own quantities; of a single actuator all that need not be named."""
     from tactgen.validation.catalogue.quantities import QUANTITIES
 
     actuators = {QUANTITIES[name].actuator for name in scene.quantities}
     if not actuators <= {"bimorph", "reluctance"}:
         return scene.quantities
-    return [name for name, row in QUANTITIES.items() if row.actuator in actuators]
+    able = (row for row in QUANTITIES.values() if row.actuator in actuators)
+    return [row.name for row in able if not row.by_name]
 
 
 def rows(name, models):

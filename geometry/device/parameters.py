@@ -17,6 +17,7 @@ from tactgen.geometry.device.parameter_group import PAPER_5, Parameters, field
 from tactgen.geometry.device.reluctance import NOMINAL_GAP, Coil, Rod, Sleeve, Steel
 from tactgen.geometry.device.support_load_drive import (
     Beam,
+    Circuit,
     Contact,
     Drive,
     Guide,
@@ -28,7 +29,7 @@ from tactgen.geometry.device.support_load_drive import (
 )
 
 __all__ = [
-    "NOMINAL_GAP", "Beam", "Bimorph", "Coil", "Contact", "Device", "Display", "Drive",
+    "NOMINAL_GAP", "Beam", "Bimorph", "Circuit", "Coil", "Contact", "Device", "Display", "Drive",
     "Glue", "Guide", "Limits", "Load", "Parameters", "Piezo", "Rod", "Scatter", "Shim", "Skin",
     "Sleeve", "Spring", "Steel", "Support", "Threshold", "sources", "spreads",
 ]  # fmt: skip

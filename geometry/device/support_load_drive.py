@@ -112,9 +112,42 @@ class Threshold(Parameters):
 
 
 class Drive(Parameters):
-    """The electrical source."""
+    """What excites the lateral actuator: amplitudes (peak) of sinusoids in phase."""
 
-    voltage: u.Voltage = field(50.0, PAPER_4, "amplitude (peak) of the drive voltage")
+    voltage: u.Voltage = field(
+        50.0, PAPER_4, "amplitude of the drive voltage (peak unless stated as pp or rms)"
+    )
+    base_acceleration: u.Acceleration = field(
+        0.0,
+        "not in the paper",
+        "amplitude of the acceleration of what the support stands on, along x",
+    )
+    tip_force: u.ForceAmplitude = field(
+        0.0, "not in the paper", "amplitude of a force on the tip, along x"
+    )
+
+
+class Circuit(Parameters):
+    """What the bimorph's electrodes are connected to."""
+
+    kind: Literal["source", "load", "open"] = field(
+        "source",
+        "paper section 4",
+        "source: the drive voltage behind an impedance; load: an impedance alone (short circuit if "
+        "nothing is stated); open: nothing",
+    )
+    resistance: u.ElectricalResistance = field(
+        0.0, "not in the paper", "resistor of source or load; 0 if there is none"
+    )
+    inductance: u.Inductance = field(
+        0.0, "not in the paper", "inductor of source or load; 0 if there is none"
+    )
+    capacitance: u.Capacitance = field(
+        0.0, "not in the paper", "capacitor of source or load; 0 if there is none"
+    )
+    connection: Literal["series", "parallel"] = field(
+        "series", "not in the paper", "how resistor, inductor and capacitor are connected"
+    )
 
 
 class Limits(Parameters):

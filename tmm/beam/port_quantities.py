@@ -23,8 +23,9 @@ from tactgen.tmm.beam.scattering import Element, element_stiffness
 from tactgen.tmm.beam.sections import Section, section
 from tactgen.tmm.beam.span import dynamic_stiffness, wavenumbers
 from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
+from tactgen.tmm.ports.excitation import ELECTRICAL
 from tactgen.tmm.ports.multiport import Response, hold, symmetric_form
-from tactgen.tmm.ports.readout import ELECTRICAL, Readout
+from tactgen.tmm.ports.readout import Readout
 
 
 def evaluate(actuator: Actuator, read: Readout, values: Values, frequencies: Floats) -> Complex:

@@ -13,18 +13,18 @@ from typing import Any, Literal
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
+from tactgen.tmm.ports.excitation import ELECTRICAL, UNIT_VOLTAGE, Excitation
 from tactgen.tmm.ports.multiport import BIMORPH, VOLTAGE, Multiport, Response, respond
 
-#: The bimorph's mechanical ports, and the electrical one.
+#: The bimorph's mechanical ports.
 MECHANICAL = tuple(port.name for port in BIMORPH if port.pair != VOLTAGE)
-ELECTRICAL = "voltage"
 
-Circuit = Literal["short", "open"]
+Electrodes = Literal["short", "open"]
 
 
 @dataclass(frozen=True)
 class Readout:
-    """A variable of one port under the drive voltage, everything attached."""
+    """A variable of one port under the scene's excitation or another, everything attached."""
 
     port: str  #: Name of the port
     #: Displacement-like variable, or force-like (charge at the electrical port)
@@ -32,11 +32,17 @@ class Readout:
     #: How many times jΩ multiplies it: 1 for a velocity or a current, 2 for an acceleration
     rate: int = 0
     static: bool = False  #: Whether it is that of the lossless model at 0 Hz, a real number
-    unit_voltage: bool = False  #: Whether it is per volt
+    under: Excitation | None = None  #: Excitation; None is the scene's
+    absolute: bool = False  #: Whether an acceleration has that of the base added
     held: tuple[str, ...] = ()  #: Ports held at rest besides a clamped base
     #: Of frequencies (n,) in Hz.  If given, the quantity is the variable's magnitude over that
-    #: level (n,); with `unit_voltage` the voltage at which it is reached
+    #: level (n,); per volt the voltage at which it is reached
     level: Callable[[Floats], Floats] | None = None
+
+    @property
+    def unit_voltage(self) -> bool:
+        """Whether it is per volt at the electrodes."""
+        return self.under == UNIT_VOLTAGE
 
     @property
     def has_free_ports(self) -> bool:
@@ -46,8 +52,7 @@ class Readout:
     @property
     def is_of_tip(self) -> bool:
         """Whether the motion of the tip and the charge tell it, nothing else being held."""
-        of_tip = (("w_tip", "motion"), ("psi_tip", "motion"), (ELECTRICAL, "effort"))
-        return not self.held and (self.port, self.of) in of_tip
+        return not self.held and self.port in ("w_tip", "psi_tip", ELECTRICAL)
 
     @property
     def is_loaded(self) -> bool:
@@ -57,10 +62,12 @@ class Readout:
     @property
     def is_transduced(self) -> bool:
         """Whether it is nothing without piezoelectricity."""
-        return self.port != ELECTRICAL
+        return (self.port, self.of) != (ELECTRICAL, "effort")
 
     def read(self, port: Multiport, voltage: Any) -> Complex:
-        """Quantity (n,), real with a level; its voltage is nan where nothing moves.
+        """Quantity (n,) under a voltage at the electrodes alone; real with a level.
+
+        Its voltage is nan where nothing moves.
 
         Parameters
         ----------
@@ -103,7 +110,7 @@ class PortMatrix:
 class ModalReadout:
     """Natural frequencies of the lossless model, or a number made from the first ones."""
 
-    circuits: tuple[Circuit, ...]  #: Whose modes it is made from: at U = 0, or at Q = 0
+    circuits: tuple[Electrodes, ...]  #: Whose modes it is made from: at U = 0, or at Q = 0
     #: An analytic function of the first bending frequencies in x (Hz) of these circuits, one
     #: argument each, numbers or arrays; without it the quantity is the list of frequencies of the
     #: one circuit

@@ -25,6 +25,11 @@ CONDITIONS: Mapping[str, str] = {
     "load.pad_radius": "load.kind=pad",
     "load.pad_weight": "load.kind=pad",
     "load.pad_backing": "load.kind=pad",
+    "drive.voltage": "circuit.kind=source",
+    "circuit.resistance": "circuit.kind!=open",
+    "circuit.inductance": "circuit.kind!=open",
+    "circuit.capacitance": "circuit.kind!=open",
+    "circuit.connection": "circuit.kind!=open",
     "threshold.file": "threshold.kind=table",
     "guide.guided_length": "guide.clearance",
     "steel.relative_permeability": "steel.curve=linear",
@@ -95,7 +100,8 @@ HELD_WITH_CURRENT = (*HELD, *CIRCUIT, "spring.stop_gap", "coil.history", "models
 #: Keys that quantities are read with off the answers, or warned by, by actuator.
 READING: Mapping[str, tuple[str, ...]] = {
     "bimorph": (
-        "drive", "support", "load", "threshold", "frequency", "modes", "accuracy", "bimorph.length",
+        "drive", "circuit", "support", "load", "threshold", "frequency", "modes", "accuracy",
+        "bimorph.length",
         "bimorph.wiring", "limits.ceramic_strength", "limits.depoling_field",
         "limits.amplifier_current", "limits.amplifier_channels",
     ),
@@ -321,13 +327,15 @@ def all_given(models: Iterable[str]) -> tuple[str, ...]:
     """All quantities that the models give.
 
     Of machine and display only what is named counts, since they want a bimorph on the rod's
-    contact.
+    contact; of sensors and harvesters, too.
     """
     able = tuple(models)
     return tuple(
         name
         for name, row in QUANTITIES.items()
-        if row.actuator not in ("generator", "display") and any(gives(m, name) for m in able)
+        if row.actuator not in ("generator", "display")
+        and not row.by_name
+        and any(gives(m, name) for m in able)
     )
 
 

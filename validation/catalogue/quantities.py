@@ -13,7 +13,14 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.parameters import Limits
 from tactgen.geometry.units import Unit
-from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL, ModalReadout, PortMatrix, Readout
+from tactgen.tmm.ports.excitation import (
+    ELECTRICAL,
+    OPEN_CIRCUIT,
+    UNIT_VOLTAGE,
+    ElectricalResponse,
+    Excitation,
+)
+from tactgen.tmm.ports.readout import MECHANICAL, ModalReadout, PortMatrix, Readout
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 
 if TYPE_CHECKING:
@@ -74,6 +81,13 @@ class LoadReadout:
 
 
 @dataclass(frozen=True)
+class CircuitReadout:
+    """Value of the circuit across the electrodes, (n,) over the frequencies."""
+
+    of: Callable[[ElectricalResponse], Floats]
+
+
+@dataclass(frozen=True)
 class QuantityRow:
     """One quantity that can be asked for."""
 
@@ -82,9 +96,13 @@ class QuantityRow:
     unit: str
     meaning: str
     #: How it is read off a model; all that follows from it are properties
-    read: Readout | ModalReadout | PortMatrix | AnswerReadout | DrivenReadout | LoadReadout
+    read: (
+        Readout | ModalReadout | PortMatrix | AnswerReadout | DrivenReadout | LoadReadout
+        | CircuitReadout
+    )  # fmt: skip
     label: str = ""  #: What people call it; the name in words if left out
     headline: bool = False  #: Whether it stands at the head of a report
+    by_name: bool = False  #: Whether it is computed only where it is asked for by name
     #: Whether studies of uncertainty look at it: a response at a few frequencies, of modes the
     #: first
     varied: bool = False
@@ -142,7 +160,7 @@ class QuantityRow:
         """Whether the tip's load enters with its losses."""
         if isinstance(self.read, Readout):
             return self.read.is_loaded
-        driven = isinstance(self.read, DrivenReadout | LoadReadout)
+        driven = isinstance(self.read, DrivenReadout | LoadReadout | CircuitReadout)
         return driven or bool({"small_signal", "crosstalk", "load"} & set(self.needs))
 
     @cached_property
@@ -150,7 +168,7 @@ class QuantityRow:
         """Whether only the support keeps the actuator from moving as a rigid body."""
         if isinstance(self.read, Readout):
             return self.read.has_free_ports
-        return isinstance(self.read, DrivenReadout | LoadReadout)
+        return isinstance(self.read, DrivenReadout | LoadReadout | CircuitReadout)
 
     @cached_property
     def has_level(self) -> bool:
@@ -161,6 +179,18 @@ class QuantityRow:
     def is_response(self) -> bool:
         """Whether it is one number at each frequency of the bimorph's drive."""
         return self.needs == ("harmonic",) and not isinstance(self.read, PortMatrix)
+
+    @cached_property
+    def is_amplitude(self) -> bool:
+        """Whether it is the amplitude of a sinusoid under the scene's excitation."""
+        match self.read:
+            case Readout(static=False, level=None, under=None):
+                return True
+            case DrivenReadout():
+                return not self.is_limit
+            case LoadReadout():
+                return self.unit == "N"
+        return False
 
     @cached_property
     def is_transduced(self) -> bool:
@@ -226,7 +256,7 @@ INPUT_CURRENT = QuantityRow(
 )  # fmt: skip
 ADMITTANCE = QuantityRow(
     "admittance", "S", "input current per drive voltage",
-    Readout(ELECTRICAL, "effort", rate=1, unit_voltage=True),
+    Readout(ELECTRICAL, "effort", rate=1, under=UNIT_VOLTAGE),
     curve=Unit("S", "admittance", "12.3 uS", limits=(1e-15, _LARGEST)),
 )  # fmt: skip
 BLOCKED_FORCE = QuantityRow(
@@ -235,7 +265,7 @@ BLOCKED_FORCE = QuantityRow(
 )  # fmt: skip
 THRESHOLD_VOLTAGE = QuantityRow(
     "threshold_voltage", "V", "drive voltage at which the tip reaches the detection threshold",
-    Readout("w_tip", "motion", unit_voltage=True, level=DISPLAY_THRESHOLD.at),
+    Readout("w_tip", "motion", under=UNIT_VOLTAGE, level=DISPLAY_THRESHOLD.at),
 )  # fmt: skip
 DETECTION_RATIO = QuantityRow(
     "detection_ratio", "1", "tip displacement at the drive voltage over the detection threshold",
@@ -259,12 +289,12 @@ COUPLING_FACTOR = QuantityRow(
 )  # fmt: skip
 CAPACITANCE_FREE = QuantityRow(
     "capacitance_free", "F", "static charge per voltage, tip free, lossless",
-    Readout(ELECTRICAL, "effort", static=True, unit_voltage=True),
+    Readout(ELECTRICAL, "effort", static=True, under=UNIT_VOLTAGE),
     label="free capacitance", headline=True, varied=True,
 )  # fmt: skip
 CAPACITANCE_BLOCKED = QuantityRow(
     "capacitance_blocked", "F", "static charge per voltage, base and tip held, lossless",
-    Readout(ELECTRICAL, "effort", static=True, unit_voltage=True, held=MECHANICAL),
+    Readout(ELECTRICAL, "effort", static=True, under=UNIT_VOLTAGE, held=MECHANICAL),
     label="blocked capacitance",
 )  # fmt: skip
 DYNAMIC_STIFFNESS = QuantityRow(
@@ -295,6 +325,49 @@ LOAD_FORCE = QuantityRow(
 LOAD_POWER = QuantityRow(
     "load_power", "W", "mean power into the load at the drive voltage",
     LoadReadout(lambda stiffness, tip, omega: 0.5 * omega * stiffness.imag * np.abs(tip) ** 2),
+)  # fmt: skip
+
+TIP_ACCELERATION = QuantityRow(
+    "tip_acceleration", "m/s^2", "absolute acceleration of the tip, that of the base included",
+    Readout("w_tip", "motion", rate=2, absolute=True), by_name=True,
+)  # fmt: skip
+ELECTRODE_VOLTAGE = QuantityRow(
+    "electrode_voltage", "V", "voltage across the electrodes",
+    Readout(ELECTRICAL, "motion"), by_name=True,
+)  # fmt: skip
+CIRCUIT_POWER = QuantityRow(
+    "circuit_power", "W", "mean power into the circuit's resistance",
+    CircuitReadout(lambda found: found.power), by_name=True,
+)  # fmt: skip
+OPTIMUM_RESISTANCE = QuantityRow(
+    "optimum_resistance", "ohm", "resistance across the electrodes that takes the most power",
+    CircuitReadout(lambda found: found.optimum_resistance), by_name=True,
+)  # fmt: skip
+OPTIMUM_POWER = QuantityRow(
+    "optimum_power", "W", "mean power into the optimum resistance, by tip force and acceleration",
+    CircuitReadout(lambda found: found.optimum_power), by_name=True,
+)  # fmt: skip
+
+
+def _sensed(
+    of: Literal["voltage", "charge"], unit: str, per: str, excitation: Excitation
+) -> QuantityRow:
+    """Row of a sensor: the open electrodes' voltage, or the charge in short circuit."""
+    under, electrodes = excitation, "short-circuited"
+    if of == "voltage":
+        under, electrodes = replace(excitation, circuit=OPEN_CIRCUIT), "open"
+    read = Readout(ELECTRICAL, "motion" if of == "voltage" else "effort", under=under)
+    meaning = f"{of} of the {electrodes} electrodes per {per}"
+    return QuantityRow(f"{of}_per_{per.rsplit(maxsplit=1)[-1]}", unit, meaning, read, by_name=True)
+
+
+_FORCE, _ACCELERATION = Excitation(force=1.0), Excitation(acceleration=1.0)
+_SENSORS = (
+    TIP_ACCELERATION, ELECTRODE_VOLTAGE, CIRCUIT_POWER, OPTIMUM_RESISTANCE, OPTIMUM_POWER,
+    _sensed("voltage", "V/N", "tip force", _FORCE),
+    _sensed("charge", "C/N", "tip force", _FORCE),
+    _sensed("voltage", "V*s^2/m", "base acceleration", _ACCELERATION),
+    _sensed("charge", "C*s^2/m", "base acceleration", _ACCELERATION),
 )  # fmt: skip
 
 _BIMORPH = (
@@ -417,13 +490,14 @@ _DISPLAY = (
 )  # fmt: skip
 
 QUANTITIES: dict[str, QuantityRow] = {
-    q.name: q for q in (*_BIMORPH, *_RELUCTANCE, *_GENERATOR, *_DISPLAY)
+    q.name: q for q in (*_BIMORPH, *_SENSORS, *_RELUCTANCE, *_GENERATOR, *_DISPLAY)
 }
 
 
 def quantities_of(actuator: Actuator) -> tuple[str, ...]:
-    """Names of an actuator's quantities."""
-    return tuple(name for name, row in QUANTITIES.items() if row.actuator == actuator)
+    """Names of an actuator's quantities, but for those that must be named."""
+    own = (row for row in QUANTITIES.values() if row.actuator == actuator)
+    return tuple(row.name for row in own if not row.by_name)
 
 
 def measurable() -> dict[str, QuantityRow]:

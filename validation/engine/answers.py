@@ -10,7 +10,7 @@ import io
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.formats import engineering, share, with_share
 from tactgen.geometry.store.values import storable
+from tactgen.geometry.units import AMPLITUDES
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.models.model import Extreme, Modelling, Quantity
@@ -114,6 +115,24 @@ def write_csv(path: Path, axes: Iterable[str], table: Iterable[Sequence[Any]]) -
     writer.writerow([*axes, *COLUMNS])
     writer.writerows(table)
     return write_text(path, text.getvalue())
+
+
+def stated_as(q: Quantity, way: str) -> Quantity:
+    """Quantity with its amplitudes peak to peak (``pp``) or ``rms``, which its unit then names."""
+    if way == "peak" or not QUANTITIES[q.name].is_amplitude:
+        return q
+    factor = 1.0 / AMPLITUDES[way]
+    modelling, extreme = q.modelling, q.extreme
+    if modelling is not None:
+        expected, error = factor * modelling.expected, factor * modelling.error
+        modelling = replace(modelling, expected=expected, error=error)
+    if extreme is not None:
+        sizes = {f.name: factor * getattr(extreme, f.name) for f in fields(extreme)}
+        extreme = replace(extreme, **sizes | {"frequency": extreme.frequency})
+    return replace(
+        q, value=factor * q.value, error=factor * q.error, unit=f"{q.unit} {way}",
+        modelling=modelling, extreme=extreme,
+    )  # fmt: skip
 
 
 # ---- JSON ----

@@ -15,11 +15,21 @@ from numpy.typing import NDArray
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.tmm.beam.port_quantities import driven_ceramic
 from tactgen.tmm.ports.elements import attach, tip_stiffness
+from tactgen.tmm.ports.excitation import (
+    UNIT_VOLTAGE,
+    Excitation,
+    electrical,
+    excitation_of,
+    excited,
+    rounding_of_inertia,
+    superposed,
+)
 from tactgen.tmm.ports.loads import OF_THE_TABLE, disturbed
-from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond
-from tactgen.tmm.ports.readout import ELECTRICAL, ModalReadout, PortMatrix, Readout
+from tactgen.tmm.ports.multiport import Multiport, Response, in_series
+from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
 from tactgen.validation.catalogue.quantities import (
     AnswerReadout,
+    CircuitReadout,
     DrivenReadout,
     LoadReadout,
     QuantityRow,
@@ -63,12 +73,20 @@ def _read(row: QuantityRow, model: Model, ends: Ends) -> Estimate:
             return _combination(row.read, answers)
         case DrivenReadout():
             of_ceramic = _of_ceramic(row.read, model.scene, ends)
-            return _of_response(of_ceramic, model, answers[0], ends, _OF_A_MOMENT)
+            return _of_response(
+                of_ceramic, model, answers[0], ends, UNIT_VOLTAGE, rounding=_OF_A_MOMENT
+            )
         case LoadReadout():
             of_load = _of_load(row.read, model.scene, ends)
             # the power goes with the square of the motion
-            return _of_response(of_load, model, answers[0], ends, 0.0, gain=2.0)
-        case PortMatrix() | Readout():
+            return _of_response(
+                of_load, model, answers[0], ends, _excitation(model.scene), gain=2.0
+            )
+        case CircuitReadout():
+            return _of_circuit(row.read, model, answers[0], ends)
+        case PortMatrix():
+            return _matrix(model, answers[0], ends)
+        case Readout():
             return _at_ports(row.read, model, answers[0], ends)
 
 
@@ -88,32 +106,60 @@ def _judge(
     return Estimate(value, np.asarray(bar, dtype=float), refined.method)
 
 
-def _at_ports(
-    readout: Readout | PortMatrix, model: Model, refined: Refined[Multiport], ends: Ends
-) -> Estimate:
-    scene = model.scene
-    static = isinstance(readout, Readout) and readout.static
-    ends = ends.lossless if static else ends
-    if isinstance(readout, Readout) and readout.is_of_tip and not static:
-        closed, f = model.closed_form(ends), np.asarray(scene.frequency, dtype=float)
-        if closed is not None:
-            voltage, variable = scene.drive.voltage, readout.variable
-            return _judge(closed, lambda r: readout.scaled(variable(r), voltage, f), 0.0)
+def _wired(scene: Scene, port: Multiport) -> Multiport:
+    """Port of a device as it is wired."""
+    return in_series(port) if scene.bimorph.wiring == "series" else port
+
+
+def _excitation(scene: Scene) -> Excitation:
+    return excitation_of(scene.circuit, scene.drive)
+
+
+def _matrix(model: Model, refined: Refined[Multiport], ends: Ends) -> Estimate:
+    """The whole matrix D(Ω), wired."""
     rounding = rounding_of_ports(refined, attach(refined.fine, ends))
 
-    def wired(port: Multiport) -> Multiport:
-        return in_series(port) if scene.bimorph.wiring == "series" else port
-
-    if isinstance(readout, PortMatrix):
-        return _judge(
-            refined, lambda port: wired(port).stiffness, rounding[:, None, None], balanced_size
-        )
-
     def of(port: Multiport) -> Array:
-        found = readout.read(attach(wired(port), ends), scene.drive.voltage)
-        return np.asarray(found[0].real) if static else found
+        return _wired(model.scene, port).stiffness
 
-    return _judge(refined, of, rounding[0] if static else rounding)
+    return _judge(refined, of, rounding[:, None, None], balanced_size)
+
+
+def _at_ports(readout: Readout, model: Model, refined: Refined[Multiport], ends: Ends) -> Estimate:
+    """Variable of a port under the readout's excitation."""
+    excitation = readout.under or _excitation(model.scene)
+    if readout.static:
+        ends, excitation = ends.lossless, excitation.at_rest
+
+    def of(response: Response) -> Array:
+        found = readout.scaled(readout.variable(response), 1.0, refined.fine.frequencies)
+        if readout.absolute:
+            found = found + excitation.acceleration
+        return np.asarray(found[0].real) if readout.static else found
+
+    return _of_response(
+        of, model, refined, ends, excitation, held=readout.held, static=readout.static
+    )
+
+
+def _rounding(refined: Refined[Multiport], ends: Ends, excitation: Excitation) -> Array:
+    """Relative rounding (n,) of a response at the ports."""
+    found = np.asarray(rounding_of_ports(refined, attach(refined.fine, ends)))
+    return found + rounding_of_inertia(refined.fine) if excitation.acceleration else found
+
+
+def _of_circuit(
+    readout: CircuitReadout, model: Model, refined: Refined[Multiport], ends: Ends
+) -> Estimate:
+    """Read something off what the circuit takes."""
+    scene = model.scene
+    excitation = _excitation(scene)
+
+    def of_port(port: Multiport) -> Array:
+        return np.asarray(readout.of(electrical(_wired(scene, port), ends, excitation)))
+
+    # power goes with the square of the motion
+    return _judge(refined, of_port, 2.0 * _rounding(refined, ends, excitation))
 
 
 def balanced_size(matrix: Array) -> Array:
@@ -134,11 +180,10 @@ def _of_ceramic(readout: DrivenReadout, scene: Scene, ends: Ends) -> Callable[[R
 
 
 def _of_load(readout: LoadReadout, scene: Scene, ends: Ends) -> Callable[[Response], Array]:
-    """Read the load's force off the tip's motion."""
+    """Read the load's value off the tip's motion."""
     frequencies = np.asarray(scene.frequency, dtype=float)
     stiffness, omega = tip_stiffness(ends.tip, frequencies), 2.0 * np.pi * frequencies
-    voltage = scene.drive.voltage
-    return lambda found: np.asarray(readout.of(stiffness, voltage * found.motion["w_tip"], omega))
+    return lambda found: np.asarray(readout.of(stiffness, found.motion["w_tip"], omega))
 
 
 def _of_response(
@@ -146,21 +191,32 @@ def _of_response(
     model: Model,
     refined: Refined[Multiport],
     ends: Ends,
-    rounding: float,
+    excitation: Excitation,
+    *,
+    held: Sequence[str] = (),
+    rounding: float = 0.0,
     gain: float = 1.0,
+    static: bool = False,
 ) -> Estimate:
-    """Read something off tip and charge at 1 V, by closed form or ports, whoever gives them."""
-    closed = model.closed_form(ends)
+    """Read something off the response to an excitation, by closed form or ports.
+
+    `gain` is the relative change of what is read per relative change of the response.
+    """
+    frequencies = refined.fine.frequencies
+    by_tip = not static and not held and not excitation.is_mechanical
+    closed = model.closed_form(ends) if by_tip else None
     if closed is not None:
-        return _judge(replace(closed, rounding=gain * closed.rounding), of, rounding)
-    series = model.scene.bimorph.wiring == "series"
+        return _judge(
+            replace(closed, rounding=gain * closed.rounding),
+            lambda per_volt: of(superposed(per_volt, frequencies, excitation)),
+            rounding,
+        )
 
     def of_port(port: Multiport) -> Array:
-        attached = attach(in_series(port) if series else port, ends)
-        return of(respond(attached, {ELECTRICAL: 1.0}))
+        return of(excited(_wired(model.scene, port), ends, excitation, held))
 
-    by_ports = rounding_of_ports(refined, attach(refined.fine, ends))
-    return _judge(refined, of_port, gain * by_ports + rounding)
+    by_ports = gain * _rounding(refined, ends, excitation) + rounding
+    return _judge(refined, of_port, by_ports[0] if static else by_ports)
 
 
 def _frequencies(refined: Refined[Modes], count: int) -> Estimate:

@@ -10,15 +10,22 @@ import numpy as np
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import share as share_of
 from tactgen.tmm.ports.elements import outside_known_range
+from tactgen.tmm.ports.excitation import excitation_of
 from tactgen.tmm.ports.loads import FINGER_RANGE, MeasuredLaw
 from tactgen.tmm.ports.readout import Readout
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives
-from tactgen.validation.catalogue.quantities import CERAMIC_STRESS, QUANTITIES, DrivenReadout
+from tactgen.validation.catalogue.quantities import (
+    CERAMIC_STRESS,
+    QUANTITIES,
+    CircuitReadout,
+    LoadReadout,
+)
 from tactgen.validation.engine.answers import representative
 from tactgen.validation.engine.extremes import extreme
 from tactgen.validation.engine.readout import read
 from tactgen.validation.models.model import Extreme, Model, Quantity
+from tactgen.validation.scene.conditions import beyond_voltage
 from tactgen.validation.scene.scene import Scene
 
 #: Largest displacement (share of the length) that linear theory of bending is about.
@@ -39,10 +46,31 @@ def request_warnings(
     Raises InputError if it cannot be answered, whichever the models.
     """
     scene = scene.asking(models)
+    _check_base(scene, quantities)
     found = [*load_warnings(scene, quantities), *_of_threshold(scene, quantities)]
     if not scene.awaits_map:
         found += held_warnings(scene, models, quantities)
     return (*found, *field_warnings(scene, quantities))
+
+
+def _check_base(scene: Scene, quantities: Sequence[str]) -> None:
+    """Refuse 0 Hz for a quantity under an acceleration of the base."""
+    if 0.0 not in scene.frequency:
+        return
+    own = excitation_of(scene.circuit, scene.drive)
+    for row in (QUANTITIES[name] for name in quantities):
+        match row.read:
+            case Readout(under=under, static=False):
+                excitation = under or own
+            case LoadReadout() | CircuitReadout():
+                excitation = own
+            case _:
+                continue
+        if excitation.acceleration:
+            raise InputError(
+                f"frequency = 0 Hz has no {row.name} under an acceleration of the base; choose "
+                "frequencies above it, for example 0.1 Hz for a constant acceleration"
+            )
 
 
 def held_warnings(
@@ -127,7 +155,8 @@ def _of_deflection(scene: Scene, found: Sequence[Quantity]) -> Iterator[str]:
         yield (
             f"the tip displacement reaches {1e3 * abs(largest.value):.3g} mm{where}, "
             f"{100.0 * share:.2g} % of the length; all models are linear, so values above "
-            f"{100.0 * _SMALL_DEFLECTION:g} % are not valid: reduce drive.voltage"
+            f"{100.0 * _SMALL_DEFLECTION:g} % are not valid: reduce "
+            f"{'the excitation' if beyond_voltage(scene) else 'drive.voltage'}"
         )
 
 
@@ -257,6 +286,8 @@ def _of_threshold(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
 
 def field_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     """A drive voltage that may depole the ceramic."""
+    if scene.circuit.kind != "source":
+        return
     share = 0.5 if scene.bimorph.wiring == "series" else 1.0
     field = share * abs(scene.drive.voltage) / scene.bimorph.piezo_thickness
     limit = scene.limits.depoling_field
@@ -277,7 +308,7 @@ def _of_stress(
         name for name in quantities if QUANTITIES[name].by_frequency and _follows_voltage(name)
     ]
     able = [name for name in models if any(gives(name, quantity) for quantity in asked)]
-    if not able or len(scene.frequency) > _FREQUENCIES:
+    if not able or len(scene.frequency) > _FREQUENCIES or scene.circuit.kind != "source":
         return
     limit, stresses = scene.limits.ceramic_strength, []
     for name in able:
@@ -311,9 +342,6 @@ def _rounded_down(value: float) -> str:
 
 def _follows_voltage(name: str) -> bool:
     """Whether a quantity's value is that at the drive voltage."""
-    match QUANTITIES[name].read:
-        case Readout(unit_voltage=False, level=None):
-            return True
-        case DrivenReadout():
-            return name == CERAMIC_STRESS.name
-    return False
+    row = QUANTITIES[name]
+    static = isinstance(row.read, Readout) and row.read.static and row.read.under is None
+    return static or (row.is_amplitude and not isinstance(row.read, LoadReadout))

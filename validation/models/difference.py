@@ -34,8 +34,9 @@ from tactgen.tmm.beam.sections import (
     without_electrode,
 )
 from tactgen.tmm.ports.elements import attach
+from tactgen.tmm.ports.excitation import ELECTRICAL
 from tactgen.tmm.ports.multiport import Multiport, respond
-from tactgen.tmm.ports.readout import ELECTRICAL, MECHANICAL
+from tactgen.tmm.ports.readout import MECHANICAL
 from tactgen.validation.catalogue.quantities import (
     CAPACITANCE_BLOCKED,
     CAPACITANCE_FREE,

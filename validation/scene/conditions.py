@@ -6,13 +6,15 @@ neutral conditions, which suit a bimorph on a bench.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from tactgen.geometry.device.material_library import curve_in_words
-from tactgen.geometry.device.parameters import Load, Support
+from tactgen.geometry.device.parameters import Circuit, Drive, Load, Support
 from tactgen.geometry.formats import engineering
 from tactgen.validation.catalogue.models import models_of
 from tactgen.validation.scene.files import NEUTRAL, OF_THE_COIL
+from tactgen.validation.scene.parameter_list import show
 from tactgen.validation.scene.scene import Scene
 
 
@@ -31,7 +33,7 @@ def conditions(scene: Scene) -> str:
             _support(scene.support),
             _load(scene.load),
             f"{scene.bimorph.wiring} wiring",
-            f"{engineering(scene.drive.voltage, 'V')} peak",
+            *_driven(scene.drive, scene.circuit),
         ]
     if not bimorph or scene.support.kind == "contact":
         keys += OF_THE_COIL
@@ -42,6 +44,8 @@ def conditions(scene: Scene) -> str:
     if not bimorph:
         parts.append(curve_in_words(scene.steel.curve))
     line = f"Conditions: {', '.join(parts)}."
+    if scene.circuit.kind != "source" and "drive.voltage" in keys:
+        keys.remove("drive.voltage")
     missing = [key for key in keys if key in scene.not_stated]
     if not missing:
         return line
@@ -63,6 +67,40 @@ def _support(support: Support) -> str:
             return "on the rod, whose head rests on its stop"
         case _:
             return support.kind
+
+
+def _driven(drive: Drive, circuit: Circuit) -> Iterator[str]:
+    """Excitation and circuit in words."""
+    parts = [
+        engineering(size, unit)
+        for size, unit in (
+            (circuit.resistance, "ohm"), (circuit.inductance, "H"), (circuit.capacitance, "F"),
+        )
+        if size
+    ]  # fmt: skip
+    joined = f"{' and '.join(parts)}{f' in {circuit.connection}' if len(parts) > 1 else ''}"
+    if circuit.kind == "source":
+        yield f"{engineering(drive.voltage, 'V')} peak{f' behind {joined}' if parts else ''}"
+    elif circuit.kind == "open":
+        yield "open electrodes"
+    else:
+        yield f"{joined or 'short circuit'} across the electrodes"
+    if drive.base_acceleration:
+        yield f"base at {engineering(drive.base_acceleration, 'm/s^2')} peak"
+    if drive.tip_force:
+        yield f"{engineering(drive.tip_force, 'N')} peak on the tip"
+
+
+def beyond_voltage(scene: Scene) -> str:
+    """Key and value of what excites besides a voltage at the electrodes, "" if nothing does."""
+    usual = type(scene).model_fields
+    for group in ("circuit", "drive"):
+        default, stated = usual[group].default, getattr(scene, group)
+        for name, info in type(stated).model_fields.items():
+            value = getattr(stated, name)
+            if f"{group}.{name}" != "drive.voltage" and value != getattr(default, name):
+                return f"{group}.{name} = {show(value, info)}"
+    return ""
 
 
 def _load(load: Load) -> str:

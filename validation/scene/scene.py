@@ -100,6 +100,7 @@ class Scene(p.Device):
     load: p.Load = p.Load()
     threshold: p.Threshold = p.Threshold()
     drive: p.Drive = p.Drive()
+    circuit: p.Circuit = p.Circuit()
     beam: p.Beam = p.Beam()
     limits: p.Limits = p.Limits()
     display: p.Display = p.Display()

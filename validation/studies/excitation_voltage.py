@@ -16,6 +16,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.tmm.beam.port_quantities import evaluate
+from tactgen.tmm.ports.excitation import UNIT_VOLTAGE
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, STATED_VOLTAGES, StatedVoltage
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.scene.scene import Scene
@@ -135,7 +136,7 @@ def _per_volt(scene: Scene, case: Case, frequencies: Floats) -> Complex:
     wiring, load = case
     changed = loaded(scene) if load == "loaded" else _with_load(scene, "none")
     bimorph = scene.bimorph.model_copy(update={"wiring": wiring})
-    read = replace(TIP_DISPLACEMENT.port_readout, unit_voltage=True)
+    read = replace(TIP_DISPLACEMENT.port_readout, under=UNIT_VOLTAGE)
     return evaluate(
         actuator(changed.model_copy(update={"bimorph": bimorph})), read, {}, frequencies
     )

@@ -24,7 +24,7 @@ from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, has_kink, parameter_keys
 from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
 from tactgen.tmm.beam.transfer_matrix import is_tapered, sections
-from tactgen.tmm.ports.readout import Circuit, ModalReadout, Readout
+from tactgen.tmm.ports.readout import Electrodes, ModalReadout, Readout
 from tactgen.validation.catalogue.quantities import (
     QUANTITIES,
     TIP_DISPLACEMENT,
@@ -33,6 +33,7 @@ from tactgen.validation.catalogue.quantities import (
 )
 from tactgen.validation.engine.derivatives import PLACES, extrapolated
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.conditions import beyond_voltage
 from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ranges, show
 from tactgen.validation.scene.scene import Scene, scene_keys
@@ -126,24 +127,26 @@ class Uncertainty:
 
 
 def targets(scene: Scene) -> tuple[Target, ...]:
-    """Headline numbers that this scene has."""
-    on_support, active = not scene.ends.rigid_motions, scene.piezo.d31 != 0.0
+    """Headline numbers that this scene has; no response if not the voltage alone drives it."""
+    on_support, driven = not scene.ends.rigid_motions, not beyond_voltage(scene)
+    active = scene.piezo.d31 != 0.0
     rows = [
         row
         for row in QUANTITIES.values()
         if row.varied
         and (active or not row.is_transduced)
+        and (driven or not (isinstance(row.read, Readout) and row.read.under is None))
         and (on_support or not (row.static and row.held_by_support))
     ]
     numbers = [Target(row.name, row.label, row.unit) for row in rows if not row.by_frequency]
     numbers += [_response(row, f) for row in rows if row.by_frequency for f in FREQUENCIES]
-    if active and scene.load.kind == "none":
+    if active and driven and scene.load.kind == "none":
         name, unit = TIP_VELOCITY.name, TIP_VELOCITY.unit
         numbers += [
             Target(name, "peak frequency", "Hz", peak="frequency"),
             Target(name, "peak tip velocity", unit, peak="height"),
         ]
-    if active and scene.load.kind == "finger":
+    if active and driven and scene.load.kind == "finger":
         numbers.append(replace(_response(TIP_DISPLACEMENT, ILL_CONDITIONED), ill_conditioned=True))
     return tuple(numbers)
 
@@ -159,7 +162,7 @@ class SampledNumbers:
         self.actuator = replace(actuator(scene), segments=_SEGMENTS)
         self._points = points
         self._size = next(iter(points.values())).size
-        self._modes: dict[Circuit, Floats] = {}
+        self._modes: dict[Electrodes, Floats] = {}
 
     def of(self, target: Target) -> Floats:
         """Target's value (n,) at each sample."""
@@ -178,7 +181,7 @@ class SampledNumbers:
         read = TIP_VELOCITY.port_readout
         return resonance_peak(self.actuator, read, self._points, self._mode("short"))
 
-    def _mode(self, circuit: Circuit) -> Floats:
+    def _mode(self, circuit: Electrodes) -> Floats:
         if circuit not in self._modes:
             start = np.full(self._size, _first(self.actuator, circuit))
             self._modes[circuit] = first_frequency(
@@ -187,7 +190,7 @@ class SampledNumbers:
         return self._modes[circuit]
 
 
-def _first(device: Actuator, circuit: Circuit) -> float:
+def _first(device: Actuator, circuit: Electrodes) -> float:
     """First natural frequency (Hz)."""
     pieces = sections(
         device.device, device.support, device.beam, lossy=False, segments=device.segments

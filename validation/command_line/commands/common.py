@@ -102,8 +102,23 @@ def lateral_scene(
             f"actuator, and {command} is about the lateral one; take the scene paper or --set "
             "models=tmm"
         )
+    voltage_driven(scene, command)
     settle(scene)
     return scene, origins
+
+
+def voltage_driven(scene: Scene, command: str) -> None:
+    """Refuse a scene whose excitation a command does not know.
+
+    Raises InputError if anything but a voltage at the electrodes drives the scene.
+    """
+    from tactgen.validation.scene.conditions import beyond_voltage
+
+    if beyond := beyond_voltage(scene):
+        raise InputError(
+            f"{beyond} is not known to {command}, which drives the electrodes by drive.voltage "
+            "alone; leave it out, or use solve, whatif, compare or sensitivity"
+        )
 
 
 def warn(warnings: Iterable[str]) -> None:

@@ -9,7 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.commands.common import Commands, scene_options, settle, warn
+from tactgen.validation.command_line.commands.common import (
+    Commands,
+    scene_options,
+    settle,
+    voltage_driven,
+    warn,
+)
 from tactgen.validation.command_line.streams import print_json
 
 if TYPE_CHECKING:
@@ -67,6 +73,7 @@ def run(options: argparse.Namespace) -> int:
 
     _check_files(options)
     scene, _ = load_scene(options.scene, options.overrides)
+    voltage_driven(scene, "simulate")
     settle(scene)
     voltage = parsed(options.voltage, "--voltage", (VOLTS,))
     coil = parsed(options.coil or "0 mA", "--coil", (AMPERES, VOLTS))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
 from tactgen.validation.command_line.commands.common import (
     Commands,
@@ -22,6 +23,10 @@ def add(commands: Commands) -> None:
     parser.listing = _listing
     scene_options(parser)
     asking_options(parser)
+    parser.add_argument(
+        "--amplitude", choices=("peak", "pp", "rms"), default="peak",
+        help="state amplitudes as peak (default), pp (peak to peak) or rms",
+    )  # fmt: skip
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=run)
 
@@ -39,6 +44,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.command_line.commands.common import under_contract
     from tactgen.validation.command_line.streams import announcer
+    from tactgen.validation.engine.answers import screen_lines, stated_as
     from tactgen.validation.engine.solve import as_json, check_request, solve
     from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.inputs import scene_warnings
@@ -53,13 +59,13 @@ def run(options: argparse.Namespace) -> int:
     for sentence in choice.sentences if choice is not None else ():
         say(sentence)
     warn(solution.warnings)
+    stated = tuple(stated_as(q, options.amplitude) for q in solution.quantities)
+    solution = replace(solution, quantities=stated)
     if options.json:
         print_json(as_json(solution))
         return 0
     print(conditions(solution.scene))
     if options.quantity or origins.get("quantities") == ON_COMMAND_LINE:
-        from tactgen.validation.engine.answers import screen_lines
-
         print("\n".join(screen_lines(solution.quantities)))
     else:
         from tactgen.validation.command_line.overview import print_overview

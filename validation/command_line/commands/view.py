@@ -68,6 +68,7 @@ def run(options: argparse.Namespace) -> int:
     options.scene = PAPER if options.scene is None else options.scene
     _refuse_unused(options)
     from tactgen.validation.command_line.streams import announcer
+    from tactgen.validation.scene.conditions import beyond_voltage
     from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.show.view import Look, harmonic_frequencies, view
@@ -76,6 +77,8 @@ def run(options: argparse.Namespace) -> int:
     scene, origins = load_scene(options.scene, [*options.overrides, *asked])
     settle(scene)
     warn(scene_warnings(scene, origins))
+    if beyond := beyond_voltage(scene):
+        warn([f"{beyond} is not in the driven states, which show drive.voltage alone"])
     named = {kind: getattr(options, kind) for kind in ("out", "png", "gif", "mp4")}
     files = {kind: Path(name) for kind, name in named.items() if name}
     if not files or (options.open and "out" not in files):

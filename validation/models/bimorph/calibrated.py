@@ -16,8 +16,8 @@ from tactgen.tmm.beam import port_quantities as shapes
 from tactgen.tmm.beam.calibrated import SectionFactors
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
+from tactgen.tmm.ports.excitation import ELECTRICAL
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport, Response
-from tactgen.tmm.ports.readout import ELECTRICAL
 from tactgen.validation.models.bimorph.model import TmmModel
 from tactgen.validation.models.model import Modes, Refined, Stages
 from tactgen.validation.scene.scene import Scene

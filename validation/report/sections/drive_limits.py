@@ -8,8 +8,8 @@ from tactgen.geometry.arrays import Floats
 from tactgen.tmm.beam.port_quantities import driven_ceramic
 from tactgen.tmm.beam.transfer_matrix import multiport
 from tactgen.tmm.ports.elements import attach
+from tactgen.tmm.ports.excitation import ELECTRICAL
 from tactgen.tmm.ports.multiport import in_series, respond
-from tactgen.tmm.ports.readout import ELECTRICAL
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import (
     CERAMIC_STRESS,
