@@ -54,7 +54,10 @@ def exact_harvester(of, resistance, mass, acceleration):
         rows[0, :4], rows[1, :4] = [1, 0, 1, 0], [0, 1, 0, 1]
         rows[2] = [*(s.EI * ddw), s.K]
         rows[3] = [*(s.EI * dddw + mass * omega**2 * w), 0.0]
-        rows[4] = [*(-1j * omega * resistance * s.K * dw), 1 + 1j * omega * resistance * s.C * length]
+        rows[4] = [
+            *(-1j * omega * resistance * s.K * dw),
+            1 + 1j * omega * resistance * s.C * length,
+        ]
         a, b, c, d, voltage = np.linalg.solve(rows, [-acceleration / omega**2, 0, 0, 0, 0])
         found.append((-(omega**2) * (w @ [a, b, c, d]), voltage))
     return np.array(found).T
@@ -78,7 +81,10 @@ def test_harvester_is_a_beam_on_a_moving_base(resistance):
 def test_constant_acceleration_is_weight(support):
     """At a low frequency the tip sags by m g l⁴/8EI and M g l³/3EI, on springs by theirs, too."""
     stated = dict(SLENDER, frequency=[0.05]) | {"support.kind": support}
-    springs = {"support.rotational_stiffness": "0.5 N*m/rad", "support.lateral_stiffness": "400 N/m"}
+    springs = {
+        "support.rotational_stiffness": "0.5 N*m/rad",
+        "support.lateral_stiffness": "400 N/m",
+    }
     of = scene(
         stated, springs if support == "spring" else {}, load__kind="mass", load__mass="0.3 g",
         drive__base_acceleration="-1 g", drive__voltage="0 V",
@@ -146,9 +152,7 @@ def test_optimum_resistance_takes_the_most():
         of = scene(stated, frequency=[70.0], circuit__resistance=f"{resistance!r} ohm")
         return answers(of, "circuit_power")[0][0]
 
-    best, most = answers(
-        scene(stated, frequency=[70.0]), "optimum_resistance", "optimum_power"
-    )
+    best, most = answers(scene(stated, frequency=[70.0]), "optimum_resistance", "optimum_power")
     at = power(float(best[0]))
     assert at == pytest.approx(most[0], rel=1e-9)
     assert at > power(1.05 * float(best[0]))
@@ -161,7 +165,9 @@ def test_resistor_and_capacitor_in_parallel_are_a_cable_on_a_sensor():
               "circuit.connection": "parallel", "circuit.capacitance": "3 nF",
               "circuit.resistance": "1e12 ohm"}  # fmt: skip
     of = scene(stated, LOSSLESS, frequency=[20.0])
-    charge, voltage, seen = answers(of, "charge_per_force", "voltage_per_force", "electrode_voltage")
+    charge, voltage, seen = answers(
+        of, "charge_per_force", "voltage_per_force", "electrode_voltage"
+    )
     own = abs(charge[0] / voltage[0])
     assert abs(seen[0]) == pytest.approx(0.01 * abs(voltage[0]) * own / (own + 3e-9), rel=1e-6)
 
