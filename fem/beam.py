@@ -16,9 +16,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.bimorph.segments import CentreLine, Piece, beam_pieces
+from tactgen.geometry.bimorph.segments import CentreLine, Piece, StackLayer, beam_pieces, stack
 from tactgen.geometry.device.materials import EPS0, lossy_modulus
-from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
+from tactgen.geometry.device.parameters import Beam, Device, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport
@@ -29,91 +29,76 @@ def section_constants(
 ) -> Complex:
     """EI, GA, m, rhoI, K, C (6, n) at n shares of a piece's length.
 
-    By integration over the layers.  Where the ceramic has no electrode each layer takes the
-    uniform field that leaves it without charge, which adds k²/c to EI.
+    By integration over the layers, of which no axial force acts on the whole: the strain at x = 0
+    is an unknown beside curvature and voltage.  Where a ceramic has no electrodes its own voltage
+    is one more, by which it stays without charge.
     """
     if piece.section == "cylinder":
         cylinder = _cylinder_section(piece.radius, device, lossy=lossy)
         return np.repeat(cylinder[:, None], share.size, axis=1)
-    out = np.zeros((6, share.size), dtype=complex)
-    for layer in _layers(piece, device, share, lossy=lossy):
-        part = _layer_integrals(layer, piece.layers(device.bimorph, share).width, beam)
-        if not piece.electrode and np.any(layer.field):
-            part[0] += part[4] ** 2 / part[5]
-            part[4:] = 0.0
-        out += part
-    return out
+    layers = stack(piece, device, share)
+    bare = [layer for layer in layers if isinstance(layer.material, Piezo) and not layer.electrodes]
+    # energy ½ vᵀ H v of v = (ε, κ, U, voltages of bare layers), charges being minus its slopes
+    energy = np.zeros((share.size, 3 + len(bare), 3 + len(bare)), dtype=complex)
+    inertia, shear = np.zeros((3, share.size)), np.zeros(share.size, dtype=complex)
+    for layer in layers:
+        at = 3 + bare.index(layer) if layer in bare else 2
+        _integrate(layer, at, energy, inertia, shear, lossy=lossy)
+    without_charge = _condensed(energy, list(range(3, 3 + len(bare))), [0, 1, 2])
+    kept = _condensed(without_charge, [0], [1, 2])
+    axis = (without_charge[:, 0, 1] / without_charge[:, 0, 0]).real
+    width = piece.layers(device.bimorph, share).width
+    turning = inertia[2] - 2.0 * axis * inertia[1] + axis**2 * inertia[0]
+    found = (kept[:, 0, 0], beam.shear_correction * shear, inertia[0], turning)
+    return np.asarray(width * np.stack([*found, -kept[:, 0, 1], -kept[:, 1, 1]]))
 
 
-@dataclass(frozen=True)
-class _Layer:
-    """One layer of a section: its faces (n,), constants, and field per volt (n,) along x."""
-
-    low: Floats
-    high: Floats
-    modulus: complex
-    shear: complex
-    density: float
-    field: Floats
-    d31: float = 0.0
-    permittivity: complex = 0.0
+def _condensed(energy: Complex, free: list[int], kept: list[int]) -> Complex:
+    """Quadratic form (n, k, k) over some unknowns, the `free` ones following them."""
+    own, tied = energy[:, free][:, :, free], energy[:, free][:, :, kept]
+    change = np.swapaxes(tied, 1, 2) @ np.linalg.solve(own, tied)
+    return np.asarray(energy[:, kept][:, :, kept] - change)
 
 
-def _layers(piece: Piece, device: Device, share: Floats, *, lossy: bool) -> list[_Layer]:
-    bimorph, piezo, shim, glue = device.bimorph, device.piezo, device.shim, device.glue
-    here = piece.layers(bimorph, share)
-    none = np.zeros(share.size)
-    half, hp = 0.5 * here.shim_thickness + none, here.piezo_thickness + none
-    fibre, across = (
-        lossy_modulus(modulus, shim.loss_factor, lossy=lossy)
-        for modulus in (shim.youngs_modulus, shim.shear_modulus)
-    )
-    found = [_Layer(-half, half, fibre, across, shim.density, none)]
-    if piece.section == "shim":
-        return found
-    face = half + bimorph.glue_thickness
-    if bimorph.glue_thickness:
-        modulus = lossy_modulus(glue.youngs_modulus, glue.loss_factor, lossy=lossy)
-        bond = modulus, 0.5 * modulus / (1.0 + glue.poisson_ratio)
-        found += [
-            _Layer(half, face, *bond, glue.density, none),
-            _Layer(-face, -half, *bond, glue.density, none),
-        ]
-    ceramic = (1.0 + 1j / piezo.quality_factor if lossy else 1.0) / piezo.s11
-    electric = (
-        bimorph.poling_sign * piezo.d31,
-        piezo.eps33 * EPS0 * (1.0 - 1j * piezo.loss_tangent if lossy else 1.0),
-    )
-    # field along x per volt between outer electrode and shim
-    return [
-        *found,
-        _Layer(face, face + hp, ceramic, 1.0 / piezo.s55, piezo.density, -1.0 / hp, *electric),
-        _Layer(-face - hp, -face, ceramic, 1.0 / piezo.s55, piezo.density, 1.0 / hp, *electric),
-    ]
-
-
-def _layer_integrals(layer: _Layer, width: Any, beam: Beam) -> Complex:
-    """One layer's share of EI, GA, m, rhoI, K, C (6, n)."""
-    out = np.zeros((6, layer.low.size), dtype=complex)
-    e, d31, field = layer.modulus, layer.d31, layer.field
-    for x, weight in gauss(layer.low, layer.high):
-        # stress per curvature: E x; per volt: −E d31 field.  D = d31 E x ψ' + eps* field,
-        # and the charge on the electrodes is −∫ D field dA
-        out += (
-            width
-            * weight
-            * np.stack(
-                np.broadcast_arrays(
-                    e * x**2,
-                    beam.shear_correction * layer.shear,
-                    layer.density,
-                    layer.density * x**2,
-                    e * d31 * field * x,
-                    (layer.permittivity - e * d31**2) * field**2,
-                )
-            )
-        )
-    return out
+def _integrate(
+    layer: StackLayer,
+    voltage: int,
+    energy: Complex,
+    inertia: Floats,
+    shear: Complex,
+    *,
+    lossy: bool,
+) -> None:
+    """Add one layer's share; `voltage` is the place of its own among the unknowns."""
+    of = layer.material
+    none = np.zeros(shear.size)
+    low, high = layer.low + none, layer.high + none
+    if isinstance(of, Piezo):
+        young = (1.0 + 1j / of.quality_factor if lossy else 1.0) / of.s11
+        stiffness = 1.0 / of.s55
+    else:
+        young = lossy_modulus(of.youngs_modulus, of.loss_factor, lossy=lossy)
+        stiffness = 0.5 * young / (1.0 + of.poisson_ratio)
+        if isinstance(of, Shim):
+            stiffness = lossy_modulus(of.shear_modulus, of.loss_factor, lossy=lossy)
+    for x, weight in gauss(low, high):
+        strain = np.zeros((shear.size, energy.shape[1]), dtype=complex)
+        strain[:, 0], strain[:, 1] = 1.0, x
+        energy += (young * weight)[:, None, None] * strain[:, :, None] * strain[:, None, :]
+        shear += stiffness * weight
+        inertia += of.density * weight * np.stack([none + 1.0, x, x**2])
+        if not isinstance(of, Piezo):
+            continue
+        # field along x per volt; T = E (S − d E_x), D = d E S + (ε − d² E) E_x
+        field = np.zeros_like(strain)
+        field[:, voltage] = -(layer.hot if layer.electrodes else 1.0) / (high - low)
+        d31 = layer.poling * of.d31
+        clamped = of.eps33 * EPS0 * (1.0 - 1j * of.loss_tangent if lossy else 1.0)
+        clamped -= d31**2 * young
+        crossed = strain[:, :, None] * field[:, None, :]
+        both = crossed + np.swapaxes(crossed, 1, 2)
+        energy -= (young * d31 * weight)[:, None, None] * both
+        energy -= (clamped * weight)[:, None, None] * field[:, :, None] * field[:, None, :]
 
 
 def _cylinder_section(radius: float, device: Device, *, lossy: bool) -> Numbers:
@@ -208,17 +193,17 @@ def _line(
     return CentreLine(z, motion[w], motion[psi], charge, voltage, frequency)
 
 
-def thinnest(piece: Piece, bimorph: Bimorph) -> float:
+def thinnest(piece: Piece, device: Device) -> float:
     """Least thickness (m) of a piece in the direction in which it bends."""
     if piece.section == "cylinder":
         return 2.0 * piece.radius
-    ends = [piece.layers(bimorph, end) for end in (0.0, 1.0)]
-    layers = 2.0 if piece.section == "bimorph" else 0.0
-    return float(min(layers * end.piezo_thickness + end.shim_thickness for end in ends))
+    layers = stack(piece, device, np.array([0.0, 1.0]))
+    total: Any = sum(np.broadcast_to(layer.thickness, 2) for layer in layers)
+    return float(total.min())
 
 
 def row_mesh(
-    pieces: Sequence[Piece], bimorph: Bimorph, elements: int, halvings: int = 0, shift: float = 0.0
+    pieces: Sequence[Piece], device: Device, elements: int, halvings: int = 0, shift: float = 0.0
 ) -> tuple[Any, Ints, list[tuple[int, float]]]:
     """Line mesh from base to tip, the beam of each element, and the joints.
 
@@ -234,7 +219,7 @@ def row_mesh(
     """
     from skfem import MeshLine
 
-    waves = [piece.length / math.sqrt(thinnest(piece, bimorph)) for piece in pieces]
+    waves = [piece.length / math.sqrt(thinnest(piece, device)) for piece in pieces]
     total = sum(n for n, piece in zip(waves, pieces, strict=True) if piece.section != "bond")
     nodes, cells, piece_of, joints = [0.0], [], [], []
     beams = 0
@@ -313,16 +298,13 @@ def elements_for(device: Device, highest: float) -> int:
 
     Raises InputError if that is more than dense matrices bear.
     """
-    piezo, bimorph = device.piezo, device.bimorph
-    slowest = math.sqrt(min(1.0 / piezo.s55, device.shim.shear_modulus) / piezo.density)
-    modulus = 1.0 / (piezo.s11 * piezo.density)
-    omega = 2.0 * math.pi * highest
-    bending = math.sqrt(omega / math.sqrt(modulus) * math.sqrt(12.0))
+    omega, ends = 2.0 * math.pi * highest, np.array([0.0, 1.0])
     pieces = beam_pieces(device, Support())
-    radians = sum(
-        piece.length * max(bending / math.sqrt(thinnest(piece, bimorph)), omega / slowest)
-        for piece in pieces
-    )
+    radians = 0.0
+    for piece in pieces:
+        bending, shear, mass, *_ = section_constants(piece, device, Beam(), ends, lossy=False).real
+        waves = np.maximum((omega**2 * mass / bending) ** 0.25, omega * np.sqrt(mass / shear))
+        radians += piece.length * float(waves.max())
     if not radians <= MOST_ELEMENTS:
         raise InputError(
             f"frequency = {highest:g} Hz makes waves so short that the model beam would need "
@@ -361,7 +343,7 @@ def assemble(
 
     pieces = beam_pieces(device, support)
     beams = [piece for piece in pieces if piece.section != "bond"]
-    mesh, piece_of, joints = row_mesh(pieces, device.bimorph, elements, halvings, shift)
+    mesh, piece_of, joints = row_mesh(pieces, device, elements, halvings, shift)
     w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
     shares = _shares(w_space, piece_of)
     constants = unit * np.concatenate(

@@ -1,8 +1,8 @@
-"""The piezoelectric solid on bricks of high order: a quarter, one class of motion at a time.
+"""The piezoelectric solid on bricks of high order: a part, one class of motion at a time.
 
 Weak form and unknowns are those of :mod:`fem.piezo.solid`, the matrices those of
 :mod:`fem.piezo.bricks`.
-What the quarter stands for says :mod:`fem.piezo.symmetry`.
+What the quarter or half stands for says :mod:`fem.piezo.symmetry`.
 """
 
 from __future__ import annotations
@@ -22,8 +22,10 @@ from tactgen.geometry.bimorph.bricks import Bricks, Slab, mirrored_axis
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
 
-#: The quarter is one of four.
-_COPIES = 4.0
+#: Classes of motion in which the ports take no part: the same on any support and circuit.  Of half
+#: a body bending in x includes axial motion, and bending in y torsion.
+_OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
+_OTHERS_OF_HALF: tuple[Motion, ...] = ("bending_y",)
 #: Of the nine pairs of axes, one in which nothing is differentiated along x.
 _PLAIN = 4
 
@@ -206,8 +208,8 @@ class _Layer:
         return cls(
             along_x=np.array([x.integrals[int(a == 0), int(b == 0)] for a, b in axes]),
             gram=np.column_stack([product(a, b) for a, b in axes]),
-            weights=_COPIES * _weights(material, unit),
-            areas=_COPIES * material.density * product(0, 0),
+            weights=bricks.copies * _weights(material, unit),
+            areas=bricks.copies * material.density * product(0, 0),
         )
 
     def of_pairs(self, at: Ints) -> _Layer:
@@ -343,6 +345,7 @@ class _Quarter:
             volts_per_unit=unit,
             motion=motion,
             related=self.system,
+            others=_OTHERS if bricks.mirrored_x else _OTHERS_OF_HALF,
             elimination=np.argsort(4 * place[unknowns.index // 4] + unknowns.index % 4),
             translation=unknowns.translation(bricks.one().ravel()),
         )
@@ -356,13 +359,14 @@ def quarter_unknowns(
     Over (u_x, u_y, u_z, φ) node by node, z fastest; `unit` is that of the potential (V).
     """
     x, y = bricks.x.nodes, bricks.y.nodes
-    base, piezo = bricks.base(), bricks.nodes_of("piezo")
+    base, piezo = bricks.base(), bricks.nodes_of(*(slab.region for slab in bricks.ceramics))
     outer, inner = bricks.electrodes()
     field = piezo & ~outer & ~inner & (not uniform_field)
     used = bricks.used() & ~base
     free = np.stack([used, used, used, field], axis=-1) & bricks.products()[..., None]
     at_x, at_y = SIGNS[motion]
-    free[x == 0.0, :, :, :] &= np.array(at_x) > 0
+    if bricks.mirrored_x:
+        free[x == 0.0, :, :, :] &= np.array(at_x) > 0
     free[:, y == 0.0, :, :] &= np.array(at_y) > 0
     ports = np.zeros((*free.shape, 3))
     if motion == "bending_x":
@@ -390,6 +394,8 @@ def tip_functionals(bricks: Bricks) -> Floats:
     for slab in bricks.tip_slabs():
         more = line_weights(bricks.x, *slab.x)
         plain, levered = plain + more[0], levered + more[1]
+    if not bricks.mirrored_x:  # about the middle of the face, which need not be at x = 0
+        levered = levered - (plain @ bricks.x.position) / (plain @ bricks.x.one) * plain
     across, _ = line_weights(bricks.y)
     out = np.zeros((*bricks.shape, 4, 2))
     width = across @ bricks.y.one
@@ -406,7 +412,7 @@ def whole_nodes(
 
     The nodes are the points of :meth:`geometry.bimorph.bricks.Bricks.node_mesh`, in its order.
     """
-    x, from_x, turned_x = mirrored_axis(bricks.x.nodes)
+    x, from_x, turned_x = bricks.continued_x(bricks.x.nodes)
     y, from_y, turned_y = mirrored_axis(bricks.y.nodes)
     z = bricks.z.nodes
     used = bricks.used()[np.ix_(from_x, from_y)]
@@ -435,7 +441,7 @@ def nodal_mass(bricks: Bricks, known: dict[str, Material]) -> Floats:
         lines = [line_matrices(axis, *span) for axis, span in zip(plain, spans, strict=True)]
         along = [line.integrals[0, 0][line.rows == line.columns] for line in lines]
         sizes = [axis.breaks[b] - axis.breaks[a] for axis, (a, b) in zip(plain, spans, strict=True)]
-        density = 4.0 * known[slab.region].density
+        density = bricks.copies * known[slab.region].density
         found += density * np.multiply.outer(np.outer(along[0], along[1]), along[2])
         total += density * float(np.prod(sizes))
     return np.asarray(found * (total / found.sum())).ravel()

@@ -16,6 +16,7 @@ from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.symmetry import PORTS, Bordered
 from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse
+from tactgen.geometry.bimorph.segments import material_of, region_of
 from tactgen.geometry.device.materials import (
     Piezoceramic,
     PiezoTensors,
@@ -23,7 +24,7 @@ from tactgen.geometry.device.materials import (
     lossy_modulus,
     orthotropic_stiffness,
 )
-from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Device, Glue, Piezo, Rod, Shim
 
 #: Voigt index of a pair of axes.
 VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
@@ -81,6 +82,8 @@ class SolidSystem:
     motion: Motion = "all"
     #: Gives the same body in another class of motion; None for a body taken whole
     related: Callable[[Motion], SolidSystem] | None = None
+    #: The other classes of motion
+    others: tuple[Motion, ...] = ()
     #: (n - 3,) A good order in which to eliminate all but the last three unknowns
     elimination: Ints | None = None
     #: (n,) The body moved along x by 1, as far as its motions let it
@@ -173,38 +176,43 @@ def materials(
     device: Device, regions: tuple[str, ...], ceramic: Piezoceramic, *, lossy: bool
 ) -> dict[str, Material]:
     """Material of each region (SI, in the device's axes, with the device's poling)."""
-    tensors = ceramic.tensors(lossy=lossy)
-    turned = PiezoTensors(tensors.c, device.bimorph.poling_sign * tensors.e, tensors.eps)
-    piezo = Material(tensors.c, ceramic.density, turned)
-    shim, glue, rod = device.shim, device.glue, device.rod
-    across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus
-    known = {
-        "piezo": piezo,
-        "piezo_top": piezo,
-        "piezo_bottom": piezo,
-        "shim": Material(
-            lossy_modulus(
-                orthotropic_stiffness(
-                    shim.youngs_modulus, across, shim.shear_modulus, shim.poisson_ratio
-                ),
-                shim.loss_factor,
-                lossy=lossy,
-            ),
-            shim.density,
-        ),
-        **{
-            name: Material(
-                lossy_modulus(
-                    isotropic_stiffness(of.youngs_modulus, of.poisson_ratio),
-                    of.loss_factor,
-                    lossy=lossy,
-                ),
-                of.density,
-            )
-            for name, of in (("glue", glue), ("rod", rod))
-        },
+    sign = device.bimorph.poling_sign
+    known: dict[str, Piezo | Shim | Glue | Rod] = {
+        "shim": device.shim, "glue": device.glue, "rod": device.rod,
+    }  # fmt: skip
+    poled = dict.fromkeys(("piezo", "piezo_top", "piezo_bottom"), (ceramic, sign))
+    for number, layer in enumerate(device.bimorph.layers):
+        of = material_of(device, layer)
+        if isinstance(of, Piezo):
+            poled[region_of(number, layer)] = of.ceramic(), float(layer.poling)
+        else:
+            known[region_of(number, layer)] = of
+    return {
+        region: _poled(*poled[region], lossy=lossy)
+        if region in poled
+        else _elastic(known[region], lossy=lossy)
+        for region in regions
     }
-    return {region: known[region] for region in regions}
+
+
+def _poled(ceramic: Piezoceramic, sign: float, *, lossy: bool) -> Material:
+    """Ceramic poled along x, or against it."""
+    tensors = ceramic.tensors(lossy=lossy)
+    turned = PiezoTensors(tensors.c, sign * tensors.e, tensors.eps)
+    return Material(tensors.c, ceramic.density, turned)
+
+
+def _elastic(of: Piezo | Shim | Glue | Rod, *, lossy: bool) -> Material:
+    """Material without a field."""
+    assert not isinstance(of, Piezo)
+    if isinstance(of, Shim):
+        across = of.transverse_modulus or 2.0 * (1.0 + of.poisson_ratio) * of.shear_modulus
+        stiffness = orthotropic_stiffness(
+            of.youngs_modulus, across, of.shear_modulus, of.poisson_ratio
+        )
+    else:
+        stiffness = isotropic_stiffness(of.youngs_modulus, of.poisson_ratio)
+    return Material(lossy_modulus(stiffness, of.loss_factor, lossy=lossy), of.density)
 
 
 def volts_per_unit(known: dict[str, Material]) -> float:

@@ -153,6 +153,7 @@ class SkfemBody:
             volts_per_unit=self.unit,
             motion=motion,
             related=None if motion == "all" else self.system,
+            others=() if motion == "all" else ("bending_y", "torsion", "axial"),
             elimination=self._elimination(unknowns),
             translation=unknowns.translation(np.ones(len(nodal))),
         )

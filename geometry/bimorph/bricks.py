@@ -1,7 +1,8 @@
 """Bricks of high order: the layered bimorph as a quarter of boxes on one tensor grid.
 
 Bimorph, wiring and poling are symmetric about the planes x = 0 and y = 0, so a quarter
-(x ≥ 0, y ≥ 0) stands for the whole.  Each axis is divided into intervals; a brick is a
+(x ≥ 0, y ≥ 0) stands for the whole; of layers that are listed one by one half of it (y ≥ 0) does,
+x = 0 in the middle of their thickness.  Each axis is divided into intervals; a brick is a
 product of three of them and carries polynomials of a degree of its own per axis, whose
 nodes are the Gauss–Lobatto points.
 
@@ -13,6 +14,7 @@ and I. Babuška, Finite Element Analysis, Wiley 1991, the trunk space).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Literal
@@ -21,6 +23,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.bimorph.segments import Piece, stack
 from tactgen.geometry.device.checks import check_bonded, check_constant_section
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.meshing.mesh import Mesh
@@ -96,11 +99,14 @@ class Slab:
     region: str
     x: tuple[int, int]
     z: tuple[int, int]
+    ceramic: bool = False  #: Whether it is piezoelectric
+    electrodes: bool = True  #: Whether a ceramic's faces carry electrodes
+    hot: int = 0  #: Face of a ceramic (along x) at the drive voltage, 0 if none is
 
 
 @dataclass(frozen=True)
 class Bricks:
-    """A quarter of a layered bimorph on a tensor grid."""
+    """A quarter of a layered bimorph on a tensor grid, or half of it."""
 
     #: From the planes of symmetry (x, y) and from the held end (z)
     x: Axis
@@ -108,18 +114,35 @@ class Bricks:
     z: Axis
     #: What is where; the rest of the grid is empty.  Regions are ``piezo``, ``shim`` and ``glue``
     slabs: tuple[Slab, ...]
-    #: (int, int) Break points along z between which the outer face carries its electrode.  The
-    #: inner face is metallised all over
+    #: (int, int) Break points along z between which faces at the voltage carry electrodes.  Others
+    #: are metallised all over
     electrode: tuple[int, int]
     held: Held = "layers"  #: Part of the lowest section that is the base
     #: Of hierarchic axes: products of functions are there whose degrees, each as a share of its
     #: axis' degree, add up to no more.  1 is the trunk space, 3 has all products
     richness: float = 3.0
+    mirrored_x: bool = True  #: Whether x = 0 is a plane of symmetry, and x ≥ 0 all there is
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
         """The three axes."""
         return self.x, self.y, self.z
+
+    @property
+    def copies(self) -> float:
+        """How many of it make the whole."""
+        return 4.0 if self.mirrored_x else 2.0
+
+    def continued_x(self, nodes: Floats) -> tuple[Floats, Ints, Bools]:
+        """Positions along x of the whole, as :func:`mirrored_axis` gives them."""
+        if self.mirrored_x:
+            return mirrored_axis(nodes)
+        return nodes, np.arange(nodes.size), np.zeros(nodes.size, dtype=bool)
+
+    @property
+    def ceramics(self) -> tuple[Slab, ...]:
+        """Piezoelectric slabs."""
+        return tuple(slab for slab in self.slabs if slab.ceramic)
 
     @property
     def degree(self) -> tuple[int, int, int]:
@@ -172,15 +195,18 @@ class Bricks:
         return tuple(slab for slab in self.slabs if slab.z[1] == self.z.intervals)
 
     def electrodes(self) -> tuple[Bools, Bools]:
-        """Masks (nx, ny, nz) of the nodes of the outer and of the inner electrode."""
-        piezo = self.slabs_of("piezo")
-        outer, inner = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=bool)
-        top = max(s.x[1] for s in piezo) * self.x.degree
-        bottom = min(s.x[0] for s in piezo) * self.x.degree
-        outer[top, :, self.z.nodes_of(*self.electrode)] = True
-        low, high = min(s.z[0] for s in piezo), max(s.z[1] for s in piezo)
-        inner[bottom, :, self.z.nodes_of(low, high)] = True
-        return outer, inner
+        """Masks (nx, ny, nz) of the nodes of the electrodes at the voltage and at 0 V."""
+        hot, cold = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=bool)
+        for slab in self.ceramics:
+            if not slab.electrodes:
+                continue
+            for face, sign in zip(slab.x, (-1, 1), strict=True):
+                at = face * self.x.degree
+                if sign == slab.hot:
+                    hot[at, :, self.z.nodes_of(*self.electrode)] = True
+                else:
+                    cold[at, :, self.z.nodes_of(*slab.z)] = True
+        return hot, cold
 
     def used(self) -> Bools:
         """Mask (nx, ny, nz) of the nodes that any material has."""
@@ -219,18 +245,18 @@ def _mirrored(bricks: Bricks, half: tuple[Floats, ...], cuts: tuple[int, ...]) -
 
     `cuts` is the number of cells per interval along each axis.
     """
-    x, y, z = mirrored_axis(half[0])[0], mirrored_axis(half[1])[0], half[2]
+    x, y, z = bricks.continued_x(half[0])[0], mirrored_axis(half[1])[0], half[2]
     nx, ny, nz = x.size, y.size, z.size
-    middle = nx // 2
+    middle = nx // 2 if bricks.mirrored_x else 0
     owner = np.full((nx - 1, nz - 1), -1)
     names = _whole_regions(bricks)
     for slab in bricks.slabs:
         low, high = (i * cuts[0] for i in slab.x)
         along = slice(slab.z[0] * cuts[2], slab.z[1] * cuts[2])
-        for side, name in (
-            (slice(middle + low, middle + high), "top"),
-            (slice(middle - high, middle - low), "bottom"),
-        ):
+        sides = [(slice(middle + low, middle + high), "top")]
+        if bricks.mirrored_x:
+            sides.append((slice(middle - high, middle - low), "bottom"))
+        for side, name in sides:
             region = f"piezo_{name}" if slab.region == "piezo" else slab.region
             owner[side, along] = names.index(region)
     cell_x, cell_z = np.nonzero(owner >= 0)
@@ -255,6 +281,8 @@ def _mirrored(bricks: Bricks, half: tuple[Floats, ...], cuts: tuple[int, ...]) -
 
 
 def _whole_regions(bricks: Bricks) -> tuple[str, ...]:
+    if not bricks.mirrored_x:
+        return bricks.regions
     rest = tuple(region for region in bricks.regions if region != "piezo")
     return ("piezo_top", "piezo_bottom", *rest)
 
@@ -265,11 +293,8 @@ def _named_faces(
     """Quadrilaterals of each named face."""
     low_x, high_x = cells[:, [0, 3, 7, 4]], cells[:, [1, 2, 6, 5]]
     low_z, high_z = cells[:, [0, 1, 2, 3]], cells[:, [4, 5, 6, 7]]
-    piezo = bricks.slabs_of("piezo")
-    inner = bricks.x.breaks[min(s.x[0] for s in piezo)]
-    outer = bricks.x.breaks[max(s.x[1] for s in piezo)]
     start, end = (bricks.z.breaks[k] for k in bricks.electrode)
-    tolerance = 1e-9 * outer
+    tolerance = 1e-9 * float(np.abs(bricks.x.breaks).max())
 
     def on_plane(quads: Ints, axis: int, value: float) -> Bools:
         return np.asarray((np.abs(points[quads, axis] - value) < tolerance).all(axis=1))
@@ -281,15 +306,31 @@ def _named_faces(
     held = np.ones(region.size, dtype=bool)
     if bricks.held == "shim":
         held = region == names.index("shim")
-    top, bottom = region == 0, region == 1
-    return {
+    found = {
         "base": low_z[held & on_plane(low_z, 2, 0.0)],
         "tip": high_z[on_plane(high_z, 2, float(bricks.z.breaks[-1]))],
-        "electrode_top_inner": low_x[top & on_plane(low_x, 0, inner)],
-        "electrode_top_outer": high_x[top & on_plane(high_x, 0, outer) & electroded(high_x)],
-        "electrode_bottom_inner": high_x[bottom & on_plane(high_x, 0, -inner)],
-        "electrode_bottom_outer": low_x[bottom & on_plane(low_x, 0, -outer) & electroded(low_x)],
     }
+    for name, owner, x, sign, hot in _metallised(bricks):
+        quads = high_x if sign > 0 else low_x
+        of = (region == names.index(owner)) & on_plane(quads, 0, x)
+        found[name] = quads[of & electroded(quads) if hot else of]
+    return found
+
+
+def _metallised(bricks: Bricks) -> Iterator[tuple[str, str, float, int, bool]]:
+    """Name, region, position along x, direction and whether at the voltage of each metal face."""
+    for slab in bricks.ceramics:
+        for at, sign in zip(slab.x, (-1, 1), strict=True):
+            if not slab.electrodes:
+                continue
+            x, hot = float(bricks.x.breaks[at]), sign == slab.hot
+            if bricks.mirrored_x:
+                face = "outer" if hot else "inner"
+                yield f"electrode_top_{face}", "piezo_top", x, sign, hot
+                yield f"electrode_bottom_{face}", "piezo_bottom", -x, -sign, hot
+            else:
+                face = "upper" if sign > 0 else "lower"
+                yield f"electrode_{slab.region}_{face}", slab.region, x, sign, hot
 
 
 #: Ratio of neighbouring intervals towards a side edge.
@@ -358,32 +399,82 @@ LEVELS = (
 def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers") -> Bricks:
     """Divide a quarter of the bimorph, z = 0 at the lower end of the tab (or of the ceramic).
 
+    Of listed layers it is half of it.
+
     Raises InputError if the cross-section changes along the ceramic, or glue lets the layers slide.
     """
     check_constant_section(device)
     check_bonded(device)
+    z, ceramic, electrode = _along(device, meshing)
+    ends = (*ceramic, z.size - 1)
+    listed = bool(device.bimorph.layers)
+    x, slabs = _listed(device, meshing, ends) if listed else _sandwich(device, meshing, ends)
+    ax, ay, az = (
+        Axis(breaks, degree, hierarchic=meshing.richness is not None)
+        for breaks, degree in zip(
+            (x, _across(device.bimorph, meshing), z), meshing.degree, strict=True
+        )
+    )
+    bricks = Bricks(ax, ay, az, slabs=slabs, electrode=electrode, held=held, mirrored_x=not listed)
+    return bricks if meshing.richness is None else replace(bricks, richness=meshing.richness)
+
+
+def _piezo_shares(bimorph: Bimorph, meshing: BrickMeshing) -> tuple[float, ...]:
+    """Intervals of a ceramic from its inner to its outer face, as shares of it."""
+    ends_inside = bimorph.bare_below > 0.0 or bimorph.bare_above > 0.0
+    # the field is singular at the end of an electrode, on the outer face
+    return tuple(sorted(meshing.layer, reverse=True)) if ends_inside else meshing.layer
+
+
+def _sandwich(
+    device: Device, meshing: BrickMeshing, ends: tuple[int, int, int]
+) -> tuple[Floats, tuple[Slab, ...]]:
+    """Break points along x from the middle, and slabs, of half of piezo, shim and piezo."""
     bimorph = device.bimorph
     half, glue = 0.5 * bimorph.shim_thickness, bimorph.glue_thickness
     piezo = bimorph.piezo_thickness
-    ends_inside = bimorph.bare_below > 0.0 or bimorph.bare_above > 0.0
-    # the field is singular at the end of an electrode, on the outer face
-    shares = sorted(meshing.layer, reverse=True) if ends_inside else meshing.layer
     core = meshing.core if half > _THIN_CORE * piezo else 1
-    steps = [half / core] * core + ([glue] if glue > 0.0 else []) + [s * piezo for s in shares]
+    steps = [half / core] * core + ([glue] if glue > 0.0 else [])
+    steps += [s * piezo for s in _piezo_shares(bimorph, meshing)]
     x = np.concatenate([[0.0], np.cumsum(steps)])
     x[-1] = half + glue + piezo
-    y = _across(bimorph, meshing)
-    z, ceramic, electrode = _along(device, meshing)
-    n, first = z.size - 1, core + (glue > 0.0)
-    slabs = [Slab("shim", (0, core), (0, n)), Slab("piezo", (first, x.size - 1), (ceramic, n))]
+    first, (low, high, n) = core + (glue > 0.0), ends
+    slabs = [Slab("shim", (0, core), (0, n))]
     if glue > 0.0:
-        slabs.insert(1, Slab("glue", (core, first), (ceramic, n)))
-    ax, ay, az = (
-        Axis(breaks, degree, hierarchic=meshing.richness is not None)
-        for breaks, degree in zip((x, y, z), meshing.degree, strict=True)
-    )
-    bricks = Bricks(ax, ay, az, slabs=tuple(slabs), electrode=electrode, held=held)
-    return bricks if meshing.richness is None else replace(bricks, richness=meshing.richness)
+        slabs.append(Slab("glue", (core, first), (low, high)))
+    return x, (*slabs, Slab("piezo", (first, x.size - 1), (low, high), ceramic=True, hot=1))
+
+
+def _listed(
+    device: Device, meshing: BrickMeshing, ends: tuple[int, int, int]
+) -> tuple[Floats, tuple[Slab, ...]]:
+    """Break points along x, 0 in the middle, and slabs of the layers that the bimorph lists."""
+    low, high, n = ends
+    x, slabs = [-0.5 * device.bimorph.thickness], []
+    goes_on = device.bimorph.layers.continues
+    ceramic = Piece("bimorph", device.bimorph.length)
+    for layer, on in zip(stack(ceramic, device), goes_on, strict=True):
+        is_ceramic, thickness = layer.poling != 0.0, float(layer.thickness)
+        shares: tuple[float, ...] = (1.0,)
+        if is_ceramic:
+            shares = _piezo_shares(device.bimorph, meshing)
+            shares = shares if layer.low + layer.high > 0.0 else shares[::-1]
+        elif thickness > 2.0 * _THIN_CORE * _grain(device.bimorph):
+            shares = (1.0 / meshing.core,) * meshing.core
+        first = len(x) - 1
+        x += [float(layer.low + thickness * share) for share in np.cumsum(shares)]
+        x[-1] = float(layer.high)
+        slabs.append(
+            Slab(
+                layer.region,
+                (first, len(x) - 1),
+                (0, n) if on else (low, high),
+                ceramic=is_ceramic,
+                electrodes=layer.electrodes,
+                hot=int(layer.hot),
+            )
+        )
+    return np.array(x), tuple(slabs)
 
 
 def _grain(bimorph: Bimorph) -> float:
@@ -393,6 +484,8 @@ def _grain(bimorph: Bimorph) -> float:
     would only cost digits.
     """
     thin = min(bimorph.piezo_thickness, bimorph.shim_thickness)
+    if bimorph.layers:
+        thin = min(layer.thickness for layer in bimorph.layers)
     return float(max(thin, _LEAST_GRAIN * bimorph.thickness))
 
 
@@ -409,27 +502,34 @@ def _across(bimorph: Bimorph, meshing: BrickMeshing) -> Floats:
     return np.concatenate([[0.0], np.cumsum(steps[::-1])[:-1], [half_width]])
 
 
-def _along(device: Device, meshing: BrickMeshing) -> tuple[Floats, int, tuple[int, int]]:
-    """Divide the length; also return where the ceramic starts and its electrode reaches."""
+def _along(
+    device: Device, meshing: BrickMeshing
+) -> tuple[Floats, tuple[int, int], tuple[int, int]]:
+    """Divide the length; also return where the ceramic is, and the electrodes at the voltage."""
     bimorph = device.bimorph
     thin = _grain(bimorph)
-    length = bimorph.tab_length + bimorph.length
+    length = bimorph.height
     at_most, at_least = (length / pieces for pieces in meshing.pieces)
     longest = min(max(meshing.longest * bimorph.thickness, at_least), at_most)
     first, last = meshing.smallest * thin, max(meshing.smallest, meshing.tip) * thin
     below, above = bimorph.bare_below, bimorph.bare_above
-    stretches = [(bimorph.tab_length, first, first), (below, first, first)]
-    end = last if above == 0.0 else first
-    stretches.append((bimorph.length - below - above, first, end))
-    stretches.append((above, first, last))
+    extension = bimorph.tip_extension
+    end = last if extension == 0.0 else first
+    stretches = [
+        (bimorph.tab_length, first, first),
+        (below, first, first),
+        (bimorph.length - below - above, first, end if above == 0.0 else first),
+        (above, first, end),
+        (extension, first, last),
+    ]
     z, marks = np.zeros(1), []
     for length, lower, upper in stretches:
         marks.append(z.size - 1)
         if length > 0.0:
             part = _graded(length, lower, upper, meshing.growth, longest)
             z = np.concatenate([z, z[-1] + part[1:]])
-    z[-1] = bimorph.tab_length + bimorph.length
-    return z, marks[1], (marks[2], marks[3])
+    z[-1] = bimorph.height
+    return z, (marks[1], marks[4]), (marks[2], marks[3])
 
 
 def _graded(length: float, first: float, last: float, growth: float, longest: float) -> Floats:

@@ -8,13 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints, Numbers
-from tactgen.geometry.device.parameters import NOMINAL_GAP, Bimorph, Device, Support
+from tactgen.geometry.device.laminate import OWN, Layer
+from tactgen.geometry.device.parameters import (
+    NOMINAL_GAP,
+    Bimorph,
+    Device,
+    Glue,
+    Piezo,
+    Shim,
+    Support,
+)
 from tactgen.geometry.meshing.mesh import Mesh
 
 #: Points closer than this share of the ceramic's length are one.
@@ -77,7 +87,91 @@ def beam_pieces(device: Device, support: Support) -> tuple[Piece, ...]:
         pieces.append(Piece("bond", device.rod.slot_depth - device.glue.thickness))
     if tab > 0.0:
         pieces.append(Piece("shim", tab))
-    return (*pieces, *_ceramic_pieces(bimorph))
+    pieces += _ceramic_pieces(bimorph)
+    if bimorph.tip_extension > 0.0:
+        pieces.append(Piece("shim", bimorph.tip_extension))
+    return tuple(pieces)
+
+
+@dataclass(frozen=True)
+class StackLayer:
+    """One layer of a cross-section, plain numbers or arrays along a taper."""
+
+    region: str  #: Name of its part of the body
+    material: Piezo | Shim | Glue
+    #: Faces along x (m), 0 in the middle of the whole
+    low: Any
+    high: Any
+    poling: float = 0.0  #: +1 or −1 along x of a ceramic
+    #: Face along x at the voltage; 0 where both are at 0 V
+    hot: float = 0.0
+    electrodes: bool = True  #: Whether a ceramic's faces carry electrodes
+
+    @property
+    def thickness(self) -> Any:
+        """Distance of the faces (m)."""
+        return self.high - self.low
+
+
+def stack(piece: Piece, device: Device, share: Any = 0.5) -> list[StackLayer]:
+    """Layers of a piece of section ``bimorph`` or ``shim`` from −x to +x.
+
+    `share` is where along the piece (number or array), from its lower end.
+    """
+    bimorph, active = device.bimorph, piece.section == "bimorph"
+    if bimorph.layers:
+        return _stated(device, active=active, electrodes=piece.electrode)
+    sizes = piece.layers(bimorph, share)
+    half, sign = 0.5 * np.asarray(sizes.shim_thickness), bimorph.poling_sign
+    core = StackLayer("shim", device.shim, -half, half)
+    if not active:
+        return [core]
+    face = half + bimorph.glue_thickness
+    outer = face + np.asarray(sizes.piezo_thickness)
+    bonds = []
+    if bimorph.glue_thickness > 0.0:
+        bonds = [
+            StackLayer("glue", device.glue, -face, -half),
+            StackLayer("glue", device.glue, half, face),
+        ]
+    piezo, at = device.piezo, piece.electrode
+    below = StackLayer("piezo_bottom", piezo, -outer, -face, sign, -1.0, at)
+    above = StackLayer("piezo_top", piezo, face, outer, sign, 1.0, at)
+    return [below, *bonds[:1], core, *bonds[1:], above]
+
+
+def _stated(device: Device, *, active: bool, electrodes: bool) -> list[StackLayer]:
+    """Layers that the bimorph lists; where the ceramic ends those that go on."""
+    layers = device.bimorph.layers
+    low, found = -0.5 * layers.thickness, []
+    for number, (layer, goes_on) in enumerate(zip(layers, layers.continues, strict=True)):
+        high = low + layer.thickness
+        if active or goes_on:
+            at = electrodes and layer.electrodes != "bare"
+            region, of = region_of(number, layer), material_of(device, layer)
+            hot = layers.hot(number)
+            found.append(StackLayer(region, of, low, high, layer.poling, hot, at))
+        low = high
+    return found
+
+
+def region_of(number: int, layer: Layer) -> str:
+    """Name of a listed layer's part of the body: what it is, and its number from 1 at −x."""
+    kind = "piezo" if layer.is_ceramic else "glue" if layer.material == "glue" else "shim"
+    return f"{kind}_{number + 1}"
+
+
+def material_of(device: Device, layer: Layer) -> Piezo | Shim | Glue:
+    """Constants of a listed layer: the scene's own groups, or the library's."""
+    if layer.material in OWN:
+        own: Piezo | Shim | Glue = getattr(device, layer.material)
+        return own
+    return _of_library(layer.material, ceramic=layer.is_ceramic)
+
+
+@lru_cache(maxsize=64)
+def _of_library(name: str, *, ceramic: bool) -> Piezo | Shim:
+    return Piezo(material=name) if ceramic else Shim(material=name)
 
 
 def _ceramic_pieces(bimorph: Bimorph) -> list[Piece]:
@@ -168,7 +262,7 @@ class RowShape:
         return np.stack([w, np.zeros_like(w), x * psi, voltage], axis=1)
 
 
-def row_shape(pieces: Sequence[Piece], bimorph: Bimorph, z: Floats, top: float) -> RowShape:
+def row_shape(pieces: Sequence[Piece], device: Device, z: Floats, top: float) -> RowShape:
     """Shape of a row whose centre line has stations at z (n,), its tip at `top` (m)."""
     points, cells, regions, station, share = [], [], [], [], []
     names: list[str] = []
@@ -182,7 +276,7 @@ def row_shape(pieces: Sequence[Piece], bimorph: Bimorph, z: Floats, top: float) 
         # where a joint is, the upper of its two stations begins a piece, the lower one ends it
         below, above = (np.abs(z[inside] - end) < tolerance for end in (low, high))
         inside = inside[below.sum() - 1 : inside.size - above.sum() + 1]
-        for name, plan, through in _sections(piece, bimorph, (z[inside] - low) / piece.length):
+        for name, plan, through in _sections(piece, device, (z[inside] - low) / piece.length):
             if name not in names:
                 names.append(name)
             n_z, n_x, n_y, _ = plan.shape
@@ -206,35 +300,20 @@ def row_shape(pieces: Sequence[Piece], bimorph: Bimorph, z: Floats, top: float) 
     return RowShape(mesh, np.concatenate(station), np.concatenate(share))
 
 
-def _sections(piece: Piece, bimorph: Bimorph, shares: Floats) -> list[tuple[str, Floats, Floats]]:
+def _sections(piece: Piece, device: Device, shares: Floats) -> list[tuple[str, Floats, Floats]]:
     """Each region's name, (x, y) at stations (n_z, n_x, n_y, 2) and φ/U over x (n_x,)."""
     if piece.section == "cylinder":
         return [("rod", np.repeat(_disc(piece.radius)[None], shares.size, 0), np.zeros(_ROUND))]
-    layers = piece.layers(bimorph, shares)
-    half = np.broadcast_to(0.5 * np.asarray(layers.width), shares.shape)
-    core = np.broadcast_to(0.5 * np.asarray(layers.shim_thickness), shares.shape)
-    ceramic = np.broadcast_to(np.asarray(layers.piezo_thickness), shares.shape)
-    glued = core + bimorph.glue_thickness
-
-    def box(name: str, x0: Floats, x1: Floats, at: tuple[float, float]) -> Region:
-        x, y = np.stack([x0, x1], axis=1), np.stack([-half, half], axis=1)
+    width = np.asarray(piece.layers(device.bimorph, shares).width)
+    half = np.broadcast_to(0.5 * width, shares.shape)
+    found = []
+    for layer in stack(piece, device, shares):
+        low, high = (np.broadcast_to(face, shares.shape) for face in (layer.low, layer.high))
+        x, y = np.stack([low, high], axis=1), np.stack([-half, half], axis=1)
         plan = np.stack(np.broadcast_arrays(x[:, :, None], y[:, None, :]), axis=-1)
-        return name, plan, np.array(at)
-
-    found = [box("shim", -core, core, (0.0, 0.0))]
-    if piece.section == "shim":
-        return found
-    if bimorph.glue_thickness > 0.0:
-        found += [box("glue", core, glued, (0.0, 0.0)), box("glue", -glued, -core, (0.0, 0.0))]
-    return [
-        box("piezo_top", glued, glued + ceramic, (0.0, 1.0)),
-        box("piezo_bottom", -glued - ceramic, -glued, (1.0, 0.0)),
-        *found,
-    ]
-
-
-#: A region's name, its plan and its share of the potential.
-Region = tuple[str, Floats, Floats]
+        at = np.array([layer.hot < 0.0, layer.hot > 0.0], dtype=float)
+        found.append((layer.region, plan, at))
+    return found
 
 
 def _disc(radius: float) -> Floats:

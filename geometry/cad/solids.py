@@ -33,6 +33,7 @@ __all__ = [
     "COLOURS",
     "build_solids",
     "closed_form_volumes",
+    "colour_of",
     "export_glb",
     "export_step",
     "fuse",
@@ -53,6 +54,15 @@ COLOURS: dict[str, tuple[float, float, float]] = {
     "coil": (0.80, 0.45, 0.20),
     "sleeve": (0.45, 0.50, 0.56),
 }
+
+
+def colour_of(region: str) -> tuple[float, float, float]:
+    """Colour of a region; layers that are numbered have that of their kind."""
+    kind = region.partition("_")[0]
+    return COLOURS.get(region) or COLOURS.get("piezo_top" if kind == "piezo" else kind, _GREY)
+
+
+_GREY = (0.7, 0.7, 0.7)
 
 #: Distance (mm) up to which two faces count as touching.
 _CONTACT = 1e-7
@@ -247,7 +257,7 @@ def _assembly(solids: dict[str, cq.Solid]) -> cq.Assembly:
 
     assembly = cq.Assembly(name="tactile_generator")
     for name, solid in solids.items():
-        red, green, blue = COLOURS.get(name, (0.7, 0.7, 0.7))
+        red, green, blue = colour_of(name)
         assembly.add(solid, name=name, color=cq.Color(red, green, blue, 1.0))
     return assembly
 

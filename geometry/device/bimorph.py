@@ -7,6 +7,7 @@ from typing import Any, Literal
 from pydantic import model_validator
 
 from tactgen.geometry import units as u
+from tactgen.geometry.device.laminate import PLAIN, Layers
 from tactgen.geometry.device.material_library import (
     LIBRARY,
     PAPERS,
@@ -43,6 +44,17 @@ class Bimorph(Parameters):
     )
     tab_length: u.LengthOrZero = field(
         0.0, "assumed: no bare shim below the ceramic", "length of the bare shim below the ceramic"
+    )
+    tip_extension: u.LengthOrZero = field(
+        0.0,
+        "assumed: the ceramic reaches to the tip",
+        "length of the bare shim above the ceramic, at whose end the tip is",
+    )
+    layers: Layers = field(
+        PLAIN,
+        "paper table 2: piezo / shim / piezo",
+        "layers from -x to +x in place of piezo, shim and piezo, such as brass 0.2 mm; PZT-5A "
+        "0.26 mm +x",
     )
     width_profile: LengthProfile = field(
         UNIFORM,
@@ -81,6 +93,8 @@ class Bimorph(Parameters):
     @property
     def thickness(self) -> float:
         """Total thickness (m)."""
+        if self.layers:
+            return float(self.layers.thickness)
         return float(2.0 * (self.piezo_thickness + self.glue_thickness) + self.shim_thickness)
 
     @property
@@ -88,6 +102,19 @@ class Bimorph(Parameters):
         """The dimensions that vary along the ceramic, by their key."""
         names = ("width_profile", "piezo_thickness_profile", "shim_thickness_profile")
         return {name: getattr(self, name) for name in names if getattr(self, name)}
+
+    @property
+    def height(self) -> float:
+        """Length from the tab's lower end to the tip (m)."""
+        return float(self.tab_length + self.length + self.tip_extension)
+
+    @property
+    def thinnest_driven(self) -> float:
+        """Thickness of the thinnest ceramic that the drive voltage lies across (m)."""
+        if not self.layers:
+            return float(self.piezo_thickness)
+        driven = (n for n in range(len(self.layers)) if self.layers.hot(n))
+        return float(min((self.layers[n].thickness for n in driven), default=self.thickness))
 
     @property
     def poling_sign(self) -> float:

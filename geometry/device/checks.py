@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from tactgen.geometry.device.laminate import Laminate, Layer
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Bimorph, Device, Support
 from tactgen.geometry.errors import InputError
 
@@ -29,6 +30,7 @@ def check_bimorph(device: Device, support: Support) -> None:
     Raises InputError in one sentence, with the values in millimetres.
     """
     _check_ceramic(device.bimorph)
+    _check_layers(device.bimorph, support)
     if support.kind == "rod":
         _check_joint(device)
 
@@ -124,10 +126,67 @@ def _check_ceramic(bimorph: Bimorph) -> None:
         )
 
 
+def _check_layers(bimorph: Bimorph, support: Support) -> None:
+    """Refuse listed layers that cannot be wired or held, and lengths without a layer."""
+    layers = bimorph.layers
+    if not layers:
+        return
+    text = f'bimorph.layers = "{layers}"'
+    driven = [number for number in range(len(layers)) if layers.hot(number)]
+    if not driven:
+        raise InputError(
+            f"{text} has no ceramic at the drive voltage; add one with its poling, such as PZT-5A "
+            "0.26 mm +x"
+        )
+    _check_contacts(layers)
+    for name in ("tab_length", "tip_extension"):
+        if getattr(bimorph, name) > 0.0 and not any(layers.continues):
+            raise InputError(
+                f"bimorph.{name} = {getattr(bimorph, name) * 1e3:g} mm has no layer that goes on "
+                f"beyond the ceramic in {text}; add one of metal, or set bimorph.{name} = 0 mm"
+            )
+    if support.kind in ("rod", "contact"):
+        raise InputError(
+            f'bimorph.layers is not known with support.kind = "{support.kind}", whose rod holds a '
+            "shim; use clamped or spring"
+        )
+    if bimorph.wiring == "series" and not _mirrored(layers):
+        raise InputError(
+            f'bimorph.wiring = "series" is known for two driven ceramics that mirror each other, '
+            f"and not for {text}; use parallel"
+        )
+
+
+def _check_contacts(layers: Laminate) -> None:
+    """Refuse ceramics whose faces touch, or are joined by metal, at different voltages."""
+    below: Layer | None = None
+    at_voltage = False
+    for number, layer in enumerate(layers):
+        hot = layers.hot(number)
+        if layer.material == "glue" or layer.electrodes == "bare":
+            below = None  # insulates
+        elif layer.is_ceramic:
+            if below is not None and at_voltage != (hot < 0):
+                raise InputError(
+                    f"bimorph.layers joins {below} and {layer} by faces of which one is at the "
+                    'drive voltage and the other is not; say which faces are, as in "PZT-5A 0.2 mm '
+                    '+x hot -x", or put glue between them'
+                )
+            below, at_voltage = layer, hot > 0
+
+
+def _mirrored(layers: Laminate) -> bool:
+    """Whether layers and voltages are the same seen from both sides, with two driven ceramics."""
+    hot = [layers.hot(number) for number in range(len(layers))]
+    sizes = [(layer.material, layer.thickness, layer.poling) for layer in layers]
+    alike = sizes == sizes[::-1] and hot == [-sign for sign in hot[::-1]]
+    return alike and len([sign for sign in hot if sign]) == 2
+
+
 def beyond_plain_layers(bimorph: Bimorph) -> str:
     """Key that makes a bimorph more than three fully electroded boxes, or ""."""
-    lengths = ("bare_below", "bare_above", "glue_thickness")
-    found = [*bimorph.profiles, *(name for name in lengths if getattr(bimorph, name))]
+    others = ("layers", "bare_below", "bare_above", "tip_extension", "glue_thickness")
+    found = [*bimorph.profiles, *(name for name in others if getattr(bimorph, name))]
     return found[0] if found else ""
 
 
@@ -143,7 +202,7 @@ def check_plain_layers(device: Device) -> None:
         raise InputError(
             f"bimorph.{key} is not in the CAD parts and their tetrahedra (three plain layers with "
             f"electrodes all over) and so not in the model cad; ask for models=lumped,tmm,beam, on "
-            f'a support other than "rod" also solid, or set bimorph.{key} = 0 mm'
+            f'a support other than "rod" also solid, or leave bimorph.{key} out'
         )
 
 

@@ -250,8 +250,8 @@ def clamped_guess(active: Section, length: float) -> Floats:
 # ---- the calibrated section ----
 
 
-def check_support(support: Support) -> None:
-    """Refuse a rod, of whose joint no calibration knows.
+def check_known(device: Device, support: Support) -> None:
+    """Refuse what no calibration knows: a rod's joint, listed layers, a bare end at the tip.
 
     Raises InputError with the remedy.
     """
@@ -260,6 +260,11 @@ def check_support(support: Support) -> None:
             'support.kind = "rod": the model calibrated takes the bimorph without its rod; ask for '
             "--model cad, which takes both"
         )
+    for name in ("layers", "tip_extension"):
+        if getattr(device.bimorph, name):
+            raise InputError(
+                f"bimorph.{name} is not known to the model calibrated; ask for --model tmm or solid"
+            )
 
 
 def section_factors(device: Device, beam: Beam, known: Calibration | None = None) -> SectionFactors:

@@ -154,7 +154,7 @@ def driven_ceramic(
     charge = response.effort["voltage"]
     return DrivenCeramic(
         stress=_stress(device, beam, ends, frequencies, response, layer),
-        field=layer / bimorph.piezo_thickness,
+        field=layer / bimorph.thinnest_driven,
         current=np.abs(2.0 * np.pi * frequencies * charge),
     )
 

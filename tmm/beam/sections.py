@@ -13,9 +13,9 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.segments import Layers, Piece
+from tactgen.geometry.bimorph.segments import Piece, StackLayer, stack
 from tactgen.geometry.device.materials import EPS0, lossy_modulus
-from tactgen.geometry.device.parameters import Beam, Device
+from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim
 from tactgen.geometry.errors import InputError
 
 #: A number, or an array of them for many beams at once; complex where there are losses.
@@ -49,15 +49,12 @@ def section(
     piece: Piece, device: Device, beam: Beam, *, lossy: bool, share: float = 0.5
 ) -> Section:
     """Constants of a beam at a share of its length; `lossy` switches all losses on."""
-    layers = piece.layers(device.bimorph, share)
-    if piece.section == "bimorph":
-        active = _bimorph(layers, device, beam, lossy=lossy)
-        return active if piece.electrode else without_electrode(active)
-    if piece.section == "shim":
-        return _bare_shim(layers, device, beam, lossy=lossy)
     if piece.section == "cylinder":
         return _cylinder(device, piece.radius, lossy=lossy)
-    raise ValueError(f"a {piece.section} is no beam; see bond")
+    if piece.section == "bond":
+        raise ValueError("a bond is no beam; see tmm.beam.transfer_matrix.bonded_tab")
+    width = piece.layers(device.bimorph, share).width
+    return _stacked(stack(piece, device, share), width, beam, lossy=lossy)
 
 
 def without_electrode(active: Section) -> Section:
@@ -71,58 +68,83 @@ def without_electrode(active: Section) -> Section:
     return replace(active, EI=active.EI + active.K**2 / active.C, K=0.0, C=0.0)
 
 
-def _bimorph(layers: Layers, device: Device, beam: Beam, *, lossy: bool) -> Section:
-    """Paper eqs 49-55, with h_s/2 in eq 49 and (1 − j tan δ) in eq 55, and a glue layer.
+@dataclass
+class _Sums:
+    """Integrals over the layers of a section, per width.
 
-    Between shim and ceramic the glue is one more layer of a plane section: it lifts the
-    ceramic by its thickness and adds its own stiffness and mass.  That it also lets the
+    N = A ε + B κ − n U and M = B ε + D κ − m U with the strain ε at x = 0 and κ = ψ'.
+    """
+
+    A: Constant = 0.0
+    B: Constant = 0.0
+    D: Constant = 0.0
+    n: Constant = 0.0
+    m: Constant = 0.0
+    capacitance: Constant = 0.0
+    shear: Constant = 0.0
+    #: Of the density with x to the power of 0, 1 and 2
+    mass: Constant = 0.0
+    mass_x: Constant = 0.0
+    mass_xx: Constant = 0.0
+
+
+def _stacked(layers: list[StackLayer], width: Constant, beam: Beam, *, lossy: bool) -> Section:
+    """Plane section of layers without axial force; paper eqs 49-55 for piezo, shim, piezo.
+
+    (With h_s/2 in eq 49 and (1 − j tan δ) in eq 55.)  Where the layers do not mirror each other
+    ε = (n U − B κ) / A follows the bending, and the section turns about x = B / A.  That glue lets
     layers slide near their ends, over about √(E h_p t_g / G_g), no plane section can show.
     """
-    b, hp, hs = layers.width, layers.piezo_thickness, layers.shim_thickness
-    tg = device.bimorph.glue_thickness
-    piezo, shim, glue = device.piezo, device.shim, device.glue
-    stiffening = 1.0 + 1j / piezo.quality_factor if lossy else 1.0
-    permittivity = 1.0 - 1j * piezo.loss_tangent if lossy else 1.0
-    modulus = stiffening / piezo.s11
-    core = hs + 2.0 * tg
-    glue_modulus = lossy_modulus(glue.youngs_modulus, glue.loss_factor, lossy=lossy)
-    glue_shear = glue_modulus / (2.0 * (1.0 + glue.poisson_ratio))
-    shim_modulus, shim_shear = (
-        lossy_modulus(modulus, shim.loss_factor, lossy=lossy)
-        for modulus in (shim.youngs_modulus, shim.shear_modulus)
-    )
-
-    def stacked(of_shim: Constant, of_glue: Constant, of_piezo: Constant) -> Constant:
-        """∫ c x² dA of a constant c that each layer has."""
-        return b * (
-            of_shim * hs**3 / 12.0
-            + 2.0 / 3.0 * (of_glue * _cubes(hs, tg) + of_piezo * _cubes(core, hp))
-        )
-
+    s = _Sums()
+    for layer in layers:
+        _add(s, layer, lossy=lossy)
+    axis = s.B / s.A
+    about = np.real(axis)
     return Section(
-        EI=stacked(shim_modulus, glue_modulus, modulus),
-        GA=beam.shear_correction * b * (shim_shear * hs + 2.0 * (glue_shear * tg + hp / piezo.s55)),
-        m=b * (shim.density * hs + 2.0 * (glue.density * tg + piezo.density * hp)),
-        rhoI=stacked(shim.density, glue.density, piezo.density),
-        K=-device.bimorph.poling_sign * b * piezo.d31 * modulus * (core + hp),
-        C=2.0 * b * (piezo.eps33 * EPS0 * permittivity - piezo.d31**2 * modulus) / hp,
+        EI=width * (s.D - s.B * axis),
+        GA=width * beam.shear_correction * s.shear,
+        m=width * s.mass,
+        rhoI=width * (s.mass_xx - 2.0 * about * s.mass_x + about**2 * s.mass),
+        K=width * (s.m - s.n * axis),
+        C=width * (s.capacitance + s.n**2 / s.A),
     )
 
 
-def _cubes(core: Constant, layer: Constant) -> Constant:
-    """(core/2 + layer)³ − (core/2)³ without cancellation for thin layers."""
-    return layer * (0.75 * core**2 + 1.5 * core * layer + layer**2)
+def _add(s: _Sums, layer: StackLayer, *, lossy: bool) -> None:
+    """Add one layer."""
+    t, of = layer.thickness, layer.material
+    first = 0.5 * t * (layer.low + layer.high)
+    # (high³ − low³) / 3 without cancellation
+    second = t * (layer.low**2 + layer.low * layer.high + layer.high**2) / 3.0
+    young, shear = _moduli(of, lossy=lossy)
+    s.A, s.B, s.D = s.A + young * t, s.B + young * first, s.D + young * second
+    s.shear = s.shear + shear * t
+    s.mass, s.mass_x = s.mass + of.density * t, s.mass_x + of.density * first
+    s.mass_xx = s.mass_xx + of.density * second
+    if not isinstance(of, Piezo):
+        return
+    permittivity = 1.0 - 1j * of.loss_tangent if lossy else 1.0
+    # of 1 V on the upper face: stress −E d E_x, and charge per strain and per volt
+    stress = -layer.poling * of.d31 * young
+    capacitance = (of.eps33 * EPS0 * permittivity - of.d31**2 * young) / t
+    if not layer.electrodes:
+        # without charge its mean strain raises a voltage, which stiffens
+        mean = first / t
+        stiffer = stress**2 / capacitance
+        s.A, s.B, s.D = s.A + stiffer, s.B + stiffer * mean, s.D + stiffer * mean**2
+        return
+    s.n, s.m = s.n + layer.hot * stress, s.m + layer.hot * stress * first / t
+    s.capacitance = s.capacitance + layer.hot**2 * capacitance
 
 
-def _bare_shim(layers: Layers, device: Device, beam: Beam, *, lossy: bool) -> Section:
-    b, h, shim = layers.width, layers.shim_thickness, device.shim
-    loss = lossy_modulus(1.0, shim.loss_factor, lossy=lossy)
-    return Section(
-        EI=loss * shim.youngs_modulus * b * h**3 / 12.0,
-        GA=loss * beam.shear_correction * shim.shear_modulus * b * h,
-        m=shim.density * b * h,
-        rhoI=shim.density * b * h**3 / 12.0,
-    )
+def _moduli(of: Piezo | Shim | Glue, *, lossy: bool) -> tuple[Constant, Constant]:
+    """Young's modulus along z, and shear modulus (Pa)."""
+    if isinstance(of, Piezo):
+        return (1.0 + 1j / of.quality_factor if lossy else 1.0) / of.s11, 1.0 / of.s55
+    young = lossy_modulus(of.youngs_modulus, of.loss_factor, lossy=lossy)
+    if isinstance(of, Shim):
+        return young, lossy_modulus(of.shear_modulus, of.loss_factor, lossy=lossy)
+    return young, young / (2.0 * (1.0 + of.poisson_ratio))
 
 
 def _cylinder(device: Device, radius: float, *, lossy: bool) -> Section:

@@ -268,6 +268,9 @@ def respond(
     d, n = port.stiffness, port.frequencies.size
     driven = [port.index(name) for name in drive]
     free = [port.index(name) for name in port.others(drive)]
+    both = [name for name in efforts or () if port.index(name) in driven]
+    if both:
+        raise InputError(f'port "{both[0]}" is both moved and loaded; state one of the two')
     motion = np.zeros((n, len(port.ports)), dtype=complex)
     effort = np.zeros((n, len(driven)), dtype=complex)
     for at, value in zip(driven, drive.values(), strict=True):
@@ -280,9 +283,6 @@ def respond(
         motion[:, free] += follows * weight[:, None]
         effort += answers * weight[:, None]
     if efforts:
-        both = [name for name in efforts if port.index(name) in driven]
-        if both:
-            raise InputError(f'port "{both[0]}" is both moved and loaded; state one of the two')
         right = np.zeros((n, len(free), 1), dtype=complex)
         for name, value in efforts.items():
             right[:, free.index(port.index(name)), 0] = value

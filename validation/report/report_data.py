@@ -134,6 +134,8 @@ class Study:
         scene = self.scene
         if "solid" not in scene.models or scene.support.kind == "rod" or scene.piezo.d31 == 0.0:
             return None
+        if scene.bimorph.layers or scene.bimorph.tip_extension:
+            return None
         from tactgen.validation.models.difference import beam_to_solid
 
         return beam_to_solid(scene, self.announce, level=0 if self.quick else 1)

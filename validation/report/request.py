@@ -58,7 +58,8 @@ def prepared(scene: Scene, *, quick: bool) -> Scene:
         if MODELS[name].actuator in about
         or any(gives(name, q) for q in scene.quantities if QUANTITIES[q].actuator in joined)
     )
-    quantities = quantities_of(models, about, quick=quick)
+    named = (name for name in scene.quantities if QUANTITIES[name].by_name)
+    quantities = (*quantities_of(models, about, quick=quick), *named)
     if scene.support.kind == "contact" and not scene.coil.current:
         # without current a pull, an inductance say nothing: see Study.normal
         own = (n for n in quantities if QUANTITIES[n].actuator != "reluctance" or is_of_rest(n))
@@ -74,11 +75,11 @@ def prepared(scene: Scene, *, quick: bool) -> Scene:
 
 
 def quantities_of(models: Sequence[str], about: Collection[str], *, quick: bool) -> tuple[str, ...]:
-    """All quantities of some actuators that models give; if quick, none by slow maps."""
+    """Quantities of some actuators that models give unasked; if quick, none by slow maps."""
     found = tuple(
         name
         for name, row in QUANTITIES.items()
-        if row.actuator in about and any(gives(m, name) for m in models)
+        if row.actuator in about and not row.by_name and any(gives(m, name) for m in models)
     )
     slow = any(
         needs_map(name) and gives(model, name) and not MODELS[model].quick

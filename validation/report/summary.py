@@ -12,7 +12,7 @@ import numpy as np
 from tactgen.geometry.device.material_library import curve_in_words
 from tactgen.geometry.formats import engineering, percent, with_error
 from tactgen.validation.catalogue.models import MODELS, ranked
-from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT, VOLTAGE_LIMIT
+from tactgen.validation.catalogue.quantities import QUANTITIES, TIP_DISPLACEMENT, VOLTAGE_LIMIT
 from tactgen.validation.engine.answers import representative
 from tactgen.validation.engine.comparison import ComparedRow
 from tactgen.validation.engine.warnings import accuracy_warnings
@@ -121,8 +121,11 @@ def _label(study: Study, row: ComparedRow) -> str:
 
 
 def _extremes(study: Study) -> Iterator[Headline]:
-    """Largest displacement and least voltage limit over the band."""
-    for info in (TIP_DISPLACEMENT, VOLTAGE_LIMIT):
+    """Largest displacement, least voltage limit and what was named over the band."""
+    scene = study.scene
+    limit = (VOLTAGE_LIMIT,) if scene.circuit.kind == "source" else ()
+    named = (row for name in scene.quantities if (row := QUANTITIES[name]).by_name)
+    for info in (TIP_DISPLACEMENT, *limit, *named):
         by_model = study.solution.by_model(info.name)
         shown = {
             m: r

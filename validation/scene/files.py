@@ -30,6 +30,8 @@ NEUTRAL = {
 }
 #: Conditions of the normal actuator.
 OF_THE_COIL = ("gap", "coil.current")
+#: Most names that a refusal lists.
+_LISTED = 20
 #: Parts of a dotted key beyond which none is looked at: a scene's have two.
 _DEEPEST = 4
 
@@ -155,6 +157,8 @@ def choices(value: Any, known: tuple[str, ...], kind: str, key: str) -> tuple[st
     """
     names = [v.strip() for v in value.split(",")] if isinstance(value, str) else value
     listed = f"known are {', '.join(known)}"
+    if len(known) > _LISTED:
+        listed = "tactgen solve --help lists all"
     if not isinstance(names, list | tuple) or not all(isinstance(n, str) for n in names):
         raise InputError(
             f'{key} = {quoted(value)} is not a list of names; write for example ["{known[0]}"] '

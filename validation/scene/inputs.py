@@ -33,6 +33,8 @@ from tactgen.validation.scene.variation import value_of
 
 #: Keys that say whose scene it is and what is asked of it.
 _ASKED = ("name", "description", "start_from", "models", "quantities")
+#: Before a key in a condition that it is not stated.
+_NOT = "no "
 
 
 @lru_cache
@@ -43,6 +45,8 @@ def _leaves(path: str) -> tuple[str, ...]:
 
 def _holds(scene: Scene, condition: str) -> bool:
     """Whether a condition of an entry holds."""
+    if condition.startswith(_NOT):
+        return not value_of(scene, condition.removeprefix(_NOT))
     key, unequal, value = condition.partition("!=")
     if not unequal:
         key, _, value = condition.partition("=")
@@ -246,6 +250,9 @@ def _unmet(scene: Scene, key: str, models: Iterable[str], quantities: Iterable[s
 
 def _remedy(scene: Scene, condition: str) -> str:
     """Words for a condition that does not hold."""
+    if condition.startswith(_NOT):
+        key = condition.removeprefix(_NOT)
+        return f"with {key}; leave {key} out to use it"
     key, unequal, value = condition.partition("!=")
     if unequal:
         return f'with {key} = "{value}"; set another {key} to use it'

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.cad.solids import COLOURS
+from tactgen.geometry.cad.solids import colour_of
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering, with_error
 from tactgen.geometry.meshing.mesh import Mesh
@@ -153,6 +153,14 @@ REGIONS = {
 }  # fmt: skip
 
 
+def region_title(region: str) -> str:
+    """Region in words; layers that are numbered by what they are."""
+    kind, _, number = region.partition("_")
+    if region in REGIONS or not number.isdigit():
+        return REGIONS.get(region, region)
+    return f"layer {number}: {'ceramic' if kind == 'piezo' else kind}"
+
+
 @dataclass(frozen=True)
 class Shade:
     """A quantity that colours a picture."""
@@ -281,7 +289,7 @@ def words_of(result: FieldResult, state: State) -> Words:
     return Words(state.name, number, driven, f"Driven at {state.name}", driven)
 
 
-__all__ = ["COLOURS", "MAGNITUDE", "SIGNED", "magnitude_stops", "signed_stops"]
+__all__ = ["MAGNITUDE", "SIGNED", "colour_of", "magnitude_stops", "signed_stops"]
 
 #: Matplotlib's maps: perceptually even for sizes, ColorBrewer's red and blue for what swings.
 MAGNITUDE, SIGNED = "viridis", "RdBu_r"

@@ -56,8 +56,8 @@ def moving_body(device: Device, beam: BeamMatrices, modes: BimorphModes) -> Movi
         Of that row.
     """
     z, w, psi = (np.array(column) for column in zip(*beam.stations, strict=True))
-    top = device.bimorph.tab_length + device.bimorph.length
-    row = row_shape(beam_pieces(device, Support()), device.bimorph, z, top)
+    top = device.bimorph.height
+    row = row_shape(beam_pieces(device, Support()), device, z, top)
     upright = row.mesh.points[:, :1]
     meshes = [row.mesh]
     lateral, turned = modes.shapes[w][row.station], modes.shapes[psi][row.station]
@@ -180,8 +180,8 @@ class RowFields:
         base = scene.device.ceramic_base if rod else scene.bimorph.tab_length
         lines = model.mode_lines(open_circuit=False)
         pieces = beam_pieces(scene.device, scene.support)
-        top = base + scene.bimorph.length
-        self._shape: RowShape = row_shape(pieces, scene.bimorph, lines[0].z, top)
+        top = base + scene.bimorph.length + scene.bimorph.tip_extension
+        self._shape: RowShape = row_shape(pieces, scene.device, lines[0].z, top)
         self._short = lines
 
     @property

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.cad.solids import COLOURS
+from tactgen.geometry.cad.solids import colour_of
 from tactgen.geometry.cad.system_libraries import require_library, require_room
 from tactgen.geometry.device.parts import MM
 from tactgen.geometry.errors import InputError
@@ -187,7 +187,7 @@ def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
         part = grid.extract_cells(np.flatnonzero(mesh.region_of_cell == number))
         surface = part.extract_surface(nonlinear_subdivision=0, algorithm=None)
         stage.plotter.add_mesh(
-            surface, color=COLOURS[region], show_edges=True, edge_color="#333333"
+            surface, color=colour_of(region), show_edges=True, edge_color="#333333"
         )
     z = mesh.points[:, 2] * MM
     if close_up:
@@ -215,7 +215,7 @@ def _solids_picture(solids: dict[str, Any], height: float) -> bytes:
         surface = stage.surface(np.array([v.toTuple() for v in vertices]), np.array(triangles))
         if name in ("coil", "sleeve"):
             surface = surface.clip(normal=(_VIEW[0], _VIEW[1], 0.0), origin=(0.0, 0.0, 0.0))
-        stage.plotter.add_mesh(surface, color=COLOURS[name], smooth_shading=False)
+        stage.plotter.add_mesh(surface, color=colour_of(name), smooth_shading=False)
     return stage.cropped(height)
 
 

@@ -19,7 +19,7 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.device.parts import MM
 from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.validation.models.transient import Simulation, phases
-from tactgen.validation.show.field import COLOURS, Array
+from tactgen.validation.show.field import Array, colour_of
 from tactgen.validation.show.field_files import write_steps
 from tactgen.validation.show.gather import body_of
 from tactgen.validation.show.moving import MovingBody
@@ -119,7 +119,7 @@ class _RunStage(Stage):
         for number, region in enumerate(mesh.regions):
             chosen = surface.triangles[surface.region_of_triangle == number]
             part = self.surface(mesh.points * MM, chosen)
-            self.plotter.add_mesh(part, color=COLOURS.get(region, "silver"))
+            self.plotter.add_mesh(part, color=colour_of(region))
             self._parts.append(part)
         tall = float(high[2] - low[2])
         self.look_at(
@@ -315,7 +315,7 @@ def film_payload(film: Film) -> dict[str, Any]:
         "regions": [
             {
                 "name": region,
-                "colour": COLOURS.get(region, (0.7, 0.7, 0.7)),
+                "colour": colour_of(region),
                 "triangles": block.plain(
                     film.triangles[film.region_of_triangle == number].ravel().astype(np.int64)
                 ),

@@ -43,12 +43,12 @@ class BrickSampler:
 
     @cached_property
     def axes(self) -> tuple[Axis, Axis, Axis]:
-        """The axes of the whole: x and y mirrored."""
+        """The axes of the whole: y mirrored, and x unless it is whole."""
         x, y = (
             Axis(np.concatenate([-a.breaks[:0:-1], a.breaks]), a.degree)
             for a in (self.bricks.x, self.bricks.y)
         )
-        return x, y, self.bricks.z
+        return x if self.bricks.mirrored_x else self.bricks.x, y, self.bricks.z
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
@@ -58,7 +58,9 @@ class BrickSampler:
         for slab in self.bricks.slabs:
             low, high = slab.x
             sides = {"top": (middle + low, middle + high), "bottom": (middle - high, middle - low)}
-            if low == 0:
+            if not self.bricks.mirrored_x:
+                sides = {"": slab.x}
+            elif low == 0:
                 sides = {"": (middle - high, middle + high)}
             for side, part in sides.items():
                 region = f"piezo_{side}" if slab.region == "piezo" else slab.region
@@ -66,9 +68,18 @@ class BrickSampler:
         return tuple(found)
 
     @cached_property
+    def _metal(self) -> dict[str, tuple[str, int]]:
+        """Regions with a face at the voltage: its name, and which end of a block along x it is."""
+        if self.bricks.mirrored_x:
+            sides = enumerate(("bottom", "top"))
+            return {f"piezo_{side}": (f"electrode_{side}_outer", at) for at, side in sides}
+        hot = (slab for slab in self.bricks.ceramics if slab.hot)
+        return {s.region: (f"electrode_{s.region}", int(s.hot > 0)) for s in hot}
+
+    @cached_property
     def _grid(self) -> tuple[Ints, tuple[int, int, int]]:
         """Where the system's nodes are in the whole grid (flat), and the grid's shape."""
-        _, from_x, _ = mirrored_axis(self.bricks.x.nodes)
+        _, from_x, _ = self.bricks.continued_x(self.bricks.x.nodes)
         _, from_y, _ = mirrored_axis(self.bricks.y.nodes)
         used = self.bricks.used()[np.ix_(from_x, from_y)]
         nx, ny, nz = used.shape
@@ -87,7 +98,7 @@ class BrickSampler:
     def mesh(self) -> Mesh:
         """The points shown, in m, with eight-cornered cells between them."""
         points, cells, regions = [], [], []
-        outer: dict[str, list[Ints]] = {"top": [], "bottom": []}
+        outer: dict[str, list[Ints]] = {name: [] for name, _ in self._metal.values()}
         names = tuple(dict.fromkeys(block.region for block in self.blocks))
         count = 0
         electrode = [float(self.bricks.z.breaks[k]) for k in self.bricks.electrode]
@@ -99,11 +110,12 @@ class BrickSampler:
             hexes, sides = _cells(shape)
             cells.append(count + hexes)
             regions.append(np.full(len(hexes), names.index(block.region)))
-            for side, quads in zip(("bottom", "top"), sides, strict=True):
-                if block.region == f"piezo_{side}":
-                    z = points[-1][quads, 2]
-                    under = ((z >= electrode[0] - 1e-12) & (z <= electrode[1] + 1e-12)).all(axis=1)
-                    outer[side].append(count + quads[under])
+            if block.region in self._metal:
+                name, side = self._metal[block.region]
+                quads = sides[side]
+                z = points[-1][quads, 2]
+                under = ((z >= electrode[0] - 1e-12) & (z <= electrode[1] + 1e-12)).all(axis=1)
+                outer[name].append(count + quads[under])
             count += len(points[-1])
         return Mesh(
             points=np.concatenate(points),
@@ -111,7 +123,7 @@ class BrickSampler:
             kind="hexahedron",
             region_of_cell=np.concatenate(regions).astype(np.int64),
             regions=names,
-            faces={f"electrode_{s}_outer": np.concatenate(q) for s, q in outer.items()},
+            faces={name: np.concatenate(quads) for name, quads in outer.items()},
         )
 
     def _lines(self, block: Block) -> tuple[Floats, Floats, Floats]:

@@ -18,16 +18,16 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.meshing.mesh import Surface, surface_of
 from tactgen.validation.show.field import (
-    COLOURS,
     MAGNITUDE,
     MODELS,
-    REGIONS,
     SIGNED,
     FieldResult,
     Shade,
     State,
     at_phase,
+    colour_of,
     enlargement,
+    region_title,
     words_of,
 )
 from tactgen.validation.show.pictures import DIM, INK, Stage, as_png, check_ffmpeg, fonts, save_film
@@ -131,7 +131,7 @@ class _StateStage(Stage):
             )  # fmt: skip
         for number in plain:
             part = self.surface(points, surface.triangles[surface.region_of_triangle == number])
-            self._add(part, color=COLOURS.get(result.mesh.regions[number], "silver"))
+            self._add(part, color=colour_of(result.mesh.regions[number]))
         self._lines(surface, points)
         self._look(points)
 
@@ -220,8 +220,8 @@ def _words(image: Image, stage: _StateStage, phase: float) -> None:
 def _parts(draw: Any, result: FieldResult, at: tuple[float, float], font: Any) -> None:
     x, y = at
     for region in result.mesh.regions:
-        colour = tuple(round(255 * c) for c in COLOURS.get(region, (0.7, 0.7, 0.7)))
-        title = REGIONS.get(region, region)
+        colour = tuple(round(255 * c) for c in colour_of(region))
+        title = region_title(region)
         draw.rectangle((x, y + 2, x + font.size, y + 2 + font.size), fill=colour, outline=DIM)
         draw.text((x + 1.4 * font.size, y), title, fill=INK, font=font)
         x += 2.6 * font.size + draw.textlength(title, font=font)

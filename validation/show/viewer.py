@@ -14,16 +14,16 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.formats import share, with_error
 from tactgen.geometry.meshing.mesh import Mesh, Surface, surface_of
 from tactgen.validation.show.field import (
-    COLOURS,
     MODELS,
-    REGIONS,
     Array,
     FieldResult,
     Shade,
     State,
+    colour_of,
     drawn_size,
     enlargement,
     magnitude_stops,
+    region_title,
     shades_of,
     signed_stops,
     words_of,
@@ -193,8 +193,8 @@ def _region(name: str, rigid: bool) -> dict[str, Any]:
     return {
         "name": name,
         "rigid": rigid,
-        "title": REGIONS.get(name, name),
-        "colour": COLOURS.get(name, (0.7, 0.7, 0.7)),
+        "title": region_title(name),
+        "colour": colour_of(name),
         "apart": _APART.get(name, (0.0, 0.0, 0.0)),
         "sided": name in _SIDED,
     }

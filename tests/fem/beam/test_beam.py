@@ -77,17 +77,18 @@ def test_resolution_follows_the_highest_frequency():
 def test_a_halved_mesh_differs_in_every_piece():
     """Also in a tab so short that it has one element whatever their number."""
     bimorph = Bimorph(tab_length=0.1e-3)
-    pieces = beam_pieces(Device(bimorph=bimorph), Support(kind="clamped"))
-    counts = [np.bincount(row_mesh(pieces, bimorph, 4, halvings)[1]) for halvings in (0, 2)]
+    device = Device(bimorph=bimorph)
+    pieces = beam_pieces(device, Support(kind="clamped"))
+    counts = [np.bincount(row_mesh(pieces, device, 4, halvings)[1]) for halvings in (0, 2)]
     assert counts[0].min() == 1
     assert (counts[1] == 4 * counts[0]).all()
 
 
 def test_a_short_piece_takes_no_elements_from_a_long_one():
     """Two elements on a row whose ceramic has nearly all waves: both are the ceramic's."""
-    bimorph = Bimorph(length=16e-3, tab_length=1e-3)
-    pieces = beam_pieces(Device(bimorph=bimorph), Support(kind="clamped"))
-    assert np.bincount(row_mesh(pieces, bimorph, 2)[1])[-1] == 2
+    device = Device(bimorph=Bimorph(length=16e-3, tab_length=1e-3))
+    pieces = beam_pieces(device, Support(kind="clamped"))
+    assert np.bincount(row_mesh(pieces, device, 2)[1])[-1] == 2
 
 
 def test_elements_are_shared_out_by_bending_waves():
@@ -97,7 +98,7 @@ def test_elements_are_shared_out_by_bending_waves():
     b = device.bimorph
     thick = {"shim": b.shim_thickness, "bimorph": b.shim_thickness + 2.0 * b.piezo_thickness}
     waves = np.array([p.length / np.sqrt(thick.get(p.section, 2.0 * p.radius)) for p in pieces])
-    counts = np.bincount(row_mesh(pieces, b, 10**4)[1])
+    counts = np.bincount(row_mesh(pieces, device, 10**4)[1])
     assert {p.section for p in pieces} == {"cylinder", "shim", "bimorph"}
     np.testing.assert_array_equal(counts, np.ceil(10**4 * waves / waves.sum()))
 

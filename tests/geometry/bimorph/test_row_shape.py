@@ -20,7 +20,7 @@ def shape_and_line():
     ends = np.cumsum([0.0, *(p.length for p in pieces if p.section != "bond")])
     z = np.concatenate([np.linspace(a, b, 3) for a, b in itertools.pairwise(ends)])
     line = CentreLine(z, 1e-6 * np.cos(300.0 * z), 1e-3 * np.sin(200.0 * z), 0.0, 3.0, 0.0)
-    return row_shape(pieces, DEVICE.bimorph, z, TOP), line, pieces
+    return row_shape(pieces, DEVICE, z, TOP), line, pieces
 
 
 def volumes(mesh):
@@ -100,7 +100,7 @@ def test_a_clamped_tab_is_shim_alone():
     pieces = beam_pieces(device, Support())
     ends = np.cumsum([0.0, *(p.length for p in pieces)])
     z = np.concatenate([np.linspace(a, b, 2) for a, b in itertools.pairwise(ends)])
-    mesh = row_shape(pieces, device.bimorph, z, device.bimorph.length).mesh
+    mesh = row_shape(pieces, device, z, device.bimorph.length).mesh
     below = mesh.points[mesh.cells].mean(axis=1)[:, 2] < 0.0
     assert {mesh.regions[k] for k in mesh.region_of_cell[below]} == {"shim"}
     b = device.bimorph

@@ -74,5 +74,6 @@ def test_beyond_the_range_is_named_and_widened():
 
 
 def test_a_rod_is_refused():
+    scene = load_scene("bimorph_on_rod")[0]
     with pytest.raises(InputError, match="--model cad, which takes both"):
-        calibrated.check_support(load_scene("bimorph_on_rod")[0].support)
+        calibrated.check_known(scene.device, scene.support)

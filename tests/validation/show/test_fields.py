@@ -95,7 +95,7 @@ def test_mode_shapes_of_a_slender_bimorph_agree(solution, results):
         mac = (shape @ moved) ** 2 / ((shape @ shape) * (moved @ moved))
         assert mac >= 0.999
     pieces = beam_pieces(scene.device, scene.support)
-    shape = row_shape(pieces, scene.bimorph, lines[0].z, scene.bimorph.length)
+    shape = row_shape(pieces, scene.device, lines[0].z, scene.bimorph.length)
     assert shape.mesh.points == pytest.approx(tmm.mesh.points)
 
 

@@ -46,7 +46,7 @@ class CalibratedModel(TmmModel):
     def check(cls, scene: Scene) -> None:
         """Refuse a bimorph shorter than it is thick, and one on its rod."""
         super().check(scene)
-        calibrated.check_support(scene.support)
+        calibrated.check_known(scene.device, scene.support)
 
     @cached_property
     def factors(self) -> SectionFactors:

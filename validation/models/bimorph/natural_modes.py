@@ -24,8 +24,6 @@ from tactgen.validation.models.model import Modes, cancelling, least_difference
 if TYPE_CHECKING:
     from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
 
-#: Classes of motion in which the ports take no part: the same on any support and circuit.
-_OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
 #: Where the search for a bending mode in x ends.
 _MOST_MODES = 40
 #: Modes of the coarser mesh this close above the last one wanted may come below it on the finer.
@@ -71,7 +69,7 @@ class MeshModes:
 
 def coarse_modes(coarse: SolidSystem, count: int) -> MeshModes:
     """Lowest `count` modes on any support, on a coarser mesh."""
-    return mesh_modes(coarse, dict.fromkeys(_of(coarse), count), count)
+    return mesh_modes(coarse, dict.fromkeys(coarse.others, count), count)
 
 
 def fine_modes(
@@ -130,10 +128,6 @@ def lowest_modes(
     found = all_modes(modes[: few[motion]] for motion, modes in above.items())
     limit = _reach(found, count)
     return [m for m in found if m.frequency <= limit], all_modes(below.values())
-
-
-def _of(system: SolidSystem) -> tuple[Motion, ...]:
-    return () if system.related is None else _OTHERS
 
 
 def _other(

@@ -1,0 +1,156 @@
+"""Layers of a bimorph one by one: text such as ``"brass 0.2 mm; PZT-5A 0.26 mm +x"``.
+
+From the lower face (−x) to the upper one (+x).  A ceramic says how it is poled, and may say which
+of its faces has the drive voltage (``hot +x``; by default the outer one), that both have none
+(``shorted``) or that it has no electrodes (``bare``).  Read at the edge with units, held in metres.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import BeforeValidator, ValidationInfo
+
+from tactgen.geometry.device.material_library import LIBRARY, PAPERS, SHIMS, library_name, shim_name
+from tactgen.geometry.names import nearest
+from tactgen.geometry.units import NUMBER, Unit, quoted
+
+_EXAMPLE = "brass 0.2 mm; PZT-5A 0.26 mm +x"
+_REMEDY = f'write for example "{_EXAMPLE}"'
+_THICKNESS = Unit("m", "thickness", "0.2 mm", above=0.0, limits=(1e-9, 0.1), shown="mm", per_si=1e3)
+_LAYER = re.compile(
+    rf"(?P<material>\S.*?)\s+(?P<thickness>{NUMBER}\s*[^\s\d]+)"
+    r"(?:\s+(?P<poling>[+-]x))?(?:\s+(?P<electrodes>hot [+-]x|shorted|bare))?",
+    re.IGNORECASE | re.ASCII,
+)
+#: Largest number of layers.
+_MOST = 50
+#: Materials of the scene's own, by the group that states them.
+OWN = ("piezo", "shim", "glue")
+
+
+class Layer(NamedTuple):
+    """One layer."""
+
+    #: ``piezo``, ``shim`` or ``glue`` as the scene states them, or a library's name
+    material: str
+    thickness: float  #: m
+    poling: int = 0  #: Direction along x, 0 of what is not piezoelectric
+    electrodes: Literal["", "hot", "shorted", "bare"] = ""
+    hot: int = 0  #: Face (along x) at the drive voltage, 0 for the outer one
+
+    @property
+    def is_ceramic(self) -> bool:
+        """Whether it is piezoelectric."""
+        return self.poling != 0
+
+    def __str__(self) -> str:
+        words = [self.material, _THICKNESS.show(self.thickness)]
+        words += [_direction(self.poling)] if self.poling else []
+        words += [self.electrodes] if self.electrodes else []
+        words += [_direction(self.hot)] if self.hot else []
+        return " ".join(words)
+
+
+class Laminate(tuple[Layer, ...]):
+    """Layers from the lower face to the upper one; empty for piezo / shim / piezo."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return "; ".join(map(str, self)) or _NONE
+
+    @property
+    def thickness(self) -> float:
+        """Sum of the thicknesses (m)."""
+        return sum(layer.thickness for layer in self)
+
+    @property
+    def continues(self) -> tuple[bool, ...]:
+        """Whether each layer goes on where the ceramic ends: all but ceramics and glue."""
+        return tuple(not layer.is_ceramic and layer.material != "glue" for layer in self)
+
+    def hot(self, number: int) -> int:
+        """Face (along x) of a layer at the drive voltage, 0 if none is."""
+        layer = self[number]
+        if not layer.is_ceramic or layer.electrodes in ("shorted", "bare"):
+            return 0
+        low = sum(other.thickness for other in self[:number])
+        return layer.hot or (1 if low + 0.5 * layer.thickness >= 0.5 * self.thickness else -1)
+
+
+#: What a scene writes for no list of layers.
+_NONE = "none"
+PLAIN = Laminate()
+
+
+def _direction(sign: int) -> str:
+    return "+x" if sign > 0 else "-x"
+
+
+def read_layers(value: Any, info: ValidationInfo) -> Laminate:
+    """Layers from their text, a list of texts, or layers.
+
+    Raises ValueError with a sentence that names the remedy.
+    """
+    if isinstance(value, Laminate):
+        return value
+    if isinstance(value, str):
+        parts = [] if value.strip().lower() in ("", _NONE) else re.split(r"[;,]", value)
+    elif isinstance(value, Sequence) and all(isinstance(part, str) for part in value):
+        parts = list(value)
+    elif isinstance(value, Sequence) and all(isinstance(part, list | tuple) for part in value):
+        return Laminate(Layer(*part) for part in value)  # as a stored scene has them
+    else:
+        raise ValueError(f"is not a list of layers; {_REMEDY}")
+    if len(parts) > _MOST:
+        raise ValueError(f"has {len(parts)} layers; give at most {_MOST}")
+    return Laminate(_layer(part.strip(), info) for part in parts)
+
+
+def _layer(text: str, info: ValidationInfo) -> Layer:
+    found = _LAYER.fullmatch(text)
+    if found is None:
+        raise ValueError(
+            f"has the layer {quoted(text)}, which is not material, thickness, of a ceramic its "
+            f"poling, and at most its electrodes; {_REMEDY}"
+        )
+    try:
+        thickness = _THICKNESS(found["thickness"], info)
+    except ValueError as error:
+        raise ValueError(f"has the layer {quoted(text)}, whose thickness {error}") from None
+    material, ceramic = _material(found["material"])
+    poling, electrodes = found["poling"], (found["electrodes"] or "").lower()
+    if ceramic and poling is None:
+        raise ValueError(
+            f"has the layer {quoted(text)} without a poling; add +x or -x, as in "
+            f'"{material} {_THICKNESS.show(thickness)} +x"'
+        )
+    if not ceramic and (poling or electrodes):
+        raise ValueError(
+            f"has poling or electrodes in the layer {quoted(text)}, and {material} is not "
+            "piezoelectric; leave them out"
+        )
+    kind, _, face = electrodes.partition(" ")
+    sign = {"+x": 1, "-x": -1, "": 0}
+    return Layer(material, thickness, sign[(poling or "").lower()], kind, sign[face])  # type: ignore[arg-type]
+
+
+def _material(text: str) -> tuple[str, bool]:
+    """Name of a material, and whether it is piezoelectric."""
+    if text.lower() in OWN:
+        return text.lower(), text.lower() == "piezo"
+    if name := library_name(text):
+        return name, True
+    if name := shim_name(text):
+        return name, False
+    known = (*OWN, *LIBRARY, PAPERS, *SHIMS)
+    raise ValueError(
+        f"has the material {quoted(text)}, which is not in the library{nearest(text, known)}; use "
+        f"one of {', '.join(known)}"
+    )
+
+
+Layers = Annotated[Any, BeforeValidator(read_layers)]

@@ -1,0 +1,180 @@
+"""Bimorphs whose layers are listed one by one, by beam theories and the solid."""
+
+import numpy as np
+import pytest
+
+import tactgen
+from tactgen.geometry.device.material_library import LIBRARY, SHIMS
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam import transfer_matrix
+from tactgen.validation.scene.scene import checked_scene
+
+STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
+NUMBERS = (*STATIC, "short_circuit_frequencies", "open_circuit_frequencies")
+FREQUENCY = [50.0, 400.0]
+#: Four ceramics, the inner ones with their voltage at the shim.
+FOUR = (
+    "PZT-5A 0.1 mm +x; PZT-5A 0.1 mm -x hot +x; brass 0.1 mm; PZT-5A 0.1 mm -x hot -x; "
+    "PZT-5A 0.1 mm +x"
+)
+
+
+def scene(layers, models="tmm", **bimorph):
+    """Bimorph of 20 mm x 5 mm on a bench."""
+    values = {"length": "20 mm", "width": "5 mm", "layers": layers, **bimorph}
+    return checked_scene(
+        {"start_from": "neutral", "models": models, "bimorph": values, "frequency": FREQUENCY,
+         "mesh": {"level": 2}}
+    )  # fmt: skip
+
+
+def answers(of, *names, model="tmm"):
+    """Values of quantities by name, flat."""
+    found = tactgen.solve(of, (model,), names)
+    return np.concatenate([np.atleast_1d(found.get(name, model).value) for name in names])
+
+
+@pytest.mark.parametrize(
+    ("model", "names"),
+    [
+        *((model, (*NUMBERS, "admittance")) for model in ("lumped", "tmm", "beam")),
+        ("solid", STATIC),
+        pytest.param("solid", (*NUMBERS, "admittance"), marks=pytest.mark.heavy),
+    ],
+)
+@pytest.mark.parametrize("more", [{}, {"tab_length": "2 mm"}, {"bare_below": "3 mm"}])
+def test_three_layers_in_a_list_are_the_bimorph(model, names, more):
+    """The solid solves half of a list and a quarter of the bimorph, on other bricks in the core:
+    both are right within their errors.  Beam elements have rounding of 1e-9."""
+    plain = scene(
+        "none", model, piezo_thickness="0.2 mm", shim_thickness="0.1 mm", poling="-x", **more
+    )
+    plain = plain.model_copy(
+        update={
+            "piezo": type(plain.piezo)(material="PZT-5A"),
+            "shim": type(plain.shim)(material="brass"),
+        }
+    )
+    listed = scene("PZT-5A 0.2 mm -x; brass 0.1 mm; PZT-5A 0.2 mm -x", model, **more)
+    one, other = (tactgen.solve(of, (model,), names) for of in (plain, listed))
+    for name in names:
+        a, b = one.get(name, model), other.get(name, model)
+        bars = a.error + b.error + 1e-12 * np.abs(b.value)
+        assert (np.abs(a.value - b.value) <= bars).all(), name
+
+
+def test_unimorph_bends_as_timoshenko_says():
+    """Against the bimetal's closed form (Timoshenko 1925) for a slender one, shear left out."""
+    t_m, t_p = 0.15e-3, 0.2e-3
+    ceramic, metal = LIBRARY["PZT-5A"], SHIMS["brass"]
+    of = scene(f"brass {t_m} m; PZT-5A {t_p} m -x", length="80 mm")
+    e_p, e_m, d31 = 1.0 / ceramic.s[0, 0], metal.youngs_modulus, ceramic.d[2, 0]
+    m, n, h = t_m / t_p, e_m / e_p, t_m + t_p
+    # the ceramic is the layer that grows: by d31 U / t_p, poled and driven against each other
+    curvature = (
+        6.0
+        * (1.0 + m) ** 2
+        / (h * (3.0 * (1.0 + m) ** 2 + (1.0 + m * n) * (m**2 + 1.0 / (m * n))))
+        * d31
+        / t_p
+    )
+    found = answers(of, "static_tip_displacement")[0]
+    assert abs(found) == pytest.approx(abs(curvature) * 0.08**2 / 2.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "layers",
+    [
+        "brass 0.2 mm; PZT-5A 0.2 mm +x",
+        "PZT-5A 0.1 mm +x; spring steel 0.15 mm; PZT-5H 0.3 mm -x",
+        "PZT-5A 0.15 mm +x hot +x; PZT-5A 0.2 mm +x hot -x",
+        "PZT-5A 0.2 mm +x bare; brass 0.1 mm; PZT-5A 0.2 mm +x",
+        FOUR,
+    ],
+)
+def test_beam_elements_agree_with_the_transfer_matrix(layers):
+    """Their sections are integrated layer by layer, voltage and axial strain being unknowns."""
+    metal = any(name in layers for name in ("brass", "steel"))
+    more = {"tip_extension": "4 mm", "bare_above": "2 mm"} if metal else {"bare_below": "2 mm"}
+    one, other = (
+        answers(scene(layers, model, **more), *NUMBERS, "admittance", model=model)
+        for model in ("tmm", "beam")
+    )
+    np.testing.assert_allclose(one, other, rtol=2e-8)
+
+
+@pytest.mark.parametrize("model", ["tmm", "solid"])
+def test_seen_from_the_other_side_the_tip_moves_the_other_way(model):
+    """Layers in the other order, poling and voltage turned."""
+    there = "brass 0.15 mm; PZT-5A 0.1 mm +x hot +x; PZT-5H 0.2 mm -x hot -x"
+    back = "PZT-5H 0.2 mm +x hot +x; PZT-5A 0.1 mm -x hot -x; brass 0.15 mm"
+    one, other = (answers(scene(text, model), *STATIC, model=model) for text in (there, back))
+    np.testing.assert_allclose(one * [-1.0, 1.0, 1.0], other, rtol=1e-8)
+
+
+def test_a_narrow_solid_is_a_beam():
+    """A slender unimorph as narrow as one layer is thick: no stress across it.
+
+    Beam theories take a uniform field through the ceramic.  Without that what varies about its mean
+    strain is stiffened by 1 / (1 - k²), which the frequency shows.  That the metal keeps the
+    ceramic from growing sideways beside it takes 2 % of the deflection.
+    """
+    names = ("static_tip_displacement", "short_circuit_frequencies")
+    sizes = {"width": "0.2 mm", "length": "30 mm"}
+    of = [scene("brass 0.2 mm; PZT-5A 0.2 mm -x", m, **sizes) for m in ("tmm", "solid")]
+    beam = answers(of[0], *names)
+    found = tactgen.solve(of[1], ("solid",), names)
+    deflection, frequencies = (found.get(name, "solid") for name in names)
+    first = frequencies.value[frequencies.classes.index("bending_x")]
+    ((section, _),) = transfer_matrix.sections(of[0].device, of[0].support, of[0].beam, lossy=False)
+    ceramic = LIBRARY["PZT-5A"]
+    k2 = ceramic.d[2, 0] ** 2 / (ceramic.s[0, 0] * ceramic.eps_t[2, 2])
+    stiffer = 1.0 + k2 / (1.0 - k2) / ceramic.s[0, 0] * 0.2e-3**4 / 12.0 / section.EI
+    # without it they are 0.6 % apart; metal beside ceramic stiffens by a sixth of that
+    assert first == pytest.approx(beam[1] * stiffer**0.5, rel=2e-3)
+    assert deflection.value == pytest.approx(beam[0] / stiffer, rel=0.025)
+
+
+def test_a_bare_tip_carries_no_ceramic():
+    """The first mode of a long extension is that of the shim alone, clamped where it begins."""
+    layers = "PZT-5A 3 mm -x; brass 0.1 mm; PZT-5A 3 mm -x"
+    of = scene(layers, length="10 mm", tip_extension="30 mm")
+    brass = SHIMS["brass"]
+    alone = (
+        1.8751040687**2
+        / (2.0 * np.pi * 0.03**2)
+        * np.sqrt(brass.youngs_modulus * 0.1e-3**2 / 12.0 / brass.density)
+    )
+    # the block to which it is clamped gives by 1e-4 of it
+    assert answers(of, "short_circuit_frequencies")[0] == pytest.approx(alone, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("layers", "words"),
+    [
+        ("brass 0.2 mm; PZT-5A 0.2 mm", "without a poling"),
+        ("brass 0.2 mm +x; PZT-5A 0.2 mm +x", "brass is not piezoelectric"),
+        ("brass 0.2 mm", "no ceramic at the drive voltage"),
+        ("brass 0.2; PZT-5A 0.2 mm +x", "not material, thickness"),
+        ("brss 0.2 mm; PZT-5A 0.2 mm +x", 'did you mean "brass"'),
+        ("brass 200 mm; PZT-5A 0.2 mm +x", "must be"),
+    ],
+)
+def test_refusals_name_the_layer(layers, words):
+    """In one sentence."""
+    with pytest.raises(InputError, match=words) as refused:
+        scene(layers)
+    assert "\n" not in str(refused.value)
+
+
+def test_what_a_list_cannot_be_combined_with_is_refused():
+    """A rod, unequal layers in series, lengths without a layer."""
+    uni = "brass 0.2 mm; PZT-5A 0.2 mm +x"
+    with pytest.raises(InputError, match="mirror each other"):
+        scene(uni, wiring="series")
+    with pytest.raises(InputError, match=r"joins PZT-5A 0\.1 mm -x and PZT-5A 0\.2 mm"):
+        scene("PZT-5A 0.1 mm -x; brass 0.1 mm; PZT-5A 0.2 mm -x hot -x")
+    with pytest.raises(InputError, match="no layer that goes on"):
+        scene("PZT-5A 0.1 mm +x; PZT-5A 0.1 mm -x hot +x", tip_extension="2 mm")
+    with pytest.raises(InputError, match="whose rod holds a shim"):
+        checked_scene({"bimorph": {"layers": uni}, "support": {"kind": "rod"}})
