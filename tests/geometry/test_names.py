@@ -2,7 +2,10 @@
 
 import pytest
 
+from tactgen.geometry import names
 from tactgen.geometry.names import nearest
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.scene.scene import scene_keys
 
 KEYS = (
     "gap", "frequency", "bimorph.length", "bimorph.width", "rod.length", "coil.length",
@@ -38,3 +41,12 @@ def test_what_is_like_nothing_gets_no_guess():
     """No guess is better than a wild one; a text that is no name at all is not compared."""
     assert nearest("xyzzy", KEYS) == ""
     assert nearest("length" * 50, KEYS) == ""
+
+
+def test_names_by_meaning_lead_to_what_exists():
+    """A synonym finds its names, and only ones that a scene or an answer has."""
+    known = (*scene_keys(), *QUANTITIES)
+    for word, meant in names._MEANT.items():
+        assert set(meant) <= set(known), word
+        assert f'"{meant[0]}"' in nearest(word, known)
+    assert nearest("tip_mass", known) == ' (did you mean "load.mass"?)'

@@ -148,6 +148,7 @@ def test_ladder_converges():
     assert (np.abs(runs[1].force / runs[2].force - 1.0) < 1e-3).all()
 
 
+@pytest.mark.heavy
 def test_force_bar_holds_between_currents():
     """Two ladders' forces cross where the steel saturates; the bar must not vanish there.
 

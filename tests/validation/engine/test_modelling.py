@@ -28,7 +28,9 @@ def both(name, *overrides, models=("tmm", "solid"), asked=ASKED):
     ("name", "overrides"),
     [
         ("paper", []), ("prototype", []), ("j1", []), ("prototype", BENDER),
-        ("prototype", [*BENDER, "load.kind=mass", "load.mass=2g"]),
+        pytest.param(
+            "prototype", [*BENDER, "load.kind=mass", "load.mass=2g"], marks=pytest.mark.heavy
+        ),
         ("prototype", ["shim.youngs_modulus=20MPa", "shim.shear_modulus=7.7MPa"]),
         ("j1", ["bimorph.width=15mm"]),
     ],

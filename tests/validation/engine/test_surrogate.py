@@ -44,7 +44,12 @@ def inside(scene, model, names, ranges, count):
 @pytest.mark.parametrize(
     ("model", "names", "ranges"),
     [
-        ("beam", (*STATICS, FREQUENCIES, "coupling_factor"), {"bimorph.length": (14e-3, 40e-3)}),
+        pytest.param(
+            "beam",
+            (*STATICS, FREQUENCIES, "coupling_factor"),
+            {"bimorph.length": (14e-3, 40e-3)},
+            marks=pytest.mark.heavy,
+        ),
         ("lumped", STATICS, {"bimorph.length": (14e-3, 20e-3), "bimorph.width": (1.5e-3, 3e-3)}),
     ],
 )

@@ -33,8 +33,9 @@ def row(found, family):
 
 @pytest.mark.parametrize(
     "family",
-    ["frequency x length, lossy", "frequency x length, lossless", "static limit", "cut-off",
-     "thickness ratio", "section constants", "quality factor"],
+    [pytest.param("frequency x length, lossy", marks=pytest.mark.heavy),
+     "frequency x length, lossless", "static limit", "cut-off", "thickness ratio",
+     "section constants", "quality factor"],
 )  # fmt: skip
 def test_every_family_holds(found, family):
     """1e-12 over the whole grid, with no exception."""

@@ -38,7 +38,6 @@ def answers(of, *names, model="tmm"):
     ("model", "names"),
     [
         *((model, (*NUMBERS, "admittance")) for model in ("lumped", "tmm", "beam")),
-        ("solid", STATIC),
         pytest.param("solid", (*NUMBERS, "admittance"), marks=pytest.mark.heavy),
     ],
 )

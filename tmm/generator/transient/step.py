@@ -239,6 +239,8 @@ _LAST, _LEFT = 1e-9, 1e-14
 _ROUNDED, _PATIENCE = 1e-11, 6
 #: Roundings of the terms that the coordinates are the sum of; corrections below are noise.
 _NOISE = 8.0 * 2.0**-52
+#: Ratio of the laws' forces to the structure's beyond which a guess lies deep inside a stop.
+_DEEP = 1e3
 
 Lists = list[list[float]]
 
@@ -301,15 +303,19 @@ def settled(
     stiffness = structure.stiffness
     start = (before.current if by_voltage else source[0], before.gap, before.field)
     deformed = before.deformations
-    unknown = [*first, before.current] if by_voltage else first
     current = before.current if by_voltage else source[1]
-    found = answers.over(deformed, start, first, current, h)
-    terms = [abs(a) + abs(b) + abs(c) for a, b, c in zip(free, first, before.near, strict=True)]
-    size = [
-        sum(map(mul, row, terms)) + f
-        for row, f in zip(structure.sizes, answers.sizes(found), strict=True)
-    ]
-    still = list(map(abs, first))
+    # Rough surfaces push as an exponential: deep inside, Newton's method comes out by a factor of
+    # e at a time, and rounding of such forces would cover any correction.  Standing still is safe.
+    for guess in (first, [0.0] * count):
+        found = answers.over(deformed, start, guess, current, h)
+        terms = [abs(a) + abs(b) + abs(c) for a, b, c in zip(free, guess, before.near, strict=True)]
+        inertia = [sum(map(mul, row, terms)) for row in structure.sizes]
+        forces = answers.sizes(found)
+        if all(f <= _DEEP * i for f, i in zip(forces, inertia, strict=True)):
+            break
+    unknown = [*guess, before.current] if by_voltage else guess
+    size = list(map(add, inertia, forces))
+    still = list(map(abs, guess))
     noise = [sum(map(mul, row, size)) for row in structure.noises]
     if by_voltage:
         linked = abs(before.field.flux_linkage) + h * max(abs(source[0]), abs(source[1]))

@@ -235,6 +235,16 @@ def test_rough_surfaces_that_come_from_far_apart(before, after):
     assert (slope > 0.0) is (force > 0.0)
 
 
+@pytest.mark.parametrize("deep", [5.0, 50.0, 500.0])
+def test_a_guess_deep_inside_a_stop_does_not_move_the_answer(deep):
+    """A step after a violent one starts far off; the pressure there is e^deep times the usual."""
+    stepper, h = step.Stepper(oscillator(RoughPoint(1.0, 0.1), stiffness=1.0)), 0.1
+    calm = stepper.start(0.0 * ONE, ONE, 0.0, 0.0)
+    wild = replace(calm, acceleration=2.0 * deep * 0.1 / h**2 * ONE, lasted=h)
+    found, expected = (stepper.step(state, h, 0.0, (0.0, 0.0))[0] for state in (wild, calm))
+    np.testing.assert_allclose(found.position, expected.position, rtol=1e-12)
+
+
 def test_friction_stops_what_slides():
     """µ N over m, but for the speed at which it is rounded off; all motion is lost in it."""
     mass, pressed, start = 0.1, 2.0, 0.05

@@ -89,6 +89,7 @@ def test_ranges_without_any_answer_are_refused(capsys):
     assert said == "tactgen: no point of the ranges has an answer: no such piezo\n"
 
 
+@pytest.mark.heavy
 def test_the_solid_is_searched_on_one_surrogate(capsys, own_store, monkeypatch):
     monkeypatch.setattr(solid, "LEVELS", QUICK)
     found = design(capsys, "--vary", LONG, "--model", "solid", "--aim", "capacitance_free <= 9 nF",
