@@ -204,6 +204,7 @@ def test_generator_meshes(regions, root):
     assert smallest_dihedral_angles(shown[mesh.cells[:, :4]]).min() > 3.0
 
 
+@pytest.mark.heavy
 def test_time_limit_is_kept_and_explained():
     words = r"within 0\.5 s of processor time; raise the time limit"
     before = resource.getrusage(resource.RUSAGE_CHILDREN)

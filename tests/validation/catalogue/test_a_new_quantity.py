@@ -98,6 +98,7 @@ def test_the_plan_runs_what_it_needs():
     assert [s.stage for s in make_plan(scene, ("beam",), ("stiffening",)).run] == ["beam.modes"]
 
 
+@pytest.mark.heavy
 def test_sensitivities_follow(capsys):
     """An acceleration depends on each parameter as the velocity does; the voltage counts once."""
     out = said(

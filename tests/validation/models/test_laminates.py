@@ -102,7 +102,7 @@ def test_beam_elements_agree_with_the_transfer_matrix(layers):
     np.testing.assert_allclose(one, other, rtol=2e-8)
 
 
-@pytest.mark.parametrize("model", ["tmm", "solid"])
+@pytest.mark.parametrize("model", ["tmm", pytest.param("solid", marks=pytest.mark.heavy)])
 def test_seen_from_the_other_side_the_tip_moves_the_other_way(model):
     """Layers in the other order, poling and voltage turned."""
     there = "brass 0.15 mm; PZT-5A 0.1 mm +x hot +x; PZT-5H 0.2 mm -x hot -x"

@@ -113,6 +113,7 @@ def test_a_quick_report_says_what_it_leaves_out(up):
     assert "tactgen backbone" in amplitude
 
 
+@pytest.mark.heavy
 def test_more_than_the_head_bears_is_a_known_limit(up, monkeypatch):
     """On the first page, where the drive tips the head; not where it does not."""
     said = "the linear answers are not valid there"

@@ -23,6 +23,7 @@ def statement(*vary, models=("solid",)):
     return Statement("prototype", values, vary, models, ("short_circuit_frequencies",))
 
 
+@pytest.mark.heavy
 def test_a_surrogate_is_named_and_what_it_is_made_from_counted(own_store, monkeypatch):
     """And the plan says of each point what the run then does with it."""
     monkeypatch.setattr(solid, "LEVELS", QUICK)
