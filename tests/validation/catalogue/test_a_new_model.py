@@ -117,6 +117,7 @@ def test_it_is_compared():
     assert [cell.model for cell in rows["capacitance_free"].cells] == ["tmm"]
 
 
+@pytest.mark.heavy
 @pytest.mark.usefixtures("undrawn")
 def test_it_is_in_the_report(tmp_path, monkeypatch):
     """A column of its own, empty where it has no answer; the rest of the page is as ever."""

@@ -252,6 +252,7 @@ def loaded():
     return {names[0]: set(names) for names in map(str.split, done.stdout.splitlines())}
 
 
+@pytest.mark.heavy
 def test_lateral_report_imports_nothing_magnetic(loaded):
     """A scene that asks for the bimorph alone loads no magnetic model, check or plot."""
     lateral = loaded["prototype"]
@@ -263,6 +264,7 @@ def test_lateral_report_imports_nothing_magnetic(loaded):
     }  # fmt: skip
 
 
+@pytest.mark.heavy
 def test_normal_report_imports_nothing_piezoelectric(loaded):
     """The other way round: no solid, no beam elements, no lateral sections."""
     normal = loaded["reluctance"]

@@ -260,6 +260,7 @@ def test_printing_without_a_browser_is_refused_before_any_work(tmp_path, monkeyp
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.heavy
 def test_a_report_prints(prototype, tmp_path):
     """Pages with numbers and none nearly empty; each section where the contents have it, once."""
     browser = find_browser()

@@ -197,6 +197,7 @@ def test_slopes_of_the_peak(prototype):
         assert row.slopes[key] == pytest.approx(slope, rel=1e-3), label
 
 
+@pytest.mark.heavy
 def test_what_samples_leave_out_is_said():
     scene, _ = load_scene("paper", ["bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"])
     for key in ("bimorph.length", "bimorph.width_profile"):

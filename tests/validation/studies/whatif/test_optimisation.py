@@ -31,6 +31,7 @@ def by_tmm(*sets, quantity):
     return solve(load_scene("prototype", list(sets))[0], ("tmm",), (quantity,)).quantities[0].value
 
 
+@pytest.mark.heavy
 def test_the_goal_ends_at_the_condition(capsys):
     """Deflection rises and frequency falls with length, so the condition decides."""
     found = design(capsys, "--vary", LONG, "--aim", "maximise static_tip_displacement",
@@ -61,6 +62,7 @@ def test_two_keys_with_an_optimum_inside(capsys):
             assert force <= best["margins"][0] * (1.0 + 1e-6)
 
 
+@pytest.mark.heavy
 def test_without_a_goal_the_least_change_is_found(capsys):
     """The prototype has 782 Hz at 14 mm; 700 Hz or less is met from 15 mm on."""
     found = design(capsys, "--vary", LONG, "--model", "lumped",
