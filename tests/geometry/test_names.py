@@ -2,8 +2,7 @@
 
 import pytest
 
-from tactgen.geometry import names
-from tactgen.geometry.names import nearest
+from tactgen.geometry.names import _MEANT, nearest
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.scene.scene import scene_keys
 
@@ -46,7 +45,7 @@ def test_what_is_like_nothing_gets_no_guess():
 def test_names_by_meaning_lead_to_what_exists():
     """A synonym finds its names, and only ones that a scene or an answer has."""
     known = (*scene_keys(), *QUANTITIES)
-    for word, meant in names._MEANT.items():
+    for word, meant in _MEANT.items():
         assert set(meant) <= set(known), word
         assert f'"{meant[0]}"' in nearest(word, known)
     assert nearest("tip_mass", known) == ' (did you mean "load.mass"?)'

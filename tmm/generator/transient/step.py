@@ -239,7 +239,8 @@ _LAST, _LEFT = 1e-9, 1e-14
 _ROUNDED, _PATIENCE = 1e-11, 6
 #: Roundings of the terms that the coordinates are the sum of; corrections below are noise.
 _NOISE = 8.0 * 2.0**-52
-#: Ratio of the laws' forces to the structure's beyond which a guess lies deep inside a stop.
+#: Ratio of the laws' forces to the structure's beyond which a guess lies deep inside a stop.  In
+#: the answer both balance; a thousand leaves good guesses alone and their rounding at 1e-12.
 _DEEP = 1e3
 
 Lists = list[list[float]]
@@ -304,18 +305,17 @@ def settled(
     start = (before.current if by_voltage else source[0], before.gap, before.field)
     deformed = before.deformations
     current = before.current if by_voltage else source[1]
-    # Rough surfaces push as an exponential: deep inside, Newton's method comes out by a factor of
-    # e at a time, and rounding of such forces would cover any correction.  Standing still is safe.
-    for guess in (first, [0.0] * count):
-        found = answers.over(deformed, start, guess, current, h)
-        terms = [abs(a) + abs(b) + abs(c) for a, b, c in zip(free, guess, before.near, strict=True)]
-        inertia = [sum(map(mul, row, terms)) for row in structure.sizes]
-        forces = answers.sizes(found)
-        if all(f <= _DEEP * i for f, i in zip(forces, inertia, strict=True)):
-            break
-    unknown = [*guess, before.current] if by_voltage else guess
+    found = answers.over(deformed, start, first, current, h)
+    inertia, forces = _sizes(answers, before, found, free, first, structure)
+    if any(f > _DEEP * i for f, i in zip(forces, inertia, strict=True)):
+        # Rough surfaces push as an exponential: from deep inside, a correction changes the force
+        # by a factor of e only, and rounding of such forces covers it.  Standing still is safe.
+        first = [0.0] * count
+        found = answers.over(deformed, start, first, current, h)
+        inertia, forces = _sizes(answers, before, found, free, first, structure)
+    unknown = [*first, before.current] if by_voltage else first
     size = list(map(add, inertia, forces))
-    still = list(map(abs, guess))
+    still = list(map(abs, first))
     noise = [sum(map(mul, row, size)) for row in structure.noises]
     if by_voltage:
         linked = abs(before.field.flux_linkage) + h * max(abs(source[0]), abs(source[1]))
@@ -354,6 +354,19 @@ def settled(
         if done:
             return found, current
     raise StepTooLongError(f"a step of {h:.3g} s does not settle")
+
+
+def _sizes(
+    answers: Answers,
+    before: Before,
+    found: Answer,
+    free: list[float],
+    change: list[float],
+    structure: Structure,
+) -> tuple[list[float], list[float]]:
+    """Sizes (m,) of the structure's and of the laws' forces at a change (N or N m)."""
+    terms = [abs(a) + abs(b) + abs(c) for a, b, c in zip(free, change, before.near, strict=True)]
+    return [sum(map(mul, row, terms)) for row in structure.sizes], answers.sizes(found)
 
 
 def _residual(
