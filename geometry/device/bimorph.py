@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, Literal
 
 from pydantic import model_validator
 
 from tactgen.geometry import units as u
+from tactgen.geometry.device.ceramic_constants import (
+    NO_CONSTANTS,
+    Constants,
+    StatedConstants,
+    completed,
+    read_constants,
+)
 from tactgen.geometry.device.laminate import PLAIN, Layers
 from tactgen.geometry.device.material_library import (
     LIBRARY,
@@ -130,6 +138,12 @@ class Piezo(Parameters):
     s55: u.Compliance = field(None, "", "shear compliance s55 at constant field")
     d31: u.PiezoConstant = field(None, "", "transverse piezoelectric constant")
     eps33: u.RelativePermittivity = field(None, "", "relative permittivity at constant stress")
+    constants: StatedConstants = field(
+        NO_CONSTANTS,
+        "not in the paper: the material's own",
+        "other constants of a data sheet, such as d33 374 pC/N; c11 121 GPa; eps33S 830; k33 0.7, "
+        "or none",
+    )
     density: u.Density = field(None, "", "mass density")
     quality_factor: u.QualityFactor = field(None, "", "mechanical quality factor Q")
     loss_tangent: u.LossTangent = field(None, "", "dielectric loss tangent")
@@ -147,13 +161,32 @@ class Piezo(Parameters):
                 f"{nearest(str(asked), LIBRARY)}; use one of {', '.join(LIBRARY)} and replace "
                 "single values, such as piezo.s11"
             )
-        library = {key: u.SI(value) for key, value in LIBRARY[name].reduced().items()}
+        stated = cls._constants(given)
+        library = {key: u.SI(value) for key, value in _completed(name, stated).reduced().items()}
         return {**library, **given, "material": name}
+
+    @classmethod
+    def _constants(cls, given: dict[str, Any]) -> Constants:
+        """Stated constants; what cannot be read says so as their own field."""
+        try:
+            return read_constants(given.get("constants", NO_CONSTANTS))
+        except ValueError:
+            return NO_CONSTANTS
+
+    @property
+    def base(self) -> Piezoceramic:
+        """Material before single values are replaced: the library's, with the stated constants."""
+        return _completed(self.material, self.constants)
 
     def ceramic(self) -> Piezoceramic:
         """Full material that these values stand for."""
-        values = self.model_dump(exclude={"material"})
-        return LIBRARY[self.material].with_values(**values)
+        values = self.model_dump(exclude={"material", "constants"})
+        return self.base.with_values(**values)
+
+
+@cache
+def _completed(name: str, constants: Constants) -> Piezoceramic:
+    return completed(LIBRARY[name], constants)
 
 
 class Shim(Parameters):

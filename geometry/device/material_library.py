@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
+from typing import NamedTuple
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.ceramic_constants import completed, read_constants
 from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve
 from tactgen.geometry.device.materials import EPS0, PRINTED, Own, Piezoceramic, Spread
 from tactgen.geometry.names import folded
@@ -191,14 +194,142 @@ def _m1876() -> Piezoceramic:
     )
 
 
-#: Library of piezoceramics by name.
-LIBRARY: dict[str, Piezoceramic] = {
-    c.name: c
-    for c in (
-        _m1876(), _pzt_5h(), _pzt_5a(), _pzt_4(), _pzt_8(), _pic255(), _pz26(), _pz27(),
-        _pz29(),
+def _pvdf() -> Piezoceramic:
+    """Polyvinylidene fluoride, drawn along 1: d31 and d33 have the signs opposite to a ceramic's.
+
+    The maker prints Young's modulus, d31, d33, permittivity, density and dielectric loss.
+    """
+    maker = "Measurement Specialties, Piezo Film Sensors Technical Manual, table 1"
+    assumed = (
+        "assumed: isotropic in elasticity, Poisson's ratio 0.35; drawn films have Q of 10 to 20"
     )
+    young, poisson = 3e9, 0.35
+    d = _strain_constants(23e-12, -33e-12, 0.0)
+    d[2, 1] = 3e-12  # assumed: across the draw an order smaller
+    shear = 2.0 * (1.0 + poisson) / young
+    return Piezoceramic(
+        name="PVDF",
+        s=_transversely_isotropic(
+            1.0 / young, -poisson / young, -poisson / young, 1.0 / young, shear
+        ),
+        d=d,
+        eps_t=12.5 * EPS0 * np.eye(3),
+        density=1780.0,
+        quality_factor=15.0,
+        loss_tangent=0.02,
+        origin=maker,
+        stated={"s55": assumed, "quality_factor": assumed},
+        spreads={
+            "s11": Spread(1 / 4e9, 1 / 2e9, f"{maker}: 2 to 4 GPa"),
+            "s55": Spread(2.7 / 4e9, 2.7 / 2e9, "assumed: as far as Young's modulus"),
+            "d31": Spread(18e-12, 28e-12, "assumed: a film's d31 ± 20 %"),
+            "eps33": Spread(12.0, 13.0, f"{maker}: 12 to 13"),
+            "density": Spread(1750.0, 1800.0, "assumed: density of a film"),
+            "quality_factor": Spread(10.0, 20.0, "assumed: drawn films"),
+            "loss_tangent": Spread(0.015, 0.025, "assumed: loss of a film"),
+        },
+    )
+
+
+_APC = "APC International, Physical and Piezoelectric Properties of APC Materials (2017)"
+_CTS = "CTS, PZT5A & 5H Materials Technical Data"
+_NCE = "Noliac, Piezo Ceramics (2012)"
+
+
+class _Grade(NamedTuple):
+    """A maker's ceramic: what gives the rest by ratio, and what the data sheet prints.
+
+    Of constants that depend on each other, an independent set: k33 and not d33, since it was
+    measured by resonance as the moduli were.
+    """
+
+    rest: Callable[[], Piezoceramic]
+    printed: str
+    density: float
+    quality_factor: float
+    loss_tangent: float
+    source: str
+
+
+_GRADES: dict[str, _Grade] = {
+    "APC 840": _Grade(
+        _pzt_4,
+        "Y11 80 GPa; Y33 68 GPa; d31 -125 pC/N; k33 0.72; d15 480 pC/N; k15 0.70; eps33 1275",
+        7600.0, 500.0, 0.006, _APC,
+    ),
+    "APC 841": _Grade(
+        _pzt_4,
+        "Y11 76 GPa; Y33 63 GPa; d31 -109 pC/N; k33 0.68; d15 450 pC/N; k15 0.67; eps33 1375",
+        7600.0, 1400.0, 0.004, _APC,
+    ),
+    "APC 850": _Grade(
+        _pzt_5a,
+        "Y11 63 GPa; Y33 54 GPa; d31 -175 pC/N; k33 0.72; d15 590 pC/N; k15 0.68; eps33 1900",
+        7600.0, 80.0, 0.02, _APC,
+    ),
+    "APC 855": _Grade(
+        _pzt_5h,
+        "Y11 59 GPa; Y33 51 GPa; d31 -276 pC/N; k33 0.76; d15 720 pC/N; k15 0.66; eps33 3300",
+        7600.0, 65.0, 0.025, _APC,
+    ),
+    "APC 880": _Grade(
+        _pzt_8,
+        "Y11 90 GPa; Y33 72 GPa; d31 -95 pC/N; k33 0.62; d15 330 pC/N; k15 0.55; eps33 1050",
+        7600.0, 1000.0, 0.004, _APC,
+    ),
+    "CTS 3195HD": _Grade(
+        _pzt_5a,
+        "s11 16.2e-12 m^2/N; s33 18.6e-12 m^2/N; d31 -190 pC/N; k33 0.72; k15 0.59; eps33 1900",
+        7800.0, 80.0, 0.018, _CTS,
+    ),
+    "CTS 3203HD": _Grade(
+        _pzt_5h,
+        "Y11 62 GPa; Y33 49 GPa; d31 -320 pC/N; k33 0.75; k15 0.78; eps33 3800",
+        7870.0, 30.0, 0.020, _CTS,
+    ),
+    "NCE51": _Grade(
+        _pzt_5a,
+        "s11 16e-12 m^2/N; s33 19e-12 m^2/N; d31 -195 pC/N; k33 0.72; eps33 1850",
+        7800.0, 80.0, 0.019, _NCE,
+    ),
 }  # fmt: skip
+
+
+def _grade(name: str) -> Piezoceramic:
+    rest, printed, density, quality, loss, source = _GRADES[name]
+    base = rest()
+    by_ratio = f"assumed: by ratio to {base.name}"
+    return replace(
+        completed(base, read_constants(printed)), name=name, density=density,
+        quality_factor=quality, loss_tangent=loss, origin=source,
+        stated={} if "k15" in printed else {"s55": by_ratio},
+    )  # fmt: skip
+
+
+class _Library(Mapping[str, Piezoceramic]):
+    """Materials by name, each made when it is first asked for."""
+
+    def __init__(self, makers: dict[str, Callable[[], Piezoceramic]]) -> None:
+        self._makers, self._made = makers, dict[str, Piezoceramic]()
+
+    def __getitem__(self, name: str) -> Piezoceramic:
+        if name not in self._made:
+            self._made[name] = self._makers[name]()
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._makers)
+
+    def __len__(self) -> int:
+        return len(self._makers)
+
+
+#: Library of piezoelectric materials by name.
+LIBRARY = _Library({
+    "M1876": _m1876, "PZT-5H": _pzt_5h, "PZT-5A": _pzt_5a, "PZT-4": _pzt_4, "PZT-8": _pzt_8,
+    "PIC255": _pic255, "Pz26": _pz26, "Pz27": _pz27, "Pz29": _pz29,
+    **{name: partial(_grade, name) for name in _GRADES}, "PVDF": _pvdf,
+})  # fmt: skip
 
 #: Types of the US Navy (MIL-STD-1376) that makers translate into these names.
 _NAVY = {"I": "PZT-4", "II": "PZT-5A", "III": "PZT-8", "VI": "PZT-5H"}

@@ -105,7 +105,7 @@ class PiezoTensors:
 
 @dataclass(frozen=True)
 class Piezoceramic:
-    """A poled ceramic (class 6mm), compliance form, IEEE 176 frame."""
+    """A poled ceramic (class 6mm) or drawn polymer (mm2), compliance form, IEEE 176 frame."""
 
     name: str
     s: Floats  #: (6, 6) Compliance at constant field (m²/N)
@@ -131,6 +131,14 @@ class Piezoceramic:
             "loss_tangent": self.loss_tangent,
         }
 
+    @property
+    def isotropic_across(self) -> bool:
+        """Whether both directions across the poling are alike, as in a ceramic."""
+        s, d = self.s, self.d
+        alike = [s[0, 0], s[0, 2], s[3, 3], d[2, 0], self.eps_t[0, 0]]
+        others = [s[1, 1], s[1, 2], s[4, 4], d[2, 1], self.eps_t[1, 1]]
+        return bool(np.allclose(alike, others, rtol=1e-9, atol=0.0))
+
     def sources(self) -> dict[str, str]:
         """Source of each reduced constant."""
         return {name: self.stated.get(name, self.origin) for name in self.reduced()}
@@ -149,21 +157,21 @@ class Piezoceramic:
         """The ceramic with the reduced constants replaced exactly.
 
         The constants that a reduced set does not contain follow from this ceramic's by
-        ratio: compliances with s11, eps11 with eps33, d33 and d15 so that the coupling
-        factors k33 and k15 stay.  With unchanged values the tensors are unchanged; with
-        d31 = 0 the ceramic is passive.
+        ratio: compliances with s11, s44 with s55, eps11 with eps33, d32 with d31, d33 and d15
+        so that the coupling factors k33 and k15 stay.  With unchanged values the tensors are
+        unchanged; with d31 = 0 the ceramic is passive.
         """
         s = self.s * (s11 / self.s[0, 0])
-        s[3, 3] = s[4, 4] = s55
-        s[5, 5] = 2.0 * (s[0, 0] - s[0, 1])
+        s[3, 3], s[4, 4] = s55 * (self.s[3, 3] / self.s[4, 4]), s55
         eps_t = self.eps_t * (eps33 * EPS0 / self.eps_t[2, 2])
         d = np.zeros((3, 6))
-        d[2, :2] = d31
+        d[2, 0] = d31
+        d[2, 1] = d31 * (self.d[2, 1] / self.d[2, 0] if self.d[2, 0] else 1.0)
         kept = self.d if d31 != 0.0 else d
         stiffer = np.sqrt(s[2, 2] / self.s[2, 2] * eps_t[2, 2] / self.eps_t[2, 2])
         d[2, 2] = kept[2, 2] * stiffer
         shear = np.sqrt(s55 / self.s[4, 4] * eps_t[0, 0] / self.eps_t[0, 0])
-        d[0, 4] = d[1, 3] = kept[0, 4] * shear
+        d[0, 4], d[1, 3] = kept[0, 4] * shear, kept[1, 3] * shear
         return replace(
             self,
             s=s,
@@ -194,6 +202,20 @@ class Piezoceramic:
         )
         return PiezoTensors(c=c, e=e, eps=eps)
 
+    def check_lengthwise(self) -> None:
+        """Refuse s11, d31 and eps33 that no passive material has, whatever its other constants.
+
+        Raises InputError if k31 is not below 1.
+        """
+        squared = self.d[2, 0] ** 2 / (self.s[0, 0] * self.eps_t[2, 2])
+        if squared >= 1.0:
+            raise InputError(
+                f"piezo.d31 = {self.d[2, 0]:.4g} m/V with piezo.eps33 = "
+                f"{self.eps_t[2, 2] / EPS0:.4g} and piezo.s11 = {self.s[0, 0]:.4g} m^2/N stores "
+                f"negative energy (k31 = {np.sqrt(squared):.3g} must be below 1); change one of "
+                "them"
+            )
+
     def check_admissible(self) -> None:
         """Refuse constants that no passive material has.
 
@@ -212,8 +234,8 @@ class Piezoceramic:
                 f"piezo.d31 = {self.d[2, 0]:.4g} m/V with piezo.eps33 = "
                 f"{self.eps_t[2, 2] / EPS0:.4g} and piezo.s11 = {self.s[0, 0]:.4g} m^2/N stores "
                 f"negative energy (clamped permittivity not positive: {self._field_clash()}); "
-                f"{self._sign_hint()}raise piezo.eps33, or choose piezo.d31 closer to the library "
-                "material's, or 0 for a passive ceramic"
+                f"{self._sign_hint()}raise piezo.eps33, state d33 and what else is known in "
+                "piezo.constants, or set piezo.d31 = 0 m/V for a passive ceramic"
             )
 
     def _sign_hint(self) -> str:
@@ -247,6 +269,8 @@ class Piezoceramic:
             return (
                 f"d15 = {d[0, 4]:.4g} m/V makes k15 = {d[0, 4] / np.sqrt(s[4, 4] * eps[0, 0]):.3g}"
             )
+        if not self.isotropic_across:  # the formulas below are those of a ceramic
+            return "eps33, eps11 or eps22 at constant strain would be negative"
         planar = 2.0 * d[2, 0] ** 2 / (s[0, 0] + s[0, 1])
         if planar >= eps[2, 2]:
             return (

@@ -11,7 +11,7 @@ from __future__ import annotations
 from tactgen.geometry import units as u
 from tactgen.geometry.device.bimorph import Bimorph, Glue, Piezo, Shim
 from tactgen.geometry.device.display import Display, Scatter, Skin
-from tactgen.geometry.device.material_library import CERAMICS, LIBRARY, SHIMS
+from tactgen.geometry.device.material_library import CERAMICS, SHIMS
 from tactgen.geometry.device.materials import Own, Spread
 from tactgen.geometry.device.parameter_group import PAPER_5, Parameters, field
 from tactgen.geometry.device.reluctance import NOMINAL_GAP, Coil, Rod, Sleeve, Steel
@@ -70,7 +70,7 @@ def sources(group: Parameters) -> dict[str, str]:
     if isinstance(group, Shim) and group.material in SHIMS:
         found.update(dict.fromkeys(found, SHIMS[group.material].origin))
     if isinstance(group, Piezo):
-        found.update(LIBRARY[group.material].sources())
+        found.update(group.base.sources())
     return found
 
 
@@ -94,7 +94,7 @@ def spreads(group: Parameters) -> dict[str, Spread]:
         tables = SHIMS[group.material].spreads().items()
         found.update({n: r for n, r in tables if r.low <= getattr(group, n) <= r.high})
     if isinstance(group, Piezo):
-        ceramic = LIBRARY[group.material]
+        ceramic = group.base
         for name, usual in ceramic.reduced().items():
             value = getattr(group, name)
             stated = ceramic.spreads.get(name) if value == usual else None

@@ -320,6 +320,7 @@ def _proportions(device: Device) -> list[str]:
     found = {
         "length/thickness": own.length < STOUTEST * own.thickness,
         "width/length": own.width > BROADEST * own.length,
+        "directions across the poling": not device.piezo.ceramic().isotropic_across,
     }
     return [name for name, beyond in found.items() if beyond]
 

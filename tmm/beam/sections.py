@@ -200,11 +200,11 @@ def laminate_section(
     ceramic = piezo.ceramic()
     s, h, hp = ceramic.s, bimorph.shim_thickness, bimorph.piezo_thickness
     nu = -s[0, 1] / s[0, 0] if poisson else 0.0
-    plane = _plane_stress(1.0 / piezo.s11, 1.0 / piezo.s11, nu) * (
+    plane = _plane_stress(1.0 / piezo.s11, s[0, 0] / s[1, 1] / piezo.s11, nu) * (
         1.0 + 1j / piezo.quality_factor if lossy else 1.0
     )
     permittivity = ceramic.eps_t[2, 2] * (1.0 - 1j * piezo.loss_tangent if lossy else 1.0)
-    d = piezo.d31 * np.array([1.0, 1.0 if d32 else 0.0])
+    d = np.array([piezo.d31, ceramic.d[2, 1] if d32 else 0.0])
     coupling = plane @ d
     clamped = permittivity - d @ coupling
     across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus

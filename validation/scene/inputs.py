@@ -28,7 +28,13 @@ from tactgen.validation.catalogue.models import (
     stage_reads,
 )
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.scene.scene import ON_COMMAND_LINE, Scene, scene_keys, unusual_values
+from tactgen.validation.scene.scene import (
+    ON_COMMAND_LINE,
+    Scene,
+    no_solid,
+    scene_keys,
+    unusual_values,
+)
 from tactgen.validation.scene.variation import value_of
 
 #: Keys that say whose scene it is and what is asked of it.
@@ -173,7 +179,7 @@ def scene_warnings(
         # a file may describe both actuators, whichever is asked about today
         found.append(_idle(scene, key, quantities, asked=origin == ON_COMMAND_LINE))
     stated = [key for key in origins if key in scene_keys()]
-    found += unusual_values(scene, stated)
+    found += [*unusual_values(scene, stated), no_solid(scene)]
     load = scene.load
     if load.kind == "mass" and load.mass == 0.0:
         found.append('load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass')

@@ -25,7 +25,7 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
 from tactgen.geometry.device.load_table import load_table
-from tactgen.geometry.device.material_library import LIBRARY, steel_name
+from tactgen.geometry.device.material_library import steel_name
 from tactgen.geometry.device.plausibility import clamped_for_free, slip
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
@@ -266,6 +266,8 @@ def _usual_quantities(models: Sequence[str]) -> tuple[str, ...]:
 #: Maps by field models that this process has solved or read, by circuit; the oldest goes first.
 _FIELD_MAPS: dict[tuple[object, ...], CoenergyMap] = {}
 _MOST_MAPS = 32
+#: Models of the bimorph that read s11, d31 and eps33 and no other constant of the ceramic's.
+_LENGTHWISE = frozenset(("lumped", "tmm", "beam"))
 
 
 @lru_cache(maxsize=64)
@@ -343,8 +345,12 @@ def checked_scene(values: dict[str, Any]) -> Scene:
 
 def _check_together(scene: Scene) -> None:
     """Refuse values that do not fit together; InputError."""
+    ceramic = scene.piezo.ceramic()
     try:
-        scene.piezo.ceramic().check_admissible()
+        if _reads_tensors(scene):
+            ceramic.check_admissible()
+        else:
+            ceramic.check_lengthwise()
     except InputError:  # where one constant has a wrong unit, that is the cause
         slips = unusual_values(scene, [f"piezo.{name}" for name in p.Piezo.model_fields])
         if slips:
@@ -360,6 +366,23 @@ def _check_together(scene: Scene) -> None:
         threshold_of(scene.threshold)
 
 
+def _reads_tensors(scene: Scene) -> bool:
+    """Whether any model of the bimorph that is asked reads more than s11, d31 and eps33."""
+    asked = set(scene.models) & set(models_of("bimorph"))
+    return scene.support.kind == "rod" or not asked or bool(asked - _LENGTHWISE)
+
+
+def no_solid(scene: Scene) -> str:
+    """Warning of constants that only a solid model would refuse, or ""."""
+    if _reads_tensors(scene):
+        return ""
+    try:
+        scene.piezo.ceramic().check_admissible()
+    except InputError as error:
+        return f"a solid model would refuse this ceramic, and the models asked do not: {error}"
+    return ""
+
+
 def unusual_values(scene: Scene, keys: Iterable[str]) -> list[str]:
     """Questions about values of some keys that lie far outside the range of their kind."""
     found = []
@@ -372,8 +395,8 @@ def unusual_values(scene: Scene, keys: Iterable[str]) -> list[str]:
         )
         if isinstance(value, float) and (text := slip(key, value, unit)):
             found.append(text)
-    if "piezo.eps33" in keys and scene.piezo.material in LIBRARY:
-        found.append(clamped_for_free(LIBRARY[scene.piezo.material], scene.piezo.eps33))
+    if "piezo.eps33" in keys:
+        found.append(clamped_for_free(scene.piezo.base, scene.piezo.eps33))
     return list(filter(None, found))
 
 
