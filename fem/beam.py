@@ -20,7 +20,7 @@ from tactgen.geometry.bimorph.segments import CentreLine, Piece, StackLayer, bea
 from tactgen.geometry.device.materials import EPS0, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
+from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport
 
 
@@ -143,9 +143,9 @@ def mode_lines(
     if open_circuit:
         k += np.outer(coupling, coupling) / capacitance
     base, tip = ends.base, ends.conservative_tip
-    w0, psi0, w1, _ = matrices.ports
-    k[w1, w1] += tip.stiffness
-    m[w1, w1] += tip.mass
+    w0, psi0, *at_tip = matrices.ports
+    for matrix, loaded in zip((k, m), tip.at_tip, strict=True):
+        matrix[np.ix_(at_tip, at_tip)] += loaded
     if base is not None:
         k[w0, w0] += base.lateral_stiffness
         k[psi0, psi0] += base.rotational_stiffness
@@ -159,7 +159,7 @@ def mode_lines(
     for value, vector in list(zip(values, vectors.T, strict=True))[ends.rigid_motions :]:
         motion = np.zeros(k.shape[0])
         motion[free] = vector
-        motion /= motion[w1]
+        motion /= motion[at_tip[0]]
         held = float(coupling @ motion)
         voltage = -held / capacitance if open_circuit else 0.0
         charge = 0.0 if open_circuit else held
@@ -173,8 +173,8 @@ def driven_line(
     """Motion at a voltage (V) across each layer."""
     omega2, at = (2.0 * np.pi * frequency) ** 2, np.array([frequency])
     dynamic = matrices.stiffness - omega2 * matrices.mass
-    w0, psi0, w1, _ = matrices.ports
-    dynamic[w1, w1] += tip_stiffness(ends.tip, at)[0]
+    w0, psi0, *at_tip = matrices.ports
+    dynamic[np.ix_(at_tip, at_tip)] += tip_matrix(ends.tip, at)[0]
     if ends.base is not None:
         for dof, stiffness in zip((w0, psi0), base_stiffness(ends.base, at), strict=True):
             dynamic[dof, dof] += stiffness[0]
@@ -470,13 +470,13 @@ def bending_frequencies(
     from scipy.linalg import eigh
 
     k, m = matrices.stiffness.real / matrices.unit, matrices.mass / matrices.unit
-    w0, psi0, w1, _ = matrices.ports
+    w0, psi0, *at_tip = matrices.ports
     if open_circuit:
         charge = matrices.coupling.real / matrices.unit
         k += np.outer(charge, charge) / (matrices.capacitance.real / matrices.unit)
     base, tip = ends.base, ends.conservative_tip
-    k[w1, w1] += tip.stiffness
-    m[w1, w1] += tip.mass
+    for matrix, loaded in zip((k, m), tip.at_tip, strict=True):
+        matrix[np.ix_(at_tip, at_tip)] += loaded
     held = matrices.ports[: 2 if base is None else 0]
     if base is not None:
         k[w0, w0] += base.lateral_stiffness

@@ -19,7 +19,7 @@ from tactgen.geometry.display.layout import axes, spacer_axes
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.contact import lateral_guide, moving_rod, stops_of, tilt_guide
 from tactgen.tmm.generator.equilibrium import RestingPlace, pressed_support
-from tactgen.tmm.ports.elements import spring, tip_stiffness
+from tactgen.tmm.ports.elements import load_tip, spring
 from tactgen.tmm.ports.multiport import (
     LATERAL,
     ROTATION,
@@ -70,7 +70,7 @@ def unit_ports(
     stands = connect(
         on_rod, connect(across, rocking, {}), {"w_base": "w_rod", "psi_base": "psi_rod"}
     )
-    return reduce(terminate(stands, {"w_tip": tip_stiffness(tip, f)}), UNIT)
+    return reduce(load_tip(stands, tip), UNIT)
 
 
 def _rigid(frequencies: Floats, device: Device) -> Multiport:

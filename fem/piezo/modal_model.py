@@ -128,19 +128,20 @@ class ModalModel:
     #: (k + 2, k + 2) K, where base motion needs no force, and M
     stiffness: Floats
     mass: Floats
-    #: (k + 2,) Mean tip displacement (m) and charge (C) from the unknowns
+    #: (k + 2, 2) Mean displacement (m) and rotation of the tip from the unknowns
     tip: Floats
+    #: (k + 2,) Charge (C) from the unknowns
     charge: Floats
     capacitance: float  #: Charge per voltage where nothing moves (F)
     #: (6, slices, k + 2) Motions of sections, see :func:`fem.piezo.symmetry.section_motions`
     motions: Floats
     energy: Floats  #: (k + 2, k + 2) Nodal mass, for the share of a class in the energy
     motion: Motion  #: The motions that the solid can make
-    #: (2, 2 k + 6, 2 k + 6) Products r_iᵀ K⁻¹ r_j of the residuals that functions the mesh lacks
+    #: (2, 2 k + 7, 2 k + 7) Products r_iᵀ K⁻¹ r_j of the residuals that functions the mesh lacks
     #: (:class:`fem.piezo.system.EstimatorSpace`) have with K x and with M x of the unknowns, with
-    #: the charge and with the tip: of displacements, and of potentials
+    #: the charge and with both motions of the tip: of displacements, and of potentials
     surplus: Floats | None = None
-    missing: Floats | None = None  #: (2 k + 6, 2 k + 6) Those of them that the modes are moved by
+    missing: Floats | None = None  #: (2 k + 7, 2 k + 7) Those of them that the modes are moved by
 
     def modes(self, ends: Ends, count: int, *, open_circuit: bool = False) -> list[BareMode]:
         """Lowest `count` modes, ascending, without damping and rigid motions."""
@@ -187,8 +188,10 @@ class ModalModel:
         if base is not None:
             k[-2:, -2:] += np.diag([base.lateral_stiffness, base.rotational_stiffness])
             m[-1, -1] += base.rotational_inertia
-        moved = np.outer(self.tip, self.tip)
-        k, m = k + load.stiffness * moved, m + load.mass * moved
+        seat, turn = self.tip @ load.arm, self.tip[:, 1]
+        moved = np.outer(seat, seat)
+        k += load.stiffness * moved
+        m += load.mass * moved + load.inertia * np.outer(turn, turn)
         if open_circuit:
             k += np.outer(self.charge, self.charge) / self.capacitance
         free = slice(None) if base is not None else slice(-2)
@@ -199,7 +202,7 @@ class ModalModel:
         inverse = lower.T @ np.linalg.solve(k + shift * m, lower)
         values, vectors = np.linalg.eigh(0.5 * (inverse + inverse.T))
         chosen = [i for i in reversed(range(values.size)) if values[i] > 0.0][ends.rigid_motions :]
-        shapes = np.zeros((self.tip.size, len(chosen)))
+        shapes = np.zeros((self.charge.size, len(chosen)))
         shapes[free] = np.linalg.solve(lower.T, vectors[:, chosen])
         return 1.0 / values[chosen] - shift, shapes
 
@@ -207,14 +210,18 @@ class ModalModel:
         return strongest(self.motions @ y, float(y @ self.energy @ y))[0]
 
     def _residual(self, y: Floats, omega2: float, ends: Ends, *, open_circuit: bool) -> Floats:
-        """Residual (2 k + 6,) of a mode in terms of :attr:`surplus`."""
+        """Residual (2 k + 7,) of a mode in terms of :attr:`surplus`."""
         load = ends.conservative_tip
         charge = float(self.charge @ y) / self.capacitance if open_circuit else 0.0
-        moved = (load.stiffness - omega2 * load.mass) * float(self.tip @ y)
-        return np.concatenate([y, -omega2 * y, [charge, moved]])
+        moved = self.tip.T @ y
+        force = (load.stiffness - omega2 * load.mass) * float(load.arm @ moved)
+        effort = force * load.arm
+        effort[1] -= omega2 * load.inertia * moved[1]
+        return np.concatenate([y, -omega2 * y, [charge], effort])
 
     def highest(self, count: int) -> list[BareMode]:
         """Modes that are, one by one, as high as any support, load and circuit has them."""
         k = self.stiffness[:-2, :-2]
-        stiffness = 1.0 / float(self.tip[:-2] @ np.linalg.solve(k, self.tip[:-2]))
+        tip = self.tip[:-2, 0]
+        stiffness = 1.0 / float(tip @ np.linalg.solve(k, tip))
         return self.modes(Ends(None, TipLoad(_HELD * stiffness)), count, open_circuit=True)

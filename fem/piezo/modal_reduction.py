@@ -70,7 +70,7 @@ def modal_model(
     return ModalModel(
         stiffness=0.5 * (stiffness + stiffness.T),
         mass=0.5 * (whole + whole.T),
-        tip=shapes.T @ tip[: n + 2],
+        tip=shapes.T @ system.tip[: n + 2],
         charge=shapes.T @ np.concatenate([charge, -system.stiffness.corner[:2, 2]]),
         capacitance=float(charge @ field - system.stiffness.corner[2, 2]),
         motions=section_motions(system.nodes, system.node_mass, nodal),
@@ -105,7 +105,7 @@ def _lacking(surplus: EstimatorSpace, shapes: Floats, field: Floats) -> Floats:
     states[: field.size, -1] = field
     stiffness, mass = surplus.residuals(states)
     # at 1 V the lacking functions see minus the charge, as all others do
-    each = [stiffness[:, :-1], mass[:, :-1], -stiffness[:, -1:], surplus.tip[:, :1]]
+    each = [stiffness[:, :-1], mass[:, :-1], -stiffness[:, -1:], surplus.tip]
     return np.stack(surplus.products(np.hstack(each)))
 
 

@@ -12,7 +12,7 @@ from tactgen.fem.piezo.system import SolidSystem
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
-from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
+from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
 
 #: Residual of a mode against its inverse eigenvalue; the frequency's error is its square.
 _RESIDUAL = 1e-9
@@ -60,16 +60,18 @@ def eigenpairs(
         mass, solve, tip = _attached(system, base)
     n = mass.shape[0]
     updates = []
-    resisted = load.stiffness + shift * load.mass
-    if resisted > 0.0:
-        updates.append((tip, resisted))
+    seats = [(tip @ load.arm, load.stiffness, load.mass), (tip[:, 1], 0.0, load.inertia)]
+    for seat, stiffness, inertia in seats:
+        if stiffness + shift * inertia > 0.0:
+            updates.append((seat, stiffness + shift * inertia))
     if open_circuit and system.has_ports:
         charge, capacitance = _electrode(system, n)
         updates.append((charge, 1.0 / capacitance))
     solve = _updated(solve, updates)
 
     def weigh(v: Floats) -> Floats:
-        return np.asarray(mass @ v + load.mass * tip * (tip @ v))
+        carried = sum(inertia * seat * (seat @ v) for seat, _, inertia in seats if inertia)
+        return np.asarray(mass @ v + carried)
 
     rng = np.random.default_rng(0)
     loose = ends.rigid_motions
@@ -93,21 +95,21 @@ def eigenpairs(
 def _shifted(
     system: SolidSystem, base: Springs
 ) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
-    """Mass, inverse of K + shift · M and tip functional, for a base that is not held."""
+    """Mass, inverse of K + shift · M and tip functionals, for a base that is not held."""
     mass = system.mass.with_base(np.diag([0.0, base.rotational_inertia]))
     springs = np.diag([base.lateral_stiffness, base.rotational_stiffness])
     stiffness = system.stiffness.with_base(springs)
     factor = factorise((stiffness + SHIFT * mass).tocsr())
-    return mass, factor.solve, system.tip[:-1, 0]
+    return mass, factor.solve, system.tip[:-1]
 
 
 def _attached(
     system: SolidSystem, base: Springs | None
 ) -> tuple[Sparse, Callable[[Floats], Floats], Floats]:
-    """Mass, inverse stiffness and tip functional at U = 0 with the support attached."""
+    """Mass, inverse stiffness and tip functionals at U = 0 with the support attached."""
     held, factor = system.inner, system.held_factor
     if base is None:
-        return system.mass.inner, factor.solve, system.tip[:held, 0]
+        return system.mass.inner, factor.solve, system.tip[:held]
     mass = system.mass.with_base(np.diag([0.0, base.rotational_inertia]))
     follows = -factor.solve(system.stiffness.border[:, :2])
     # a body held by its base alone follows it without force, so only the springs resist
@@ -117,7 +119,7 @@ def _attached(
         moved = ((right[held:] + follows.T @ right[:held]).T / springs).T
         return np.concatenate([factor.solve(right[:held]) + follows @ moved, moved])
 
-    return mass, solve, system.tip[:-1, 0]
+    return mass, solve, system.tip[:-1]
 
 
 def _electrode(system: SolidSystem, n: int) -> tuple[Floats, float]:
@@ -194,9 +196,9 @@ def _mode(system: SolidSystem, value: float, vector: Numbers, *, open_circuit: b
 def driven_state(system: SolidSystem, ends: Ends, frequency: float, voltage: complex) -> SolidState:
     """Motion at a voltage (V) across each layer, with support and load.
 
-    Base motion and tip force are unknowns beside the voltage: with X the states per unit of
-    each, base reactions and the support's forces cancel, and the tip force is minus the
-    load's stiffness times the tip displacement.
+    Base motion, tip force and tip moment are unknowns beside the voltage: with X the states per
+    unit of each, base reactions and the support's forces cancel, and force and moment are minus
+    the load's stiffness times the tip's motion.
 
     Parameters
     ----------
@@ -213,23 +215,22 @@ def driven_state(system: SolidSystem, ends: Ends, frequency: float, voltage: com
         inner = system.stiffness.inner - omega2 * system.mass.inner
         factor = factorise(inner, order=system.elimination)
     ports = system.stiffness.border - omega2 * system.mass.border
-    # columns: w_base, ψ_base, U, F_tip
-    x = np.zeros((system.size, 4), dtype=np.result_type(ports, system.stiffness.inner.dtype))
+    # columns: w_base, ψ_base, U, F_tip, M_tip
+    x = np.zeros((system.size, 5), dtype=np.result_type(ports, system.stiffness.inner.dtype))
     x[n:, :3] = np.eye(3)
-    x[:n] = -factor.solve(np.hstack([ports, -system.tip[:n, :1]]))
+    x[:n] = -factor.solve(np.hstack([ports, -system.tip[:n]]))
     reaction = (system.stiffness @ x - omega2 * (system.mass @ x))[n:]
-    reaction[:, 3] -= system.tip[n:, 0]  # what the tip force does there is no reaction
-    seen = system.tip[:, 0] @ x
-    load = tip_stiffness(ends.tip, at)[0]
-    rows = np.vstack([reaction[:2], load * seen]).astype(complex)
-    rows[2, 3] += 1.0
-    free = [0, 1, 3] if ends.base is not None else [3]
+    reaction[:, 3:] -= system.tip[n:]  # what acts on the tip there is no reaction
+    seen = system.tip.T @ x
+    rows = np.vstack([reaction[:2], tip_matrix(ends.tip, at)[0] @ seen]).astype(complex)
+    rows[2:, 3:] += np.eye(2)
+    free = [0, 1, 3, 4] if ends.base is not None else [3, 4]
     if ends.base is not None:
         for row, stiffness in enumerate(base_stiffness(ends.base, at)):
             rows[row, row] += stiffness[0]
     else:
         rows = rows[2:]
-    amplitude = np.zeros(4, dtype=complex)
+    amplitude = np.zeros(5, dtype=complex)
     amplitude[2] = voltage
     amplitude[free] = np.linalg.solve(rows[:, free], -rows[:, 2] * voltage)
     y = x @ amplitude

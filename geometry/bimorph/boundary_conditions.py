@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+import numpy as np
+
 from tactgen.geometry.arrays import Complex, Floats
 
 #: Dynamic stiffness (n,) in N/m of a load that depends on the frequencies (n,) in Hz.
@@ -24,11 +26,29 @@ class Springs:
 
 @dataclass(frozen=True)
 class TipLoad:
-    """Lateral tip load, a stiffness c + jΩ d − Ω² m (N/m, N s/m, kg)."""
+    """Lateral tip load, a stiffness c + jΩ d − Ω² m (N/m, N s/m, kg), on a rigid arm."""
 
     stiffness: float = 0.0
     damping: float = 0.0
     mass: float = 0.0
+    offset: float = 0.0  #: Length of the arm beyond the tip, along the axis (m)
+    inertia: float = 0.0  #: Rotational inertia about y at the arm's end (kg m²)
+
+    @property
+    def has_size(self) -> bool:
+        """Whether it turns with the tip."""
+        return bool(np.any(self.offset) or np.any(self.inertia))
+
+    @property
+    def arm(self) -> Floats:
+        """(2,) Lateral motion of the arm's end per motion [w, ψ] of the tip."""
+        return np.array([1.0, -self.offset])
+
+    @property
+    def at_tip(self) -> tuple[Floats, Floats]:
+        """Stiffness and mass (2, 2) over the tip's motions [w, ψ]."""
+        arm = np.outer(self.arm, self.arm)
+        return self.stiffness * arm, self.mass * arm + np.diag([0.0, self.inertia])
 
 
 @dataclass(frozen=True)

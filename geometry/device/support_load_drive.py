@@ -41,6 +41,14 @@ class Load(Parameters):
         "skin with a weight on it",
     )
     mass: u.Mass = field(0.0, "not in the paper", "tip mass, used by kind mass")
+    offset: u.Position = field(
+        0.0,
+        "not in the paper",
+        "used by kind mass: height of its centre above the tip, along the length",
+    )
+    rotational_inertia: u.RotationalInertia = field(
+        0.0, "not in the paper", "used by kind mass: about the y axis through its centre"
+    )
     stiffness: u.LateralStiffness = field(0.0, "not in the paper", "used by kind spring_damper")
     damping: u.LateralDamping = field(0.0, "not in the paper", "used by kind spring_damper")
     normal_force: u.Force = field(

@@ -147,8 +147,8 @@ def _attached(
         k[0, 0] += base.lateral_stiffness
         k[1, 1] += base.rotational_stiffness
         m[1, 1] += base.rotational_inertia
-    k[2, 2] += tip.stiffness
-    m[2, 2] += tip.mass
+    for matrix, loaded in zip((k, m), tip.at_tip, strict=True):
+        matrix[2:, 2:] += loaded
     if open_circuit:
         k += np.outer(coupling, coupling) / capacitance
     return k, m, coupling, slice(2, 4) if base is None else slice(0, 4)

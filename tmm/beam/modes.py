@@ -204,15 +204,17 @@ class _Attached:
             r = r + x[:, :4, 4:] * x[:, 4:, :4] / (2j * x[:, 4:, 4:])
         displacement, force = reference.units()
         free = [0, 1, 2, 3]
-        for port, stiffness in self._stiffnesses(omega):
+        for port in self._held:
             column = r[:, port]
-            if stiffness is None:
-                free.remove(port)
-                turned = turned - _descent(column[:, port])
-                r = r - column[:, :, None] * column[:, None, :] / column[:, port, None, None]
-                continue
-            d = stiffness * displacement[:, port % 2] / force[:, port % 2]
-            whole = 1.0 + d * column[:, port]
+            free.remove(port)
+            turned = turned - _descent(column[:, port])
+            r = r - column[:, :, None] * column[:, None, :] / column[:, port, None, None]
+        power = (displacement * force)[:, 0]  # of both pairs
+        for lever, stiffness in self._stiffnesses(omega):
+            moved = np.tile(displacement, 2) * lever
+            column = (r @ moved[:, :, None])[:, :, 0]
+            d = stiffness / power
+            whole = 1.0 + d * (moved * column).sum(axis=1)
             turned = turned + np.where(d > 0.0, -_descent(whole), _descent(whole.conj()))
             r = r - (d / whole)[:, None, None] * column[:, :, None] * column[:, None, :]
         g = np.linalg.eigvals(r[:, free][:, :, free])
@@ -225,15 +227,23 @@ class _Attached:
             raise ArithmeticError("the natural frequencies of this row cannot be counted")
         return counts.astype(int), np.asarray(angles)
 
-    def _stiffnesses(self, omega: Floats) -> list[tuple[int, Floats | None]]:
-        """Ports to which something is attached, with it (n,); None holds the port."""
+    @property
+    def _held(self) -> tuple[int, ...]:
+        """Ports that are held."""
+        return (0, 1) if self._ends.base is None else ()
+
+    def _stiffnesses(self, omega: Floats) -> list[tuple[Floats, Floats]]:
+        """What is attached (n,), each with the motion (4,) of its place per motion of a port."""
         springs, load, o2 = self._ends.base, self._ends.conservative_tip, omega**2
-        tip = load.stiffness - o2 * load.mass
-        base: list[Floats | None] = [None, None]
+        w_base, psi_base, w_tip, psi_tip = np.eye(4)
+        found = [
+            (w_tip - load.offset * psi_tip, load.stiffness - o2 * load.mass),
+            (psi_tip, -o2 * load.inertia),
+        ]
         if springs is not None:
             rotational = springs.rotational_stiffness - o2 * springs.rotational_inertia
-            base = [np.full_like(o2, springs.lateral_stiffness), rotational]
-        return [(port, d) for port, d in enumerate([*base, tip]) if d is None or d.any()]
+            found += [(w_base, np.full_like(o2, springs.lateral_stiffness)), (psi_base, rotational)]
+        return [(lever, d) for lever, d in found if d.any()]
 
 
 def _descent(value: Complex) -> Floats:

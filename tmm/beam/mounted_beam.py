@@ -30,7 +30,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats, Numbers
-from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.span import (
@@ -136,7 +136,7 @@ def mounted_response(
 def uniform_response(
     row: Sequence[Element], ends: Ends, frequencies: Floats, *, series: bool
 ) -> MountedResponse | None:
-    """Response of a row that is one uniform beam, None for any other row.
+    """Response of a row that is one uniform beam, None for any other row or a load that turns.
 
     Parameters
     ----------
@@ -150,7 +150,8 @@ def uniform_response(
         Whether the layers share the volt and carry one charge, instead of each having a volt.
     """
     (beam, length), *others = row
-    if others or not isinstance(beam, Section):
+    turns = isinstance(ends.tip, TipLoad) and ends.tip.has_size
+    if others or not isinstance(beam, Section) or turns:
         return None
     base = None if ends.base is None else base_stiffness(ends.base, frequencies)
     tip, omega = tip_stiffness(ends.tip, frequencies), 2.0 * np.pi * frequencies

@@ -22,7 +22,7 @@ from tactgen.tmm.beam.parametric import Actuator, Values, terminated, tip_respon
 from tactgen.tmm.beam.scattering import Element, element_stiffness
 from tactgen.tmm.beam.sections import Section, section
 from tactgen.tmm.beam.span import dynamic_stiffness, wavenumbers
-from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
+from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
 from tactgen.tmm.ports.excitation import ELECTRICAL
 from tactgen.tmm.ports.multiport import Response, hold, symmetric_form
 from tactgen.tmm.ports.readout import Readout
@@ -172,7 +172,7 @@ def _stress(
     known = np.flatnonzero(wavenumbers(cross, b.length, omega)[1] < _DECAY)
     modulus = (1.0 + 1j / device.piezo.quality_factor) / device.piezo.s11
     tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
-    force = -tip_stiffness(ends.tip, frequencies) * tip[:, 0]
+    effort = -(tip_matrix(ends.tip, frequencies) @ tip[:, :, None])[:, :, 0]
     arm = b.shim_thickness + 2.0 * b.glue_thickness + b.piezo_thickness
     blocked = cross.K * layer / (b.width * arm * b.piezo_thickness)
     faces = np.array([0.5 * b.thickness, 0.5 * b.thickness - b.piezo_thickness])
@@ -181,13 +181,13 @@ def _stress(
     for first in range(0, known.size, _AT_ONCE):
         at = known[first : first + _AT_ONCE]
         above = dynamic_stiffness(cross, lengths, omega[at])
-        curvature = (_moment(above, tip[at], force[at], layer) + cross.K * layer) / cross.EI
+        curvature = (_moment(above, tip[at], effort[at], layer) + cross.K * layer) / cross.EI
         stress = np.abs(modulus * faces[:, None, None] * curvature - blocked)
         largest[at] = stress.max(axis=(0, 1))
     return largest
 
 
-def _moment(above: Complex, tip: Complex, force: Complex, voltage: float) -> Complex:
+def _moment(above: Complex, tip: Complex, effort: Complex, voltage: float) -> Complex:
     """Bending moment (..., n) at a height, from the part above it.
 
     Parameters
@@ -196,10 +196,9 @@ def _moment(above: Complex, tip: Complex, force: Complex, voltage: float) -> Com
         Dynamic stiffness of that part alone.
     tip : (n, 2) complex
         w and ψ of the tip.
-    force : (n,) complex
-        On the tip; no moment acts there.
+    effort : (n, 2) complex
+        Force and moment on the tip.
     """
-    effort = np.stack([force, np.zeros_like(force)], axis=1)
     to_tip, to_base = above[..., 2:4, 2:4], above[..., 2:4, 0:2]
     rest = effort - np.einsum("...ij,...j->...i", to_tip, tip) - above[..., 2:4, 4] * voltage
     base = np.linalg.solve(to_base, rest[..., None])[..., 0]
@@ -307,7 +306,7 @@ def _assembled(parts: Row, ends: Ends, frequency: float) -> tuple[Complex, Compl
         coupling[at] += d[:4, 4]
         capacitance += d[4, 4]
     frequencies = np.array([frequency])
-    matrix[-2, -2] += tip_stiffness(ends.tip, frequencies)[0]
+    matrix[-2:, -2:] += tip_matrix(ends.tip, frequencies)[0]
     if ends.base is not None:
         for at_base, stiffness in enumerate(base_stiffness(ends.base, frequencies)):
             matrix[at_base, at_base] += stiffness[0]

@@ -41,7 +41,7 @@ from tactgen.tmm.generator.contact import (
 from tactgen.tmm.generator.equilibrium import AxialForces, RestingPlace, pressed_support
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.steady import Tabulated
-from tactgen.tmm.ports.elements import tip_stiffness
+from tactgen.tmm.ports.elements import load_tip
 from tactgen.tmm.ports.multiport import (
     AXIAL,
     CURRENT,
@@ -322,12 +322,8 @@ def rocking_head(
     def seen(frequencies: Floats) -> Complex:
         omega = 2.0 * np.pi * frequencies
         tilting = bore.at_rest - omega**2 * support.rotational_inertia
-        loads = {
-            "w_base": support.lateral_stiffness,
-            "psi_base": tilting,
-            "w_tip": tip_stiffness(tip, frequencies),
-        }
-        return _seen(terminate(bimorph(frequencies), loads))
+        loads = {"w_base": support.lateral_stiffness, "psi_base": tilting}
+        return _seen(terminate(load_tip(bimorph(frequencies), tip), loads))
 
     attached = Tabulated(seen)
 

@@ -5,7 +5,7 @@ Reciprocal and passive, with a finite D(Ω) at 0 Hz.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -92,6 +92,12 @@ def chain_of(tip: TipLoad | Law) -> Chain:
     Raises InputError if it is a law of frequency to which no parts are fitted.
     """
     if isinstance(tip, TipLoad):
+        if tip.has_size:
+            raise InputError(
+                f"load.offset = {1e3 * tip.offset:g} mm and load.rotational_inertia = "
+                f"{tip.inertia:g} kg*m^2 are not known to time simulation and rocking; set both "
+                "to 0"
+            )
         mass, damping, stiffness = np.reshape([tip.mass, tip.damping, tip.stiffness], (3, 1, 1))
         return Chain(mass, damping, stiffness, carried=tip.mass)
     if tip is finger_stiffness:
@@ -183,7 +189,8 @@ def ends_of(support: Support, load: Load) -> Ends:
     if load.kind == "pad":
         return Ends(base, _pad(load))
     if load.kind == "mass":
-        return Ends(base, TipLoad(mass=load.mass))
+        tip = TipLoad(mass=load.mass, offset=load.offset, inertia=load.rotational_inertia)
+        return Ends(base, tip)
     if load.kind == "spring_damper":
         return Ends(base, TipLoad(load.stiffness, load.damping))
     return Ends(base)
@@ -216,7 +223,7 @@ def base_stiffness(base: Springs, frequencies: Floats) -> tuple[Complex, Complex
 
 
 def tip_stiffness(tip: TipLoad | Law, frequencies: Floats) -> Complex:
-    """Load's lateral dynamic stiffness (n,) in N/m; jΩ times paper eq 11."""
+    """Load's lateral dynamic stiffness (n,) in N/m at its arm's end; jΩ times paper eq 11."""
     f = np.asarray(frequencies, dtype=float)
     if not isinstance(tip, TipLoad):
         return tip(f)
@@ -224,10 +231,36 @@ def tip_stiffness(tip: TipLoad | Law, frequencies: Floats) -> Complex:
     return np.asarray(tip.stiffness + 1j * omega * tip.damping - omega**2 * tip.mass)
 
 
+def tip_matrix(tip: TipLoad | Law, frequencies: Floats) -> Complex:
+    """Load's dynamic stiffness (n, 2, 2) over the tip's [w, ψ]."""
+    lateral = tip_stiffness(tip, frequencies)
+    found = np.zeros((*np.shape(frequencies), 2, 2), dtype=complex)
+    found[..., 0, 0] = lateral
+    if isinstance(tip, TipLoad) and tip.has_size:
+        omega = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
+        found[..., 0, 1] = found[..., 1, 0] = -lateral * tip.offset
+        found[..., 1, 1] = lateral * tip.offset**2 - omega**2 * tip.inertia
+    return found
+
+
+def load_motion(tip: TipLoad | Law, w: Complex, psi: Complex) -> Complex:
+    """Lateral motion (n,) of the load from the tip's."""
+    return w - tip.offset * psi if isinstance(tip, TipLoad) else w
+
+
+def load_tip(port: Multiport, tip: TipLoad | Law) -> Multiport:
+    """Lateral actuator, or what it is part of, with a load at its tip."""
+    at = [port.index("w_tip"), *([port.index("psi_tip")] if "psi_tip" in port.names else [])]
+    stiffness = port.stiffness.copy()
+    rows = np.ix_(range(stiffness.shape[0]), at, at)
+    stiffness[rows] += tip_matrix(tip, port.frequencies)[:, : len(at), : len(at)]
+    return replace(port, stiffness=stiffness)
+
+
 def attach(port: Multiport, ends: Ends) -> Multiport:
     """Lateral actuator with its support and load; a clamped base is no port."""
-    loads = {"w_tip": tip_stiffness(ends.tip, port.frequencies)}
+    loaded = load_tip(port, ends.tip)
     if ends.base is None:
-        return terminate(hold(port, "w_base", "psi_base"), loads)
-    loads["w_base"], loads["psi_base"] = base_stiffness(ends.base, port.frequencies)
-    return terminate(port, loads)
+        return hold(loaded, "w_base", "psi_base")
+    lateral, rotational = base_stiffness(ends.base, port.frequencies)
+    return terminate(loaded, {"w_base": lateral, "psi_base": rotational})

@@ -101,7 +101,8 @@ def inertia(port: Multiport, ends: Ends) -> Complex:
     omega = np.where(port.frequencies > 0.0, port.omega, np.nan)
     found = (port.stiffness @ moved) * (1.0 / omega**2)[:, None]
     if isinstance(ends.tip, TipLoad):
-        found[:, port.index(_TIP)] -= ends.tip.mass
+        for name, lever in zip((_TIP, "psi_tip"), ends.tip.arm, strict=True):
+            found[:, port.index(name)] -= ends.tip.mass * lever
     return np.asarray(found)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.tmm.beam.port_quantities import driven_ceramic
-from tactgen.tmm.ports.elements import attach, tip_stiffness
+from tactgen.tmm.ports.elements import attach, load_motion, tip_stiffness
 from tactgen.tmm.ports.excitation import (
     UNIT_VOLTAGE,
     Excitation,
@@ -183,7 +183,12 @@ def _of_load(readout: LoadReadout, scene: Scene, ends: Ends) -> Callable[[Respon
     """Read the load's value off the tip's motion."""
     frequencies = np.asarray(scene.frequency, dtype=float)
     stiffness, omega = tip_stiffness(ends.tip, frequencies), 2.0 * np.pi * frequencies
-    return lambda found: np.asarray(readout.of(stiffness, found.motion["w_tip"], omega))
+
+    def of(found: Response) -> Array:
+        moved = load_motion(ends.tip, found.motion["w_tip"], found.motion["psi_tip"])
+        return np.asarray(readout.of(stiffness, moved, omega))
+
+    return of
 
 
 def _of_response(

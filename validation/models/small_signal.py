@@ -31,9 +31,9 @@ from tactgen.tmm.generator.small_signal import (
     machine,
 )
 from tactgen.tmm.generator.transient.time_integration import error_bar
-from tactgen.tmm.ports.elements import tip_stiffness
+from tactgen.tmm.ports.elements import load_tip
 from tactgen.tmm.ports.loads import disturbed
-from tactgen.tmm.ports.multiport import Multiport, in_series, respond, terminate
+from tactgen.tmm.ports.multiport import Multiport, in_series, respond
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.coenergy_fit import thinned
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
@@ -323,7 +323,7 @@ class SmallSignal:
         return in_series(bimorph) if self.scene.bimorph.wiring == "series" else bimorph
 
     def _loaded(self, port: Multiport, ends: Ends) -> Multiport:
-        return terminate(port, {"w_tip": tip_stiffness(ends.tip, port.frequencies)})
+        return load_tip(port, ends.tip)
 
 
 @dataclass(frozen=True)

@@ -111,7 +111,12 @@ def _load(load: Load) -> str:
         case "finger":
             return "the paper's finger on the tip"
         case "mass":
-            return f"{engineering(1e3 * load.mass, 'g')} on the tip"
+            size = ""
+            if load.offset:
+                size = f", {engineering(load.offset, 'm')} beyond it"
+            if load.rotational_inertia:
+                size += f", inertia {engineering(1e3 * load.rotational_inertia, 'g*m^2')}"
+            return f"{engineering(1e3 * load.mass, 'g')} on the tip{size}"
         case "spring_damper":
             damping = engineering(load.damping, "N*s/m")
             return f"{engineering(load.stiffness, 'N/m')} and {damping} on the tip"

@@ -87,7 +87,7 @@ def test_every_frequency_lies_above_that_of_the_mesh(solid, count):
     """
     small = modal_model(solid, count)
     assert np.linalg.eigvalsh(small.stiffness[:-2, :-2]).min() > 0.0
-    size = small.tip.size - 2
+    size = small.charge.size - 2
     for opened in (False, True):
         found = small.modes(Ends(), size, open_circuit=opened)
         assert len(found) == size

@@ -10,8 +10,8 @@ from tactgen.tmm.beam import port_quantities as ceramic
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import wavenumbers
 from tactgen.tmm.beam.transfer_matrix import multiport
-from tactgen.tmm.ports.elements import attach, tip_stiffness
-from tactgen.tmm.ports.multiport import in_series, respond, terminate
+from tactgen.tmm.ports.elements import attach, load_tip, tip_matrix
+from tactgen.tmm.ports.multiport import in_series, respond
 
 DEVICE, BEAM = Device(), Beam()
 FREQUENCIES = np.array([1.0, 300.0, 1044.0, 7000.0])
@@ -38,17 +38,22 @@ def test_a_free_bimorph_at_rest_has_the_stress_of_its_layers():
 
 
 @pytest.mark.parametrize(
-    "ends", [Ends(), Ends(tip=TipLoad(500.0, 0.5)), Ends(tip=TipLoad(mass=1e-5))]
+    "tip",
+    [
+        TipLoad(),
+        TipLoad(500.0, 0.5),
+        TipLoad(mass=1e-5),
+        TipLoad(mass=1e-5, offset=2e-3, inertia=3e-12),
+    ],
 )
-def test_the_moment_at_the_root_is_the_clamp_s(ends):
+def test_the_moment_at_the_root_is_the_clamp_s(tip):
     """Found from the tip alone, it is the reaction of what holds the base."""
     port = multiport(DEVICE, Support(kind="clamped"), BEAM, FREQUENCIES)
-    loads = {"w_tip": tip_stiffness(ends.tip, FREQUENCIES)}
     held = {"w_base": 0.0, "psi_base": 0.0, "voltage": 1.0}
-    response = respond(terminate(port, loads), held)
-    tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
-    force = -loads["w_tip"] * tip[:, 0]
-    found = ceramic._moment(port.stiffness, tip, force, 1.0)
+    response = respond(load_tip(port, tip), held)
+    moved = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
+    effort = -(tip_matrix(tip, FREQUENCIES) @ moved[:, :, None])[:, :, 0]
+    found = ceramic._moment(port.stiffness, moved, effort, 1.0)
     # at 1 Hz the moment is what is left of K U, 1e-6 N m, to its rounding
     np.testing.assert_allclose(found, -response.effort["psi_base"], rtol=1e-9, atol=1e-19)
 
@@ -100,6 +105,6 @@ def test_digits_hold_up_to_where_it_is_unknown():
     port = multiport(long, Support(kind="clamped"), BEAM, at)
     response = respond(port, {"w_base": 0.0, "psi_base": 0.0, "voltage": 1.0})
     tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
-    found = ceramic._moment(port.stiffness, tip, np.zeros(1), 1.0)
+    found = ceramic._moment(port.stiffness, tip, np.zeros((1, 2)), 1.0)
     # e^20 of rounding
     np.testing.assert_allclose(found, -response.effort["psi_base"], rtol=1e-6)

@@ -35,11 +35,12 @@ def answers(of, *names, model="tmm"):
     return [found.get(name, model).value for name in names]
 
 
-def exact_harvester(of, resistance, mass, acceleration):
+def exact_harvester(of, resistance, mass, offset, inertia, acceleration):
     """Absolute tip acceleration and voltage of an Euler-Bernoulli beam whose base moves.
 
     w = a cos βx + b sin βx + c cosh βx + d sinh βx with the base's motion as a boundary
-    condition, M = −EI w'' − K U = 0 and shear m Ω² w at the tip, Q = −K w'(l) + C l U, U = −jΩ R Q.
+    condition, the inertia of a mass beyond the tip, EI w'' + K U = Ω² (J w' + m a (w + a w')) and
+    EI w''' = −m Ω² (w + a w') at the tip, Q = −K w'(l) + C l U, U = −jΩ R Q.
     """
     ((s, length),) = transfer_matrix.sections(of.device, of.support, of.beam, lossy=True)
     found = []
@@ -52,8 +53,10 @@ def exact_harvester(of, resistance, mass, acceleration):
         dddw = beta**3 * np.array([np.sin(z), -np.cos(z), np.sinh(z), np.cosh(z)])
         rows = np.zeros((5, 5), dtype=complex)
         rows[0, :4], rows[1, :4] = [1, 0, 1, 0], [0, 1, 0, 1]
-        rows[2] = [*(s.EI * ddw), s.K]
-        rows[3] = [*(s.EI * dddw + mass * omega**2 * w), 0.0]
+        centre = w + offset * dw
+        turned = omega**2 * (inertia * dw + mass * offset * centre)
+        rows[2] = [*(s.EI * ddw - turned), s.K]
+        rows[3] = [*(s.EI * dddw + mass * omega**2 * centre), 0.0]
         rows[4] = [
             *(-1j * omega * resistance * s.K * dw),
             1 + 1j * omega * resistance * s.C * length,
@@ -63,23 +66,28 @@ def exact_harvester(of, resistance, mass, acceleration):
     return np.array(found).T
 
 
-@pytest.mark.parametrize("resistance", [1e2, 1e4, 1e6])
-def test_harvester_is_a_beam_on_a_moving_base(resistance):
+@pytest.mark.parametrize(
+    ("resistance", "offset", "inertia"),
+    [(1e2, 0.0, 0.0), (1e4, 0.0, 0.0), (1e6, 0.0, 0.0), (1e4, 8e-3, 0.0), (1e4, -3e-3, 4e-8)],
+)
+def test_harvester_is_a_beam_on_a_moving_base(resistance, offset, inertia):
     """Against the differential equation in absolute coordinates; what is left is the slenderness:
     shear and rotary inertia count (h / l)² and their like, 2e-5 times some ten at 140 Hz."""
     of = scene(
         SLENDER, circuit__kind="load", circuit__resistance=f"{resistance} ohm", load__kind="mass",
-        load__mass="0.4 g", drive__base_acceleration="2 m/s^2",
+        load__mass="0.4 g", drive__base_acceleration="2 m/s^2", load__offset=f"{offset} m",
+        load__rotational_inertia=f"{inertia} kg*m^2",
     )  # fmt: skip
     tip, voltage = answers(of, "tip_acceleration", "electrode_voltage")
-    exact_tip, exact_voltage = exact_harvester(of, resistance, 0.4e-3, 2.0)
+    exact_tip, exact_voltage = exact_harvester(of, resistance, 0.4e-3, offset, inertia, 2.0)
     np.testing.assert_allclose(tip, exact_tip, rtol=5e-4)
     np.testing.assert_allclose(voltage, exact_voltage, rtol=5e-4)
 
 
-@pytest.mark.parametrize("support", ["clamped", "spring"])
-def test_constant_acceleration_is_weight(support):
-    """At a low frequency the tip sags by m g l⁴/8EI and M g l³/3EI, on springs by theirs, too."""
+@pytest.mark.parametrize(("support", "offset"), [("clamped", 0.0), ("spring", 6e-3)])
+def test_constant_acceleration_is_weight(support, offset):
+    """At a low frequency the tip sags by m g l⁴/8EI and M g (l³/3EI + a l²/2EI), on springs by
+    theirs, too."""
     stated = dict(SLENDER, frequency=[0.05]) | {"support.kind": support}
     springs = {
         "support.rotational_stiffness": "0.5 N*m/rad",
@@ -87,13 +95,16 @@ def test_constant_acceleration_is_weight(support):
     }
     of = scene(
         stated, springs if support == "spring" else {}, load__kind="mass", load__mass="0.3 g",
-        drive__base_acceleration="-1 g", drive__voltage="0 V",
+        load__offset=f"{offset} m", drive__base_acceleration="-1 g", drive__voltage="0 V",
     )  # fmt: skip
     ((s, length),) = transfer_matrix.sections(of.device, of.support, of.beam, lossy=False)
     g, own, tip = 9.80665, s.m * length, 0.3e-3
     sag = g * (own * length**3 / (8.0 * s.EI) + tip * length**3 / (3.0 * s.EI))
+    sag += g * tip * offset * length**2 / (2.0 * s.EI)
     if support == "spring":
-        sag += g * (own + tip) / 400.0 + g * (0.5 * own + tip) * length**2 / 0.5
+        sag += (
+            g * (own + tip) / 400.0 + g * ((0.5 * own + tip) * length + tip * offset) * length / 0.5
+        )
     (found,) = answers(of, "tip_displacement")
     # the ceramic's losses turn it by 1/Q
     assert abs(found[0]) == pytest.approx(sag, rel=1e-3)
@@ -121,7 +132,8 @@ def test_models_agree_on_a_harvester():
     """The beam elements' interior load is not the transfer matrix's; both stand for one beam."""
     stated = {"bimorph.length": "30 mm", "support.kind": "spring", "circuit.kind": "load",
               "circuit.resistance": "20 kohm", "circuit.inductance": "3 H",
-              "drive.base_acceleration": "1 g"}  # fmt: skip
+              "drive.base_acceleration": "1 g", "load.kind": "mass", "load.mass": "0.1 g",
+              "load.offset": "3 mm", "load.rotational_inertia": "1e-9 kg*m^2"}  # fmt: skip
     names = ("electrode_voltage", "circuit_power", "optimum_power", "tip_acceleration")
     by_model = [
         answers(scene(stated, models=m, frequency=[40.0, 222.0, 900.0]), *names, model=m)

@@ -1,0 +1,103 @@
+"""A tip mass with a size: its centre beyond the tip, and its rotational inertia."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
+from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.modes import bending_frequencies
+from tactgen.tmm.beam.sections import Section
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.scene import load_scene
+
+#: A block of 4 x 4 x 8 mm on the tip of the neutral 20 mm bimorph.
+BLOCK = (
+    "support.kind=clamped", "load.kind=mass", "load.mass=0.5 g", "load.offset=4 mm",
+    "load.rotational_inertia=3.3e-9 kg*m^2",
+)  # fmt: skip
+
+
+def wavenumbers(mass, offset, inertia):
+    """First three β of a clamped Euler-Bernoulli beam of EI = m = l = 1, by its own equation."""
+
+    def unbalanced(b):
+        c, s, ch, sh = np.cos(b), np.sin(b), np.cosh(b), np.sinh(b)
+        shapes = (ch - c, sh + s, ch + c, sh - s), (sh - s, ch - c, sh + s, ch + c)
+        rows = []
+        for w, slope, bent, shear in shapes:
+            centre = w + offset * b * slope
+            rows.append((
+                b**2 * bent - b**4 * (mass * offset * centre + inertia * b * slope),
+                b**3 * shear + b**4 * mass * centre,
+            ))  # fmt: skip
+        return np.linalg.det(np.array(rows)) / ch
+
+    at = np.linspace(0.05, 12.0, 4000)
+    signs = np.sign([unbalanced(b) for b in at])
+    return [brentq(unbalanced, at[i], at[i + 1]) for i in np.flatnonzero(np.diff(signs))[:3]]
+
+
+@pytest.mark.parametrize(
+    ("mass", "offset", "inertia"), [(1.0, 0.0, 0.0), (1.0, 0.2, 0.05), (5.0, -0.1, 0.3)]
+)
+def test_frequencies_are_those_of_the_differential_equation(mass, offset, inertia):
+    """Transfer matrices find them by counting; here the boundary conditions are written down."""
+    beam = Section(EI=1.0, GA=1e12, m=1.0, rhoI=0.0, K=0.0, C=1.0)
+    ends = Ends(None, TipLoad(mass=mass, offset=offset, inertia=inertia))
+    found = bending_frequencies([(beam, 1.0)], ends, 3, open_circuit=False)
+    exact = np.square(wavenumbers(mass, offset, inertia)) / (2.0 * np.pi)
+    # GA of 1e12 leaves a shear of 1e-10 at the third mode
+    assert found == pytest.approx(exact, rel=1e-8)
+
+
+def answers(model, *overrides):
+    """Natural frequencies (Hz), motion and force at 100 Hz of one model."""
+    scene, _ = load_scene("j1", [*BLOCK, "frequency=100 Hz", "mesh.level=1", *overrides])
+    names = ["short_circuit_frequencies", "tip_displacement", "load_force"]
+    found = solve(scene, model, names, modelling=False)
+    return {name: np.asarray(found.get(name, model).value) for name in names}
+
+
+def test_beam_models_agree():
+    """Beam elements carry the same block at their last node; the first mode of four is near."""
+    lumped, tmm, beam = (answers(model) for model in ("lumped", "tmm", "beam"))
+    for name in ("short_circuit_frequencies", "tip_displacement", "load_force"):
+        # rounding of beam elements
+        np.testing.assert_allclose(beam[name], tmm[name], rtol=1e-7)
+    assert lumped["short_circuit_frequencies"][0] == pytest.approx(
+        tmm["short_circuit_frequencies"][0], rel=1e-4
+    )
+
+
+def test_solid_carries_the_block():
+    """Its first frequency falls by the block's size as the beam's does, of the same materials."""
+    small = ("load.offset=0 mm", "load.rotational_inertia=0 kg*m^2")
+    solid, tmm = (
+        answers(model)["short_circuit_frequencies"][0]
+        / answers(model, *small)["short_circuit_frequencies"][0]
+        for model in ("solid", "tmm")
+    )
+    # both bend by 1.4 % differently, of which a tenth is left in the quotient
+    assert solid == pytest.approx(tmm, rel=2e-3)
+    assert tmm < 0.8
+
+
+def test_force_on_the_block_moves_it():
+    """m times the acceleration of its centre, which turns with the tip."""
+    scene, _ = load_scene("j1", [*BLOCK, "frequency=100 Hz"])
+    found = solve(scene, "tmm", ["tip_displacement", "tip_rotation", "load_force"], modelling=False)
+    w, psi, force = (
+        found.get(n, "tmm").value[0] for n in ("tip_displacement", "tip_rotation", "load_force")
+    )
+    omega = 200.0 * np.pi
+    assert force == pytest.approx(-(omega**2) * 0.5e-3 * (w - 4e-3 * psi), rel=1e-12)
+
+
+def test_time_simulation_refuses_a_size():
+    """It knows parts that move the tip, and none that turn it."""
+    from tactgen.tmm.ports.elements import chain_of
+
+    scene, _ = load_scene("j1", [*BLOCK])
+    with pytest.raises(InputError, match=r"load\.offset = 4 mm .* set both to 0"):
+        chain_of(scene.ends.tip)
