@@ -178,7 +178,8 @@ def numbers(rows: list[Row], column: Column, names: list[str], source: str) -> F
 def _cell(row: Row, column: Column, names: list[str], source: str) -> float:
     line, cells = row
     at, scale, unit = column
-    text, where = cells[at], f"{source} line {line}, column {quoted(names[at])}:"
+    text = cells[at] if at < len(cells) else ""
+    where = f"{source} line {line}, column {quoted(names[at])}:"
     if not text:
         raise InputError(f"{where} the cell is empty; fill it or remove the line")
     number = plain_number(text)
@@ -224,8 +225,17 @@ class Table(NamedTuple):
     lines: list[int]
 
 
-def read_table(path: str | Path, name: str, known: Mapping[str, Unit], example: str) -> Table:
-    """Columns of a file whose headings are all among the known ones.
+def read_columns(
+    path: str | Path,
+    name: str,
+    known: Mapping[str, Unit],
+    example: str,
+    needed: Iterable[str],
+    *,
+    remedy: str = "",
+    others: bool = False,
+) -> Table:
+    """Columns of a file by name and unit.
 
     Parameters
     ----------
@@ -237,15 +247,24 @@ def read_table(path: str | Path, name: str, known: Mapping[str, Unit], example: 
         What a column of each name measures.
     example : str
         A header that would do.
+    needed : iterable of str
+        Columns that must be there.
+    remedy : str
+        What to give instead of a file that cannot be read.
+    others : bool
+        Whether other columns are ignored instead of refused.
 
     Raises InputError in one sentence with file, line, column, value and remedy.
     """
-    (number, names), *rows = csv_rows(path, name, f"give a CSV file with the columns {example}")
+    remedy = remedy or f"give a CSV file with the columns {example}"
+    (number, names), *rows = csv_rows(path, name, remedy)
     where = f"{name} line {number}"
     columns: dict[str, Column] = {}
     for at, text in enumerate(names):
         column, unit = heading(text)
         if column not in known:
+            if others:
+                continue
             raise InputError(
                 f"{where}: column {at + 1} {quoted(text)} is unknown; name the columns like "
                 f"{example} and remove those that are not needed"
@@ -253,10 +272,18 @@ def read_table(path: str | Path, name: str, known: Mapping[str, Unit], example: 
         if column in columns:
             raise InputError(f"{where}: column {quoted(text)} is there twice; keep one of them")
         columns[column] = Column(at, scale_to_si(column, unit, known[column], where), known[column])
-    if "frequency" not in columns:
-        raise InputError(f"{where}: there is no frequency column; name the columns like {example}")
-    check_widths([(number, names), *rows], name)
+    for column in needed:
+        if column not in columns:
+            raise InputError(
+                f"{where}: there is no {column} column; name the columns like {example}"
+            )
+    check_widths([(number, names), *rows], name, short=others)
     found = {column: numbers(rows, place, names, name) for column, place in columns.items()}
-    lines = [line for line, _ in rows]
-    check_ascending(found["frequency"], lines, name)
-    return Table(found, lines)
+    return Table(found, [line for line, _ in rows])
+
+
+def read_table(path: str | Path, name: str, known: Mapping[str, Unit], example: str) -> Table:
+    """Columns of a file over ascending frequencies; as :func:`read_columns`, and refused alike."""
+    table = read_columns(path, name, known, example, ("frequency",))
+    check_ascending(table.columns["frequency"], table.lines, name)
+    return table

@@ -39,7 +39,8 @@ BY_HEART = {
     "N*m/rad": ("N*m/rad", 0), "N*m*s/rad": ("N*m*s/rad", 0), "kg*m^2": ("kg*m**2", 0),
     "pC/N": ("m/V", -12), "m^2/N": ("1/Pa", 0), "ohm": ("ohm", 0), "ohm*m": ("ohm*m", 0),
     "kohm": ("ohm", 3), "Mohm": ("ohm", 6), "m/s^2": ("m/s**2", 0), "F": ("F", 0), "uF": ("F", -6),
-    "nF": ("F", -9), "pF": ("F", -12), "H": ("H", 0), "mH": ("H", -3),
+    "nF": ("F", -9), "pF": ("F", -12), "H": ("H", 0), "mH": ("H", -3), "T": ("T", 0),
+    "A/m": ("A/m", 0),
 }  # fmt: skip
 
 #: How the size of a sinusoid is stated, each with the peak amplitude per its number.

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.csv_tables import check_widths, csv_rows, plain_number
+from tactgen.geometry.csv_tables import read_columns
 from tactgen.geometry.device.magnetisation import MU0, MagnetisationCurve, linear
 from tactgen.geometry.device.material_library import STEELS, built_in_curve
 from tactgen.geometry.device.parameters import Steel
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
-from tactgen.geometry.units import quoted
+from tactgen.geometry.units import Unit, quoted
 
 #: A table may be steeper than vacuum by this much: measured curves are rounded to about 1 %.
 _ROUNDING = 0.01
@@ -25,8 +25,9 @@ _STEPS = (1e-9, 100.0)
 #: The largest differential relative permeability, as that of steel.relative_permeability.
 _MOST_PERMEABLE = 1e7
 
-#: The header of a curve file, as messages give it.
+#: The header of a curve file, as messages give it, and what its columns measure.
 _HEADER = '"B (T), H (A/m)"'
+_COLUMNS = {"b": Unit("T", "flux density", "1 T"), "h": Unit("A/m", "field strength", "100 A/m")}
 
 
 def magnetisation_curve(steel: Steel) -> MagnetisationCurve:
@@ -42,7 +43,7 @@ def magnetisation_curve(steel: Steel) -> MagnetisationCurve:
 
 
 def read_curve(path: str | Path) -> MagnetisationCurve:
-    """Read a magnetisation curve from a CSV file with the columns B (T) and H (A/m).
+    """Read a magnetisation curve from a CSV file with the columns B and H, each with its unit.
 
     Comments begin with #; other columns are ignored.
 
@@ -51,41 +52,11 @@ def read_curve(path: str | Path) -> MagnetisationCurve:
     """
     path = Path(path)
     remedy = f"use {', '.join(STEELS)}, or the path of a CSV file with the header {_HEADER}"
-    rows = csv_rows(path, f"steel.curve = {quoted(str(path))}{nearest(path.name, STEELS)}", remedy)
-    columns = _columns(rows[0][1], path)
-    check_widths(rows, str(path), short=True)
-    b, h = (
-        np.array([_number(row, column, path, number) for number, row in rows[1:]])
-        for column in columns
-    )
-    _check(b, h, [number for number, _ in rows[1:]], path)
+    name = f"steel.curve = {quoted(str(path))}{nearest(path.name, STEELS)}"
+    table = read_columns(path, name, _COLUMNS, _HEADER, _COLUMNS, remedy=remedy, others=True)
+    b, h = table.columns["b"], table.columns["h"]
+    _check(b, h, table.lines, path)
     return MagnetisationCurve(b, h, name=path.name)
-
-
-def _columns(header: list[str], path: Path) -> tuple[int, int]:
-    """Where B (T) and H (A/m) stand."""
-    plain = ["".join(c for c in cell.casefold() if c not in " ()[]_") for cell in header]
-    found = []
-    for letter, units in (("b", ("t", "tesla")), ("h", ("a/m", "aperm", "am^-1"))):
-        match = [i for i, cell in enumerate(plain) if cell in {letter + unit for unit in units}]
-        if len(match) != 1:
-            raise InputError(
-                f"{path} has the header {quoted(', '.join(header))}, where B in T and H in A/m "
-                f"are not named once each; write {_HEADER}"
-            )
-        found.append(match[0])
-    return found[0], found[1]
-
-
-def _number(row: list[str], column: int, path: Path, line: int) -> float:
-    cell = row[column] if column < len(row) else ""
-    value = plain_number(cell)
-    if value is None:
-        raise InputError(
-            f"{path} line {line} has {quoted(cell)} where a number is needed; "
-            "write plain numbers with a decimal point"
-        )
-    return value
 
 
 def _check(b: Floats, h: Floats, lines: list[int], path: Path) -> None:
@@ -111,15 +82,22 @@ def _check(b: Floats, h: Floats, lines: list[int], path: Path) -> None:
         i = int(steep[0]) + 1
         raise InputError(
             f"{path} line {lines[i]} has B = {b[i]:g} T at H = {h[i]:g} A/m, a rise by less than "
-            "vacuum's mu0 since the line before; check the units of both columns"
+            f"vacuum's mu0 since the line before; {_remedy(i)}"
         )
     loose = np.flatnonzero(np.diff(b) > MU0 * _MOST_PERMEABLE * np.diff(h))
     if loose.size:
         i = int(loose[0]) + 1
         raise InputError(
             f"{path} line {lines[i]} has B = {b[i]:g} T at H = {h[i]:g} A/m, a rise by more than "
-            f"{_MOST_PERMEABLE:g} mu0 since the line before; check the units of both columns"
+            f"{_MOST_PERMEABLE:g} mu0 since the line before; {_remedy(i)}"
         )
+
+
+def _remedy(row: int) -> str:
+    """Remedy of an impossible slope: the first one is that of all, a later one of its line."""
+    if row == 1:
+        return "check the units of both columns"
+    return "correct that line, or end the table before it: beyond its end the curve rises with mu0"
 
 
 def _check_steps(b: Floats, lines: list[int], path: Path) -> None:

@@ -35,7 +35,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from tactgen.geometry.csv_tables import check_widths, csv_rows, heading, plain_number
+from tactgen.geometry.csv_tables import read_columns
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.generator.transient.waveform import (
     Chirp,
@@ -463,34 +463,20 @@ def _sampled(path: str, option: str, units: tuple[Unit, ...]) -> Written:
     """Read a CSV of two columns."""
     remedy = "give a CSV with the columns time (s) and voltage (V) or current (A)"
     name = f"{option} {path}"
-    rows = csv_rows(path, name, remedy)
-    check_widths(rows, name)
     known = {("current" if unit is AMPERES else "voltage"): unit for unit in units}
-    heads = [heading(cell) for cell in rows[0][1]]
-    if len(heads) != 2 or heads[0].name != "time" or heads[1].name not in known:
-        raise InputError(
-            f"{name} has the columns {', '.join(rows[0][1])}; give the columns time (s) and "
-            + " or ".join(f"{what} ({unit.si})" for what, unit in known.items())
-        )
-    scales = []
-    for cell, head, unit in zip(rows[0][1], heads, (SECONDS, known[heads[1].name]), strict=True):
-        try:
-            scales.append(unit.parse(f"1 {head.unit}"))
-        except ValueError as error:
-            raise InputError(f"{name}: the column {cell} {error}") from None
-    times, values = [], []
-    for line, cells in rows[1:]:
-        time, value = (plain_number(cell) for cell in cells)
-        if time is None or value is None:
-            raise InputError(f"{name} line {line} does not hold two numbers; mend it")
-        times.append(time * scales[0])
-        values.append(value * scales[1])
-        if times[-1] < 0.0 or (len(times) > 1 and times[-1] < times[-2]):
+    example = " and ".join(("time (s)", " or ".join(f"{w} ({u.si})" for w, u in known.items())))
+    table = read_columns(path, name, {"time": SECONDS, **known}, example, ("time",), remedy=remedy)
+    what = [column for column in table.columns if column != "time"]
+    if len(what) != 1:
+        raise InputError(f"{name} has {len(what) + 1} columns; give {example}")
+    times = table.columns["time"]
+    for line, before, time in zip(table.lines, [0.0, *times], times, strict=False):
+        if time < before:
             raise InputError(
-                f"{name} line {line}: time = {time:g} {heads[0].unit} is negative or before "
-                "the line above; sort the rows from 0 on"
+                f"{name} line {line}: time = {time:g} s is negative or before the line above; "
+                "sort the rows from 0 on"
             )
-    if not times:
+    if not times.size:
         raise InputError(f"{name} has no rows; {remedy}")
-    of: Literal["voltage", "current"] = "current" if heads[1].name == "current" else "voltage"
-    return Written(Sampled(tuple(times), tuple(values)), of)
+    of: Literal["voltage", "current"] = "current" if what[0] == "current" else "voltage"
+    return Written(Sampled(tuple(map(float, times)), tuple(map(float, table.columns[what[0]]))), of)

@@ -123,6 +123,15 @@ def test_a_file_gives_the_curve_it_holds(tmp_path):
     assert curve.name == "steel.csv"
 
 
+def test_columns_are_converted(tmp_path):
+    """In the units of the table's header and in any order."""
+    path = tmp_path / "old.csv"
+    path.write_text("H (A/cm), B (mT)\n0, 0\n2, 1000\n80, 1700\n")
+    curve = read_curve(path)
+    assert curve.flux_density == pytest.approx([0.0, 1.0, 1.7])
+    assert curve.field == pytest.approx([0.0, 200.0, 8000.0])
+
+
 def test_the_parameter_names_the_curve():
     """team20, linear and its permeability."""
     assert magnetisation_curve(Steel()) is TEAM20
@@ -134,17 +143,21 @@ def test_the_parameter_names_the_curve():
     ("text", "words"),
     [
         ("", "is empty"),
-        ("B,H\n0,0\n1,100\n", "B in T and H in A/m"),
-        ("B (T)\n0\n1\n", "B in T and H in A/m"),
-        ("B (mT),H (A/m)\n0,0\n1,100\n", "B in T and H in A/m"),
+        ("B,H\n0,0\n1,100\n", 'column "b" has no unit'),
+        ("B (T)\n0\n1\n", "there is no h column"),
+        ("B (A),H (A/m)\n0,0\n1,100\n", "which is not that of a flux density"),
+        (
+            "B (T),H (A/m)\n0,0\n1,100\n1.0001,5e3\n",
+            "correct that line, or end the table before it",
+        ),
         ("B (T),H (A/m)\n0,0\n", "at least 2"),
         ("B (T),H (A/m)\n0.1,20\n1,100\n", "start the curve at 0, 0"),
         ("B (T),H (A/m)\n0,0\n1,100\n0.5,200\n", "line 4 has B = 0.5 T after 1 T"),
         ("B (T),H (A/m)\n0,0\n0.5,200\n1,100\n", "line 4 has H = 100 A/m after 200 A/m"),
-        ("B (T),H (A/m)\n0,0\n0.5,nan\n1,100\n", 'line 3 has "nan"'),
-        ("B (T),H (A/m)\n0,0\n0.5\n1,100\n", 'line 3 has ""'),
-        ("B (T),H (A/m)\n0,0\n0.5,1e2x\n1,100\n", "plain numbers"),
-        ("B (T),H (A/m)\n0,0\n1_0,100\n", 'line 3 has "1_0"'),
+        ("B (T),H (A/m)\n0,0\n0.5,nan\n1,100\n", 'column "H (A/m)": "nan" is not a finite number'),
+        ("B (T),H (A/m)\n0,0\n0.5\n1,100\n", 'line 3, column "H (A/m)": the cell is empty'),
+        ("B (T),H (A/m)\n0,0\n0.5,1e2x\n1,100\n", '"1e2x" is not a finite number'),
+        ("B (T),H (A/m)\n0,0\n1_0,100\n", '"1_0" is not a finite number'),
         ("B (T),H (A/m)\n0,0\n1,5,100,2\n", "line 3 has 4 cells where the header has 2"),
         ("B (T),H (A/m)\n0,0\n1e-7,1\n", "less than vacuum's mu0"),
         ('B (T),H (A/m)\n0,0\n1,"80\n0"\n2,1e6\n', "line 3 is not CSV"),

@@ -63,9 +63,15 @@ def test_samples_are_read_from_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("time (s), current (A)\n0, 1\n", r"give the columns time \(s\) and voltage \(V\)$"),
-        ("time (s), voltage (kg)\n0, 1\n", "not a voltage"),
-        ("time (s), voltage (V)\n0, one\n", "line 2 does not hold two numbers"),
+        (
+            "time (s), current (A)\n0, 1\n",
+            r"is unknown; name the columns like time \(s\) and voltage \(V\)",
+        ),
+        ("time (s), voltage (kg)\n0, 1\n", "not that of a voltage"),
+        (
+            "time (s), voltage (V)\n0, one\n",
+            'line 2, column "voltage .V.": "one" is not a finite number',
+        ),
         ("time (s), voltage (V)\n1, 0\n0, 0\n", "sort the rows"),
         ("time (s), voltage (V)\n0, 0\n2, 0\n3, 0\n1, 0\n", "line 5: time = 1 s is negative"),
         ("time (s), voltage (V)\n-1, 0\n", "sort the rows"),
