@@ -537,13 +537,27 @@ def steel_name(text: str) -> str | None:
     return names.get(folded(text))
 
 
+#: Curves of steels that are sold as one kind, and a field (A/m) at which they differ.
+_LOW_CARBON, _KNEE = ("team20", "xc06", "steel37", "steel42"), 1000.0
+
+
 def curve_in_words(name: str) -> str:
-    """Magnetisation curve that a scene names, for the reader."""
-    if name in SOFT_MAGNETS:
-        return f"magnetisation curve {name}, {SOFT_MAGNETS[name].what}"
-    return {
+    """Magnetisation curve that a scene names, for the reader, with the scatter of its kind."""
+    words = {
         "team20": "magnetisation curve of TEAM problem 20", "linear": "straight magnetisation curve"
     }.get(name, "magnetisation curve from a file")  # fmt: skip
+    if name in SOFT_MAGNETS:
+        words = f"magnetisation curve {name}, {SOFT_MAGNETS[name].what}"
+    if name not in _LOW_CARBON:
+        return words
+    at = np.array([_KNEE])
+    own, *others = (
+        float(built_in_curve(one).flux_density_at(at)[0]) for one in (name, *_LOW_CARBON)
+    )
+    return (
+        f"{words} ({own:.2f} T at {_KNEE / 1e3:g} kA/m, where low-carbon steels scatter from "
+        f"{min(others):.2f} to {max(others):.2f} T)"
+    )
 
 
 def built_in_curve(name: str) -> MagnetisationCurve:

@@ -15,11 +15,11 @@ _FITTED = Own("support", 0.2)
 class Support(Parameters):
     """Support of the lateral actuator's lower end (paper eqs 6-8)."""
 
-    kind: Literal["spring", "clamped", "rod", "contact"] = field(
+    kind: Literal["spring", "clamped", "pinned", "rod", "contact"] = field(
         "spring",
         PAPER_4,
-        "the paper's springs, a rigid clamp, the glued joint in the real rod, or the rod's head "
-        "pressed on its stop",
+        "the paper's springs, a rigid clamp, a hinge, the glued joint in the real rod, or the "
+        "rod's head pressed on its stop",
     )
     rotational_stiffness: u.RotationalStiffness = printed(0.24, PAPER_4, "c_s", 0.005, own=_FITTED)
     lateral_stiffness: u.LateralStiffness = printed(
@@ -34,11 +34,11 @@ class Support(Parameters):
 class Load(Parameters):
     """Load at the tip."""
 
-    kind: Literal["none", "finger", "mass", "spring_damper", "table", "pad"] = field(
+    kind: Literal["none", "pinned", "finger", "mass", "spring_damper", "table", "pad"] = field(
         "finger",
         "paper section 3",
-        "free tip, the paper's finger (eqs 1-5), lumped elements, a measured table, or imitation "
-        "skin with a weight on it",
+        "free tip, a hinge that holds it, the paper's finger (eqs 1-5), lumped elements, a "
+        "measured table, or imitation skin with a weight on it",
     )
     mass: u.Mass = field(0.0, "not in the paper", "tip mass, used by kind mass")
     offset: u.Position = field(

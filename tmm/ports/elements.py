@@ -64,6 +64,10 @@ _POINTS = 200
 _FEW = Dictionary(per_decade=3, ratios=(0.7,), reach=3.0)
 
 
+#: Stiffness of a hinge (N/m): a bimorph beside it has 1e6 at most.
+_HINGE = 1e12
+
+
 @dataclass(frozen=True)
 class Chain:
     """A mechanical network whose first coordinate is the tip."""
@@ -175,6 +179,8 @@ def ends_of(support: Support, load: Load) -> Ends:
     if support.kind == "contact":
         raise ValueError("a contact's springs depend on its load; see tmm.generator.equilibrium")
     base = None
+    if support.kind == "pinned":
+        base = Springs(_HINGE, 0.0)
     if support.kind == "spring":
         base = Springs(
             support.lateral_stiffness,
@@ -191,6 +197,8 @@ def ends_of(support: Support, load: Load) -> Ends:
     if load.kind == "mass":
         tip = TipLoad(mass=load.mass, offset=load.offset, inertia=load.rotational_inertia)
         return Ends(base, tip)
+    if load.kind == "pinned":
+        return Ends(base, TipLoad(_HINGE))
     if load.kind == "spring_damper":
         return Ends(base, TipLoad(load.stiffness, load.damping))
     return Ends(base)

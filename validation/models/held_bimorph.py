@@ -126,6 +126,11 @@ def held_system(scene: Scene, load: Chain, volts: float) -> System:
 
 def check_base_held(scene: Scene, purpose: str) -> None:
     """Refuse a support of which a spring is zero, and say what needs it."""
+    if scene.support.kind == "pinned":
+        raise InputError(
+            f'support.kind = "pinned" does not hold the base, which {purpose} needs; set '
+            'support.kind = "clamped" or "spring"'
+        )
     if scene.ends.base is None:
         return
     for name, unit in (("rotational_stiffness", "N m/rad"), ("lateral_stiffness", "N/m")):

@@ -108,6 +108,8 @@ def _load(load: Load) -> str:
     match load.kind:
         case "none":
             return "free tip"
+        case "pinned":
+            return "pinned tip"
         case "finger":
             return "the paper's finger on the tip"
         case "mass":

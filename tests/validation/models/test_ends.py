@@ -1,4 +1,4 @@
-"""A tip mass with a size: its centre beyond the tip, and its rotational inertia."""
+"""Ends by name: a tip mass with a size, and hinges."""
 
 import numpy as np
 import pytest
@@ -101,3 +101,28 @@ def test_time_simulation_refuses_a_size():
     scene, _ = load_scene("j1", [*BLOCK])
     with pytest.raises(InputError, match=r"load\.offset = 4 mm .* set both to 0"):
         chain_of(scene.ends.tip)
+
+
+@pytest.mark.parametrize("model", ["tmm", "beam", "solid"])
+def test_hinges_at_both_ends(model):
+    """A slender beam on hinges: (π/1.8751)² times the first frequency on a clamp."""
+    slender = ["bimorph.length=60 mm", "bimorph.width=2 mm", "load.kind=none", "mesh.level=1"]
+    first = [
+        solve(load_scene("j1", [*slender, *ends])[0], model, names, modelling=False)
+        .get("short_circuit_frequencies", model)
+        .value[0]
+        for names in [["short_circuit_frequencies"]]
+        for ends in (["support.kind=clamped"], ["support.kind=pinned", "load.kind=pinned"])
+    ]
+    # shear takes some h²/l² = 2e-4, at the hinges as at the clamp; a solid's clamp also holds it
+    # across, over a tenth of its width beyond it
+    within = 2.0 * 0.1 * 2.0 / 60.0 if model == "solid" else 1e-3
+    assert first[1] / first[0] == pytest.approx((np.pi / 1.8751041) ** 2, rel=within)
+
+
+def test_one_hinge_holds_nothing():
+    """Static values of a bimorph that may turn are refused; its response is not."""
+    loose, _ = load_scene("j1", ["support.kind=pinned", "frequency=100 Hz"])
+    with pytest.raises(InputError, match=r'support\.kind = "pinned" lets the actuator turn'):
+        solve(loose, "tmm", ["static_tip_displacement"], modelling=False)
+    assert solve(loose, "tmm", ["tip_displacement"], modelling=False).get("tip_displacement", "tmm")
