@@ -81,7 +81,8 @@ def _integrate(
         stiffness = 0.5 * young / (1.0 + of.poisson_ratio)
         if isinstance(of, Shim):
             stiffness = lossy_modulus(of.shear_modulus, of.loss_factor, lossy=lossy)
-    for x, weight in gauss(low, high):
+    for x, thick in gauss(low, high):
+        weight = layer.share * thick
         strain = np.zeros((shear.size, energy.shape[1]), dtype=complex)
         strain[:, 0], strain[:, 1] = 1.0, x
         energy += (young * weight)[:, None, None] * strain[:, :, None] * strain[:, None, :]

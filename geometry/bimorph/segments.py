@@ -106,6 +106,7 @@ class StackLayer:
     #: Face along x at the voltage; 0 where both are at 0 V
     hot: float = 0.0
     electrodes: bool = True  #: Whether a ceramic's faces carry electrodes
+    share: float = 1.0  #: Width over that of the bimorph, both in the middle
 
     @property
     def thickness(self) -> Any:
@@ -150,7 +151,8 @@ def _stated(device: Device, *, active: bool, electrodes: bool) -> list[StackLaye
             at = electrodes and layer.electrodes != "bare"
             region, of = region_of(number, layer), material_of(device, layer)
             hot = layers.hot(number)
-            found.append(StackLayer(region, of, low, high, layer.poling, hot, at))
+            share = layer.width / device.bimorph.width if layer.width else 1.0
+            found.append(StackLayer(region, of, low, high, layer.poling, hot, at, share))
         low = high
     return found
 
@@ -309,7 +311,7 @@ def _sections(piece: Piece, device: Device, shares: Floats) -> list[tuple[str, F
     found = []
     for layer in stack(piece, device, shares):
         low, high = (np.broadcast_to(face, shares.shape) for face in (layer.low, layer.high))
-        x, y = np.stack([low, high], axis=1), np.stack([-half, half], axis=1)
+        x, y = np.stack([low, high], axis=1), layer.share * np.stack([-half, half], axis=1)
         plan = np.stack(np.broadcast_arrays(x[:, :, None], y[:, None, :]), axis=-1)
         at = np.array([layer.hot < 0.0, layer.hot > 0.0], dtype=float)
         found.append((layer.region, plan, at))

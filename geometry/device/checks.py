@@ -224,10 +224,16 @@ def check_bonded(device: Device) -> None:
 
 
 def check_constant_section(device: Device) -> None:
-    """Refuse a bimorph whose cross-section changes along it.
+    """Refuse a bimorph whose cross-section changes along it, or from layer to layer.
 
     Raises InputError in one sentence that names the models that can.
     """
+    if device.bimorph.layers.stepped:
+        raise InputError(
+            f'bimorph.layers = "{device.bimorph.layers}" has layers of different widths, which the '
+            "models lumped, tmm and beam only know; ask for models=lumped,tmm,beam or leave out "
+            "the widths"
+        )
     if device.bimorph.profiles:
         key = next(iter(device.bimorph.profiles))
         raise InputError(

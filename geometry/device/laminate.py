@@ -2,7 +2,8 @@
 
 From the lower face (−x) to the upper one (+x).  A ceramic says how it is poled, and may say which
 of its faces has the drive voltage (``hot +x``; by default the outer one), that both have none
-(``shorted``) or that it has no electrodes (``bare``).  Read at the edge with units, held in metres.
+(``shorted``) or that it has no electrodes (``bare``).  A layer of another width than the bimorph's
+states it after the thickness (``wide 5 mm``).  Read at the edge with units, held in metres.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ from tactgen.geometry.units import NUMBER, Unit, quoted
 _EXAMPLE = "brass 0.2 mm; PZT-5A 0.26 mm +x"
 _REMEDY = f'write for example "{_EXAMPLE}"'
 _THICKNESS = Unit("m", "thickness", "0.2 mm", above=0.0, limits=(1e-9, 0.1), shown="mm", per_si=1e3)
+_WIDTH = Unit("m", "width", "5 mm", above=0.0, limits=(1e-6, 1.0), shown="mm", per_si=1e3)
 _LAYER = re.compile(
     rf"(?P<material>\S.*?)\s+(?P<thickness>{NUMBER}\s*[^\s\d]+)"
+    rf"(?:\s+wide\s+(?P<width>{NUMBER}\s*[^\s\d]+))?"
     r"(?:\s+(?P<poling>[+-]x))?(?:\s+(?P<electrodes>hot [+-]x|shorted|bare))?",
     re.IGNORECASE | re.ASCII,
 )
@@ -40,6 +43,7 @@ class Layer(NamedTuple):
     poling: int = 0  #: Direction along x, 0 of what is not piezoelectric
     electrodes: Literal["", "hot", "shorted", "bare"] = ""
     hot: int = 0  #: Face (along x) at the drive voltage, 0 for the outer one
+    width: float = 0.0  #: m, in the middle of the bimorph's; 0 for the bimorph's own
 
     @property
     def is_ceramic(self) -> bool:
@@ -48,6 +52,7 @@ class Layer(NamedTuple):
 
     def __str__(self) -> str:
         words = [self.material, _THICKNESS.show(self.thickness)]
+        words += [f"wide {_WIDTH.show(self.width)}"] if self.width else []
         words += [_direction(self.poling)] if self.poling else []
         words += [self.electrodes] if self.electrodes else []
         words += [_direction(self.hot)] if self.hot else []
@@ -66,6 +71,11 @@ class Laminate(tuple[Layer, ...]):
     def thickness(self) -> float:
         """Sum of the thicknesses (m)."""
         return sum(layer.thickness for layer in self)
+
+    @property
+    def stepped(self) -> bool:
+        """Whether a layer has a width of its own."""
+        return any(layer.width for layer in self)
 
     @property
     def continues(self) -> tuple[bool, ...]:
@@ -117,10 +127,17 @@ def _layer(text: str, info: ValidationInfo) -> Layer:
             f"has the layer {quoted(text)}, which is not material, thickness, of a ceramic its "
             f"poling, and at most its electrodes; {_REMEDY}"
         )
-    try:
-        thickness = _THICKNESS(found["thickness"], info)
-    except ValueError as error:
-        raise ValueError(f"has the layer {quoted(text)}, whose thickness {error}") from None
+    sizes = {"thickness": 0.0, "width": 0.0}
+    for (name, of), stated in zip(
+        {"thickness": _THICKNESS, "width": _WIDTH}.items(),
+        found.group("thickness", "width"),
+        strict=True,
+    ):
+        try:
+            sizes[name] = of(stated, info) if stated else 0.0
+        except ValueError as error:
+            raise ValueError(f"has the layer {quoted(text)}, whose {name} {error}") from None
+    thickness, width = sizes.values()
     material, ceramic = _material(found["material"])
     poling, electrodes = found["poling"], (found["electrodes"] or "").lower()
     if ceramic and poling is None:
@@ -135,7 +152,8 @@ def _layer(text: str, info: ValidationInfo) -> Layer:
         )
     kind, _, face = electrodes.partition(" ")
     sign = {"+x": 1, "-x": -1, "": 0}
-    return Layer(material, thickness, sign[(poling or "").lower()], kind, sign[face])  # type: ignore[arg-type]
+    along = sign[(poling or "").lower()]
+    return Layer(material, thickness, along, kind, sign[face], width)  # type: ignore[arg-type]
 
 
 def _material(text: str) -> tuple[str, bool]:

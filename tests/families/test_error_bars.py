@@ -48,6 +48,7 @@ def test_beam_elements_bar_follows_their_order():
         assert 0.19 < share < 0.25, name
 
 
+@pytest.mark.heavy
 def test_beam_elements_rounding():
     """Where rounding is all, errors take a fifth to a half of the bar, seldom more than all of it.
 

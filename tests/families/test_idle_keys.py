@@ -63,7 +63,9 @@ def check(scene, keys):
             pytest.fail(f"{key} cannot be turned either way")
 
 
-@pytest.mark.parametrize(("name", "overrides"), SCENES[:-1])
+@pytest.mark.parametrize(
+    ("name", "overrides"), [*SCENES[:-2], pytest.param(*SCENES[-2], marks=pytest.mark.heavy)]
+)
 def test_what_is_said_to_have_no_effect_has_none(name, overrides):
     """A few keys of each scene, others each day that keys are added or taken away."""
     scene, _ = load_scene(name, overrides)

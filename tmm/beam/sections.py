@@ -111,22 +111,23 @@ def _stacked(layers: list[StackLayer], width: Constant, beam: Beam, *, lossy: bo
 
 
 def _add(s: _Sums, layer: StackLayer, *, lossy: bool) -> None:
-    """Add one layer."""
-    t, of = layer.thickness, layer.material
+    """Add one layer; its integrals count as its width beside the bimorph's."""
+    t, of, wide = layer.thickness, layer.material, layer.share
     first = 0.5 * t * (layer.low + layer.high)
     # (high³ − low³) / 3 without cancellation
     second = t * (layer.low**2 + layer.low * layer.high + layer.high**2) / 3.0
-    young, shear = _moduli(of, lossy=lossy)
+    young, shear = (wide * modulus for modulus in _moduli(of, lossy=lossy))
+    density = wide * of.density
     s.A, s.B, s.D = s.A + young * t, s.B + young * first, s.D + young * second
     s.shear = s.shear + shear * t
-    s.mass, s.mass_x = s.mass + of.density * t, s.mass_x + of.density * first
-    s.mass_xx = s.mass_xx + of.density * second
+    s.mass, s.mass_x = s.mass + density * t, s.mass_x + density * first
+    s.mass_xx = s.mass_xx + density * second
     if not isinstance(of, Piezo):
         return
     permittivity = 1.0 - 1j * of.loss_tangent if lossy else 1.0
     # of 1 V on the upper face: stress −E d E_x, and charge per strain and per volt
     stress = -layer.poling * of.d31 * young
-    capacitance = (of.eps33 * EPS0 * permittivity - of.d31**2 * young) / t
+    capacitance = (wide * of.eps33 * EPS0 * permittivity - of.d31**2 * young) / t
     if not layer.electrodes:
         # without charge its mean strain raises a voltage, which stiffens
         mean = first / t

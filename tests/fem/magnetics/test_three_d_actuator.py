@@ -104,7 +104,7 @@ def test_source_vanishes_where_the_sleeve_moves():
     [
         (CURRENT, GAP, TINY),
         (5e-3, 0.1e-3, TINY),
-        (0.4, 20e-6, TINY),
+        pytest.param(0.4, 20e-6, TINY, marks=pytest.mark.heavy),
         pytest.param(CURRENT, GAP, COARSEST, marks=pytest.mark.heavy),
         pytest.param(5e-3, 0.1e-3, COARSEST, marks=pytest.mark.heavy),
         pytest.param(0.4, 20e-6, COARSEST, marks=pytest.mark.heavy),

@@ -27,7 +27,8 @@ def both(name, *overrides, models=("tmm", "solid"), asked=ASKED):
 @pytest.mark.parametrize(
     ("name", "overrides"),
     [
-        ("paper", []), ("prototype", []), ("j1", []), ("prototype", BENDER),
+        ("paper", []), ("prototype", []), ("j1", []),
+        pytest.param("prototype", BENDER, marks=pytest.mark.heavy),
         pytest.param(
             "prototype", [*BENDER, "load.kind=mass", "load.mass=2g"], marks=pytest.mark.heavy
         ),

@@ -103,7 +103,7 @@ def test_time_simulation_refuses_a_size():
         chain_of(scene.ends.tip)
 
 
-@pytest.mark.parametrize("model", ["tmm", "beam", "solid"])
+@pytest.mark.parametrize("model", ["tmm", "beam", pytest.param("solid", marks=pytest.mark.heavy)])
 def test_hinges_at_both_ends(model):
     """A slender beam on hinges: (π/1.8751)² times the first frequency on a clamp."""
     slender = ["bimorph.length=60 mm", "bimorph.width=2 mm", "load.kind=none", "mesh.level=1"]

@@ -177,3 +177,40 @@ def test_what_a_list_cannot_be_combined_with_is_refused():
         scene("PZT-5A 0.1 mm +x; PZT-5A 0.1 mm -x hot +x", tip_extension="2 mm")
     with pytest.raises(InputError, match="whose rod holds a shim"):
         checked_scene({"bimorph": {"layers": uni}, "support": {"kind": "rod"}})
+
+
+def test_a_narrower_layer_counts_by_its_width():
+    """Half as wide: half of its stiffness, charge and mass about the same axis, by hand."""
+    patch = "PZT-5A 0.2 mm wide 2.5 mm +x"
+    found = dict(
+        zip(
+            ("static_tip_displacement", "capacitance_blocked"),
+            answers(
+                scene(f"brass 0.3 mm; {patch}"), "static_tip_displacement", "capacitance_blocked"
+            ),
+            strict=True,
+        )
+    )
+    length, width, t, h, hp = 20e-3, 5e-3, 2.5e-3, 0.3e-3, 0.2e-3
+    metal, ceramic = SHIMS["brass"].youngs_modulus, LIBRARY["PZT-5A"]
+    young, d31 = 1.0 / ceramic.s[0, 0], ceramic.d[2, 0]
+    stretch = [metal * width * h, young * t * hp]
+    apart = 0.5 * (h + hp)
+    own = (metal * width * h**3 + young * t * hp**3) / 12.0
+    bending = own + stretch[0] * stretch[1] / sum(stretch) * apart**2
+    moment = -young * t * d31 * stretch[0] / sum(stretch) * apart  # of 1 V on the outer face
+    assert abs(found["static_tip_displacement"]) == pytest.approx(
+        abs(moment) * length**2 / (2.0 * bending), rel=1e-12
+    )
+    tmm, beam = (
+        answers(scene(f"brass 0.3 mm; {patch}", m), *NUMBERS, model=m) for m in ("tmm", "beam")
+    )
+    np.testing.assert_allclose(beam, tmm, rtol=2e-8)  # rounding of beam elements
+
+
+def test_the_solid_refuses_layers_of_different_widths():
+    """Its bricks fill a box."""
+    with pytest.raises(InputError, match=r"layers of different widths.*models=lumped,tmm,beam"):
+        tactgen.solve(scene("brass 0.3 mm; PZT-5A 0.2 mm wide 2.5 mm +x", "solid"), ("solid",))
+    of = scene("brass 0.3 mm; PZT-5A 0.2 mm wide 2.5 mm +x")
+    assert str(of.bimorph.layers) == "brass 0.3 mm; PZT-5A 0.2 mm wide 2.5 mm +x"

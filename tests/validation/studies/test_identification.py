@@ -92,7 +92,7 @@ def test_exact_data_are_recovered_from_far_starts(phase, factor):
 @pytest.mark.parametrize(
     ("phase", "count", "least", "noise"),
     [
-        (True, 12, 10, "relative"),
+        pytest.param(True, 12, 10, "relative", marks=pytest.mark.heavy),
         *(
             pytest.param(phase, 100, 90, noise, marks=pytest.mark.heavy)
             for phase in (True, False)

@@ -173,7 +173,7 @@ def brute_force(paper):
 @pytest.mark.parametrize(
     ("margin", "number"),
     [
-        (1.12, 4),
+        pytest.param(1.12, 4, marks=pytest.mark.heavy),
         pytest.param(1.0, 3, marks=pytest.mark.heavy),
         pytest.param(0.69, 3, marks=pytest.mark.heavy),
         pytest.param(3.52, 2, marks=pytest.mark.heavy),

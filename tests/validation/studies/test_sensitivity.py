@@ -28,6 +28,7 @@ def refused(capsys, *arguments):
     return capsys.readouterr().err
 
 
+@pytest.mark.heavy
 def test_published_sensitivities_of_the_first_frequency():
     """At 14 mm density and c_s rule; two digits are stated: half a unit of the second."""
     (column,) = columns("prototype", "short_circuit_frequencies", "modes=1")
