@@ -13,6 +13,13 @@ Tier = Literal["code verification", "solution verification", "cross-model", "val
 Status = Literal["pass", "fail", "explained"]
 
 
+class Null(NamedTuple):
+    """A trivial model: what it assumes, and what it gives in the row's unit, at once."""
+
+    words: str
+    value: Callable[[], float]
+
+
 @dataclass(frozen=True)
 class Check:
     """One requirement with its reference and its tolerance.
@@ -32,6 +39,7 @@ class Check:
     explained: str = ""  # why the row is known to differ; empty where it must pass
     known: float = 0.0  # the deviation that was explained; another one fails
     fitted: str = ""  # what was fitted to the reference: agreement then is no pass
+    null: Null | None = None  # a trivial model: where it passes, passing is no evidence
     heavy: bool = False  # takes more than a few seconds
     scene: str = ""  # the built-in scene whose report shows it
 
@@ -56,11 +64,46 @@ class Outcome:
     measured: float
     deviation: float
     status: Status
+    null: float = math.nan  # what the check's trivial model gives
+
+    @property
+    def is_no_evidence(self) -> bool:
+        """Whether a trivial model passes as well."""
+        low, high = self.check.ends
+        if low < high:  # on a limit, as of "more than 1", it does not
+            return low < self.null < high
+        return abs(_deviation(self.null, self.check.ends)) <= self.check.tolerance
+
+    @property
+    def explanation(self) -> str:
+        """Why a deviation, or an agreement, is known to say nothing; empty where it does."""
+        return self.check.explanation if self.status == "explained" else ""
+
+    @property
+    def beside(self) -> str:
+        """What a trivial model gives, and a limit that is near, in sentences; maybe empty."""
+        from tactgen.geometry.formats import engineering, percent, share
+
+        found, (low, high) = [], self.check.ends
+        if self.check.null is not None and not math.isnan(self.null):
+            what = f"{self.check.null.words} gives {engineering(self.null, self.check.unit)}"
+            off = _deviation(self.null, self.check.ends)
+            missed = f"misses by {percent(off, 0)}" if off else "is on the limit"
+            verdict = "passes, so that this row is no evidence" if self.is_no_evidence else missed
+            found.append(f"Trivial model: {what}, which {verdict}.")
+        limits = [end for end in (low, high) if low < high and end]
+        if self.status == "pass" and limits:
+            near = min(abs(self.measured / end - 1.0) for end in limits)
+            if near < _NEAR_LIMIT:
+                found.append(f"A limit is {share(near)} away.")
+        return " ".join(found)
 
 
 #: How far a known deviation may move before its explanation no longer counts: absolutely, and
 #: as a share of itself.
 _STILL, _STILL_SHARE = 0.02, 0.2
+#: Distance from a limit, relative to it, below which a row says so.
+_NEAR_LIMIT = 0.01
 
 
 def run_check(check: Check) -> Outcome:
@@ -82,7 +125,10 @@ def judged(check: Check, measured: float) -> Outcome:
         near = min(_STILL, _STILL_SHARE * abs(check.known))
         still = check.explained and abs(deviation - check.known) <= near
         status = "explained" if still else "fail"
-    return Outcome(check, measured, deviation, status)
+    null = math.nan if check.null is None else check.null.value()
+    outcome = Outcome(check, measured, deviation, status, null)
+    no_evidence = status == "pass" and outcome.is_no_evidence
+    return replace(outcome, status="explained") if no_evidence else outcome
 
 
 def _deviation(measured: float, ends: tuple[float, float]) -> float:

@@ -113,7 +113,9 @@ class Verified:
             "covered_by": None if bar is None else self.covered_by,
             "deviation": None if outcome is None else outcome.deviation,
             "source": check.source, "tolerance": check.tolerance, "reason": check.reason,
-            "verdict": self.verdict, "explained": check.explanation,
+            "verdict": self.verdict,
+            "explained": check.explanation if outcome is None else outcome.explanation,
+            "beside": "" if outcome is None else outcome.beside,
             "seconds": None if self.found is None else self.found.seconds, "test": self.test,
         }  # fmt: skip
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph import bricks as bimorph_bricks
-from tactgen.validation.evidence.case import run_check
+from tactgen.validation.evidence.case import Null, run_check
 from tactgen.validation.evidence.cases import actuator, bimorph, coils, iron, motion
 from tactgen.validation.evidence.mesh_levels import on_level
 from tactgen.validation.evidence.verification import GROUPS, ON_SCENES, group_cases, group_rows
@@ -97,6 +97,38 @@ def test_deviation_is_relative_to_the_nearer_end_that_is_not_zero(measured, refe
     outcome = run_check(row)
     assert outcome.deviation == pytest.approx(deviation, rel=1e-12)  # rounding
     assert (outcome.status == "pass") is (deviation == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("reference", "tolerance", "measured", "trivial", "status", "words"),
+    [
+        (1.0, 0.1, 1.05, 0.5, "pass", "which misses by -50 %"),
+        (1.0, 0.1, 1.05, 0.95, "explained", "this row is no evidence"),
+        ((1.0, 2.0), 0.0, 1.5, 1.2, "explained", "this row is no evidence"),
+        ((1.0, 2.0), 0.0, 1.5, 1.0, "pass", "which is on the limit"),
+        ((1.0, 2.0), 0.0, 1.995, 3.0, "pass", "A limit is 0.25 % away"),
+        (1.0, 0.1, 1.5, 0.95, "fail", "this row is no evidence"),
+    ],
+)
+def test_what_a_trivial_model_passes_is_no_evidence(
+    reference, tolerance, measured, trivial, status, words
+):
+    """Passing then counts as explained; missing stays missing; a limit nearby is said."""
+    row = replace(
+        ROWS[0], reference=reference, tolerance=tolerance, measure=lambda: measured, fitted="",
+        null=Null("a constant", lambda: trivial), explained="",
+    )  # fmt: skip
+    outcome = run_check(row)
+    assert outcome.status == status
+    assert words in outcome.beside
+
+
+def test_measured_rows_that_pass_have_a_trivial_model():
+    """Those against what others measured; published closed forms and misprints have none."""
+    for group in ("bimorph", "reluctance", "motion", "amplitude", "display"):
+        for row in group_rows(group):
+            if row.tier == "validation" and not row.explanation:
+                assert row.null is not None, row.id
 
 
 def test_rows_tell_whose_report_shows_them():

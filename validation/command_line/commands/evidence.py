@@ -119,8 +119,9 @@ def _print_checks(rows: list[Verified]) -> None:
         measured = "-" if found is None else engineering(found.measured, check.unit)
         deviation = "-" if found is None else percent(found.deviation)
         print(f"{check.id:9} {row.verdict:10} {measured:>14} {deviation:>12}  {check.requirement}")
-        if row.verdict == "explained":
-            print(f"{'':20} {check.explanation}")
+        for words in (found.explanation, found.beside) if found else ():
+            if words:
+                print(f"{'':20} {words}")
     verdicts = [row.verdict for row in rows]
     print(", ".join(f"{verdicts.count(v)} {v}" for v in VERDICTS))
 

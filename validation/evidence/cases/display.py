@@ -13,7 +13,7 @@ from tactgen.tmm.display import between_heads, network_forces
 from tactgen.tmm.ports.multiport import Multiport, passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.quantities import CROSSTALK_LARGEST, SHORT_CIRCUIT_FREQUENCIES
 from tactgen.validation.engine.solve import make_plan, solve
-from tactgen.validation.evidence.case import Case, Check, case
+from tactgen.validation.evidence.case import Case, Check, Null, case
 from tactgen.validation.evidence.mesh_levels import cached
 from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.display import display_ports, with_device
@@ -67,6 +67,11 @@ def _spread() -> float:
     slope = (longer(_STEP) - longer(-_STEP)) / (2.0 * _STEP)
     found = [first(with_device(scene, unit)) for unit in units]
     return float(np.ptp(found) / (abs(slope) * np.ptp(lengths)))
+
+
+def _pitch_less_diameter() -> float:
+    scene = _scene()
+    return float(scene.display.pitch - 2.0 * scene.device.sleeve.outer_radius)
 
 
 def _far_apart() -> float:
@@ -198,7 +203,8 @@ CASES: tuple[Case, ...] = (
             Check("At the paper's pitch no part touches another: the narrowest clearance.",
                   (0.0, 1e-3), "m",
                   lambda: clearances(_scene().device, _scene().display)[0].gap, 0.0,
-                  "an interference is a clearance below 0"),
+                  "an interference is a clearance below 0",
+                  null=Null("the pitch less the sleeve's diameter", _pitch_less_diameter)),
             Check("The heights of all parts add up to the paper's.", 45e-3, "m",
                   lambda: levels(_scene().device, _scene().display).total, 1e-3,
                   "two printed digits, sums of sizes that are printed to 0.05 mm",
