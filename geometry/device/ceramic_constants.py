@@ -192,8 +192,7 @@ def _constant(text: str) -> Constant:
     if parts is None:
         raise ValueError(f"has {quoted(text)}, which is not a name and a value; {_REMEDY}")
     name = parts["name"]
-    # the superscripts that are understood
-    plain = name.removesuffix("T") if name.startswith("eps") else name.removesuffix("E")
+    plain = _plain(name)
     if plain not in _KINDS:
         raise ValueError(
             f"has {quoted(name)}, which is not a known constant{nearest(name, _KINDS)}; use s, c, "
@@ -207,6 +206,23 @@ def _constant(text: str) -> Constant:
     except ValueError as error:
         raise ValueError(f"has {quoted(text)}, which {error}") from None
     return Constant(plain, number)
+
+
+#: Superscripts that stand before the indices, and names of the relative permittivity.
+_SUPERSCRIPT = re.compile(r"([scY]|eps)([EDTS])(\d\d)")
+_PERMITTIVITY = {"KT": "eps33", "K3T": "eps33", "K33T": "eps33", "K33S": "eps33S"}
+
+
+def _plain(name: str) -> str:
+    """Name without superscripts that are understood, such as sE11, s11E, epsT33 and KT."""
+    name = _PERMITTIVITY.get(name, name)
+    if parts := _SUPERSCRIPT.fullmatch(name):
+        name = parts[1] + parts[3] + parts[2]
+    if name.startswith("E"):  # a modulus or e, as its writer knows
+        return name
+    known = {of.lower(): of for of in _KINDS}
+    kept = name.removesuffix("T") if name.startswith("eps") else name.removesuffix("E")
+    return known.get(kept.lower(), kept)
 
 
 StatedConstants = Annotated[Any, BeforeValidator(read_constants)]

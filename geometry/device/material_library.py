@@ -267,6 +267,11 @@ _GRADES: dict[str, _Grade] = {
         "Y11 63 GPa; Y33 54 GPa; d31 -175 pC/N; k33 0.72; d15 590 pC/N; k15 0.68; eps33 1900",
         7600.0, 80.0, 0.02, _APC,
     ),
+    "APC 854": _Grade(
+        _pzt_5h,
+        "Y11 60 GPa; Y33 52 GPa; d31 -260 pC/N; d15 625 pC/N; eps33 2750",
+        7600.0, 70.0, 0.02, _APC,  # its k33 of 0.68 would need a d33 of 465 pC/N, not 600
+    ),
     "APC 855": _Grade(
         _pzt_5h,
         "Y11 59 GPa; Y33 51 GPa; d31 -276 pC/N; k33 0.76; d15 720 pC/N; k15 0.66; eps33 3300",
@@ -332,7 +337,7 @@ LIBRARY = _Library({
 })  # fmt: skip
 
 #: Types of the US Navy (MIL-STD-1376) that makers translate into these names.
-_NAVY = {"I": "PZT-4", "II": "PZT-5A", "III": "PZT-8", "VI": "PZT-5H"}
+_NAVY = {"I": "PZT-4", "II": "PZT-5A", "III": "PZT-8", "V": "APC 854", "VI": "PZT-5H"}
 
 
 def library_name(text: str) -> str | None:

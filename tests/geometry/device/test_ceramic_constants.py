@@ -134,6 +134,14 @@ def test_what_cannot_be_read_is_refused(text, words):
         load_scene("j1", [f"piezo.constants={text}"])
 
 
+def test_names_as_data_sheets_have_them():
+    """Superscripts before or after the indices, capitals, and KT."""
+    one = read_constants(
+        "sE11 16 m^2/N; YE33 54 GPa; epsS11 900; KT 1900; D31 -175 pC/N; cD33 1 GPa"
+    )
+    assert [c.name for c in one] == ["s11", "Y33", "eps11S", "eps33", "d31", "c33D"]
+
+
 def test_a_scene_states_and_replaces():
     """The reduced values of a scene follow its constants, and single keys replace them."""
     text = printed(LIBRARY["PZT-5H"], SETS["stress"])

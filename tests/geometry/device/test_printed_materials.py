@@ -100,8 +100,8 @@ def test_the_printed_inverse_follows(name, c, e, clamped):
 #: What the makers of grades print beside the constants that are taken: kp, k31, d33 (1e-12 m/V).
 BESIDE = {
     "APC 840": (0.59, 0.35, 290), "APC 841": (0.60, 0.33, 300), "APC 850": (0.63, 0.36, 400),
-    "APC 855": (0.68, 0.40, 630), "APC 880": (0.50, 0.30, 215), "CTS 3195HD": (0.65, 0.36, 390),
-    "CTS 3203HD": (0.75, 0.43, 650), "NCE51": (0.65, 0.37, 460),
+    "APC 854": (0.66, None, 600), "APC 855": (0.68, 0.40, 630), "APC 880": (0.50, 0.30, 215),
+    "CTS 3195HD": (0.65, 0.36, 390), "CTS 3203HD": (0.75, 0.43, 650), "NCE51": (0.65, 0.37, 460),
 }  # fmt: skip
 
 
@@ -115,7 +115,8 @@ def test_grades_are_near_what_their_makers_print_besides(name):
     s, d, eps = ceramic.s, ceramic.d, ceramic.eps_t[2, 2]
     ceramic.check_admissible()
     within = 0.25 if name == "APC 841" else 0.10
-    assert abs(d[2, 0]) / np.sqrt(s[0, 0] * eps) == pytest.approx(k31, rel=within)
+    if k31 is not None:
+        assert abs(d[2, 0]) / np.sqrt(s[0, 0] * eps) == pytest.approx(k31, rel=within)
     planar = abs(d[2, 0]) * np.sqrt(2.0 / ((s[0, 0] + s[0, 1]) * eps))
     assert planar == pytest.approx(kp, rel=within)
     assert 1e12 * d[2, 2] == pytest.approx(d33, rel=0.20)
