@@ -11,6 +11,8 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from typing import Any
 
+from tactgen.geometry.bimorph.segments import Piece, stack
+from tactgen.geometry.device.bimorph import Piezo
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.units import Unit
@@ -179,7 +181,7 @@ def scene_warnings(
         # a file may describe both actuators, whichever is asked about today
         found.append(_idle(scene, key, quantities, asked=origin == ON_COMMAND_LINE))
     stated = [key for key in origins if key in scene_keys()]
-    found += [*unusual_values(scene, stated), no_solid(scene)]
+    found += [*unusual_values(scene, stated), no_solid(scene), _no_bending(scene)]
     load = scene.load
     if load.kind == "mass" and load.mass == 0.0:
         found.append('load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass')
@@ -187,6 +189,41 @@ def scene_warnings(
         both = "load.stiffness = 0 N/m and load.damping = 0 N*s/m"
         found.append(f'load.kind = "spring_damper" with {both} is a free tip; set one of them')
     return tuple(filter(None, found))
+
+
+#: Share of the ceramics' moments that is left where they cancel.
+_CANCELLED = 1e-9
+
+
+def _no_bending(scene: Scene) -> str:
+    """Listed layers whose driven ceramics stretch the bimorph and do not bend it, or ""."""
+    if not scene.bimorph.layers:
+        return ""
+    layers = stack(Piece("bimorph", scene.bimorph.length), scene.device)
+    extent = [
+        (1.0 / of.s11 if isinstance(of := layer.material, Piezo) else of.youngs_modulus)
+        * layer.thickness * layer.share
+        for layer in layers
+    ]  # fmt: skip
+    middle = [0.5 * (layer.low + layer.high) for layer in layers]
+    axis = sum(a * x for a, x in zip(extent, middle, strict=True)) / sum(extent)
+    moments = [
+        layer.hot
+        * layer.poling
+        * layer.material.d31
+        / layer.material.s11
+        * (x - axis)
+        * layer.share
+        for layer, x in zip(layers, middle, strict=True)
+        if isinstance(layer.material, Piezo)
+    ]
+    size = sum(map(abs, moments))
+    if not size or abs(sum(moments)) > _CANCELLED * size:
+        return ""
+    return (
+        f'the ceramics of bimorph.layers = "{scene.bimorph.layers}" stretch it and do not bend it, '
+        "so that voltage and bending do not couple; turn the poling of one, or name its hot face"
+    )
 
 
 def idle(scene: Scene, key: str) -> str:

@@ -7,6 +7,7 @@ import tactgen
 from tactgen.geometry.device.material_library import LIBRARY, SHIMS
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
+from tactgen.validation.scene.inputs import scene_warnings
 from tactgen.validation.scene.scene import checked_scene
 
 STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
@@ -214,3 +215,10 @@ def test_the_solid_refuses_layers_of_different_widths():
         tactgen.solve(scene("brass 0.3 mm; PZT-5A 0.2 mm wide 2.5 mm +x", "solid"), ("solid",))
     of = scene("brass 0.3 mm; PZT-5A 0.2 mm wide 2.5 mm +x")
     assert str(of.bimorph.layers) == "brass 0.3 mm; PZT-5A 0.2 mm wide 2.5 mm +x"
+
+
+@pytest.mark.parametrize(("poling", "warned"), [("-x", True), ("+x", False)])
+def test_ceramics_that_only_stretch_are_named(poling, warned):
+    """Driven outside and poled away from each other both grow: no voltage from any bending."""
+    of = scene(f"PZT-5A 0.2 mm +x; brass 0.1 mm; PZT-5A 0.2 mm {poling}")
+    assert any("stretch it and do not bend it" in w for w in scene_warnings(of, {})) is warned
