@@ -110,22 +110,27 @@ def time_at_error(points: Iterable[Point], wanted: float) -> float:
     return float(t0 * (t1 / t0) ** share)
 
 
+#: Characters of a terminal's line, and columns of a table that fit in it.
+_WIDTH, _MOST_COLUMNS = 100, 10
+
+
 def print_bench(parts: Iterable[Bench]) -> None:
     """Print two tables per part: the ways of computing, and the requirements."""
     from rich.table import Table
 
     for part in parts:
-        screen = console(max(170, 12 * len(part.timings[0].values)))
+        screen = console(_WIDTH)
         ways = Table(title=f"{part.part}: time against error ({part.seconds:.0f} s)")
-        for name, value in part.timings[0].values.items():
+        for name, value in _shown(part.timings[0]).items():
             heading = name.removesuffix("_seconds").replace("_", " ")
-            ways.add_column(heading, justify="left" if isinstance(value, str) else "right")
+            left = isinstance(value, str)
+            ways.add_column(heading, justify="left" if left else "right", overflow="fold")
         for timing in part.timings:
-            ways.add_row(*(_cell(name, value) for name, value in timing.values.items()))
+            ways.add_row(*(_cell(name, value) for name, value in _shown(timing).items()))
         screen.print(ways)
         wanted = Table(title=f"{part.part}: requirements")
         for name in ("requirement", "wanted", "measured", "", "how"):
-            wanted.add_column(name)
+            wanted.add_column(name, overflow="fold")
         for target in part.targets:
             limit = ("at most " if target.at_most else "at least ") + engineering(
                 target.wanted, target.unit, 3
@@ -135,6 +140,18 @@ def print_bench(parts: Iterable[Bench]) -> None:
             wanted.add_row(target.what, limit, measured, verdict, target.how)
         screen.print(wanted)
         screen.print(part.conditions, markup=False)
+
+
+def _shown(timing: Timing) -> Mapping[str, str | float]:
+    """Columns on a terminal: of many steps and errors their sum and the worst; --out has all."""
+    if len(timing.values) <= _MOST_COLUMNS:
+        return timing.values
+    kept = {
+        name: value
+        for name, value in timing.values.items()
+        if not name.startswith("error_") and not name.endswith("_seconds")
+    }
+    return {**kept, "compute_seconds": timing.cost, "error": timing.error}
 
 
 def _cell(name: str, value: str | float) -> str:

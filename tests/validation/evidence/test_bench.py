@@ -17,7 +17,7 @@ from tactgen.validation.command_line.commands import evidence as command
 from tactgen.validation.evidence import bench_beam as beam
 from tactgen.validation.evidence import bench_reluctance as magnetics
 from tactgen.validation.evidence import single_core as one_core
-from tactgen.validation.evidence.bench import Bench, Target
+from tactgen.validation.evidence.bench import Bench, Target, Timing, print_bench
 from tactgen.validation.evidence.single_core import on_one_core, peak_memory
 
 
@@ -200,3 +200,15 @@ def test_unknown_part_is_refused():
     """With the nearest known name."""
     with pytest.raises(InputError, match='did you mean "tmm"'):
         command._bench(options(only=["tm"]))
+
+
+def test_tables_fit_a_terminal(capsys):
+    """Of many steps and errors the sum and the worst are shown, on 100 columns."""
+    steps = {f"step{n}_seconds": 1.0 for n in range(6)} | {f"error_{n}": 1e-3 for n in range(8)}
+    values = {"way": "a way of many words, on a mesh", "unknowns": 123456, **steps}
+    part = Bench("piezo", "on one core", (Timing("way", "J1", 6.0, 1e-3, values),), (), 6.0)
+    print_bench([part])
+    shown = capsys.readouterr().out
+    assert max(map(len, shown.splitlines())) <= 100
+    assert "123,456" in shown
+    assert "1.0e-03" in shown
