@@ -115,7 +115,8 @@ def _load(load: Load) -> str:
         case "mass":
             size = ""
             if load.offset:
-                size = f", {engineering(load.offset, 'm')} beyond it"
+                side = "above" if load.offset > 0.0 else "below"
+                size = f", {engineering(abs(load.offset), 'm')} {side} it"
             if load.rotational_inertia:
                 size += f", inertia {engineering(1e3 * load.rotational_inertia, 'g*m^2')}"
             return f"{engineering(1e3 * load.mass, 'g')} on the tip{size}"
