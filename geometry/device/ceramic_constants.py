@@ -20,6 +20,7 @@ from pydantic import BeforeValidator
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.materials import EPS0, Piezoceramic
+from tactgen.geometry.device.parameter_group import NONE, read_list
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import NUMBER, Unit, quoted
@@ -156,11 +157,9 @@ class Constants(tuple[Constant, ...]):
     __slots__ = ()
 
     def __str__(self) -> str:
-        return "; ".join(map(str, self)) or _NONE
+        return "; ".join(map(str, self)) or NONE
 
 
-#: What a scene writes for no constants.
-_NONE = "none"
 NO_CONSTANTS = Constants()
 
 
@@ -169,17 +168,7 @@ def read_constants(value: Any) -> Constants:
 
     Raises ValueError with a sentence that names the remedy.
     """
-    if isinstance(value, Constants):
-        return value
-    if isinstance(value, str):
-        parts = [] if value.strip().lower() in ("", _NONE) else re.split(r"[;,]", value)
-    elif isinstance(value, Sequence) and all(isinstance(part, str) for part in value):
-        parts = list(value)
-    elif isinstance(value, Sequence) and all(isinstance(part, list | tuple) for part in value):
-        return Constants(Constant(*part) for part in value)  # as a stored scene has them
-    else:
-        raise ValueError(f"is not a list of constants; {_REMEDY}")
-    found = Constants(_constant(part.strip()) for part in parts if part.strip())
+    found: Constants = read_list(value, Constants, Constant, _constant, _REMEDY)
     names = [one.name for one in found]
     for name in names:
         if names.count(name) > 1:

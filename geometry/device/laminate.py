@@ -9,12 +9,12 @@ states it after the thickness (``wide 5 mm``).  Read at the edge with units, hel
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BeforeValidator, ValidationInfo
 
 from tactgen.geometry.device.material_library import LIBRARY, PAPERS, SHIMS, library_name, shim_name
+from tactgen.geometry.device.parameter_group import NONE, read_list
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import NUMBER, Unit, quoted
 
@@ -65,7 +65,7 @@ class Laminate(tuple[Layer, ...]):
     __slots__ = ()
 
     def __str__(self) -> str:
-        return "; ".join(map(str, self)) or _NONE
+        return "; ".join(map(str, self)) or NONE
 
     @property
     def thickness(self) -> float:
@@ -91,8 +91,6 @@ class Laminate(tuple[Layer, ...]):
         return layer.hot or (1 if low + 0.5 * layer.thickness >= 0.5 * self.thickness else -1)
 
 
-#: What a scene writes for no list of layers.
-_NONE = "none"
 PLAIN = Laminate()
 
 
@@ -105,19 +103,10 @@ def read_layers(value: Any, info: ValidationInfo) -> Laminate:
 
     Raises ValueError with a sentence that names the remedy.
     """
-    if isinstance(value, Laminate):
-        return value
-    if isinstance(value, str):
-        parts = [] if value.strip().lower() in ("", _NONE) else re.split(r"[;,]", value)
-    elif isinstance(value, Sequence) and all(isinstance(part, str) for part in value):
-        parts = list(value)
-    elif isinstance(value, Sequence) and all(isinstance(part, list | tuple) for part in value):
-        return Laminate(Layer(*part) for part in value)  # as a stored scene has them
-    else:
-        raise ValueError(f"is not a list of layers; {_REMEDY}")
-    if len(parts) > _MOST:
-        raise ValueError(f"has {len(parts)} layers; give at most {_MOST}")
-    return Laminate(_layer(part.strip(), info) for part in parts)
+    found: Laminate = read_list(value, Laminate, Layer, lambda text: _layer(text, info), _REMEDY)
+    if len(found) > _MOST:
+        raise ValueError(f"has {len(found)} layers; give at most {_MOST}")
+    return found
 
 
 def _layer(text: str, info: ValidationInfo) -> Layer:

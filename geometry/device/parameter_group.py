@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -45,6 +47,29 @@ def printed(default: float, source: str, description: str, half_a_unit: float, *
     """Declare a parameter that is known to the digits printed, trailing zeros not counted."""
     spread = Spread(default - half_a_unit, default + half_a_unit, PRINTED, absolute=True)
     return field(default, source, description, spread, own)
+
+
+#: What a scene writes for an empty list.
+NONE = "none"
+
+
+def read_list(
+    value: Any, kind: type[Any], item: type[Any], read: Callable[[str], Any], remedy: str
+) -> Any:
+    """Tuple of class `kind` from ``"one; two"``, a list of such texts, or what a store has of it.
+
+    Raises ValueError with the remedy, and what `read` raises of a text.
+    """
+    if isinstance(value, kind):
+        return value
+    if isinstance(value, str):
+        texts = [] if value.strip().lower() in ("", NONE) else re.split(r"[;,]", value)
+        return kind(read(text.strip()) for text in texts)
+    if isinstance(value, Sequence) and all(isinstance(part, str) for part in value):
+        return kind(read(text.strip()) for text in value)
+    if isinstance(value, Sequence) and all(isinstance(part, list | tuple) for part in value):
+        return kind(item(*part) for part in value)
+    raise ValueError(f"is not a list; {remedy}")
 
 
 class Parameters(BaseModel):

@@ -16,6 +16,7 @@ from tactgen.geometry.device.bimorph import Piezo
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.units import Unit
+from tactgen.tmm.beam.sections import section
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import (
     CONDITIONS,
@@ -191,34 +192,22 @@ def scene_warnings(
     return tuple(filter(None, found))
 
 
-#: Share of the ceramics' moments that is left where they cancel.
-_CANCELLED = 1e-9
+#: Square of the section's coupling factor that is nothing but rounding.
+_NO_COUPLING = 1e-18
 
 
 def _no_bending(scene: Scene) -> str:
     """Listed layers whose driven ceramics stretch the bimorph and do not bend it, or ""."""
     if not scene.bimorph.layers:
         return ""
-    layers = stack(Piece("bimorph", scene.bimorph.length), scene.device)
-    extent = [
-        (1.0 / of.s11 if isinstance(of := layer.material, Piezo) else of.youngs_modulus)
-        * layer.thickness * layer.share
-        for layer in layers
-    ]  # fmt: skip
-    middle = [0.5 * (layer.low + layer.high) for layer in layers]
-    axis = sum(a * x for a, x in zip(extent, middle, strict=True)) / sum(extent)
-    moments = [
-        layer.hot
-        * layer.poling
-        * layer.material.d31
-        / layer.material.s11
-        * (x - axis)
-        * layer.share
-        for layer, x in zip(layers, middle, strict=True)
+    piece = Piece("bimorph", scene.bimorph.length)
+    found = section(piece, scene.device, scene.beam, lossy=False)
+    driven = any(
+        layer.hot and layer.material.d31
+        for layer in stack(piece, scene.device)
         if isinstance(layer.material, Piezo)
-    ]
-    size = sum(map(abs, moments))
-    if not size or abs(sum(moments)) > _CANCELLED * size:
+    )
+    if not driven or found.K**2 > _NO_COUPLING * found.EI * found.C:
         return ""
     return (
         f'the ceramics of bimorph.layers = "{scene.bimorph.layers}" stretch it and do not bend it, '

@@ -287,7 +287,7 @@ _PAPER = case(
               3.441e-8, "m/Hz", _slope, 2e-4, "four printed digits", _RIGHT, "6", known=-2.1017,
               explained="under a finger the model's line falls. The measurement had another load, "
               "50 g on skin imitation in place of a finger at 2.5 g (rows PAD-1 to PAD-6), and was "
-              "made below the support plate, where the minimum of the tip is not seen"),
+              "made below the support plate and not at the tip"),
         Check("The voltage at which 2 um (threshold at the lowest frequency) is reached is about "
               "8 V.", 8.0, "V", partial(_threshold_voltage, 10.0), 0.1, _PRINT, _FIG_17, "7",
               known=-0.7245,
