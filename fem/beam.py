@@ -16,12 +16,19 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.bimorph.segments import CentreLine, Piece, StackLayer, beam_pieces, stack
+from tactgen.geometry.bimorph.segments import (
+    CentreLine,
+    Piece,
+    StackLayer,
+    beam_pieces,
+    measured_pieces,
+    stack,
+)
 from tactgen.geometry.device.materials import EPS0, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
-from tactgen.tmm.ports.multiport import BIMORPH, Multiport
+from tactgen.tmm.ports.multiport import BIMORPH, MEASURED, Multiport
 
 
 def section_constants(
@@ -264,6 +271,12 @@ class BeamMatrices:
     ports: Ints
     stations: list[tuple[float, int, int]]
     unit: float = 1.0
+    measured: int | None = None  #: Dof of w at the place of measurement, if that is not the tip
+
+    @property
+    def seen(self) -> int:
+        """Dof of the motion that is measured."""
+        return int(self.ports[2]) if self.measured is None else self.measured
 
 
 def multiport(
@@ -275,21 +288,23 @@ def multiport(
     elements: int = 8,
     lossy: bool = True,
 ) -> Multiport:
-    """Beam-element model over its five ports (parallel wiring).
+    """Beam-element model over its ports (parallel wiring).
 
     Parameters
     ----------
     elements : int
         Elements along the whole row.
     """
-    matrices = assemble(device, support, beam, elements=elements, lossy=lossy)
+    matrices = assemble(device, support, beam, elements=elements, lossy=lossy, measured=True)
     return condense(matrices, np.atleast_1d(np.asarray(frequencies, dtype=float)))
 
 
 def condense(matrices: BeamMatrices, frequencies: Floats) -> Multiport:
-    """Matrices over the five ports at frequencies (n,) in Hz."""
+    """Matrices over the ports at frequencies (n,) in Hz."""
     stiffness = _condense(matrices, 2.0 * np.pi * frequencies) / matrices.unit
-    return Multiport(frequencies, stiffness, BIMORPH)
+    return Multiport(
+        frequencies, stiffness, BIMORPH if matrices.measured is None else (*BIMORPH, MEASURED)
+    )
 
 
 def elements_for(device: Device, highest: float) -> int:
@@ -326,6 +341,7 @@ def assemble(
     halvings: int = 0,
     unit: float = 1.0,
     shift: float = 0.0,
+    measured: bool = False,
 ) -> BeamMatrices:
     """Assemble the row of beams, `elements` shared out by waves, rounded up in each piece.
 
@@ -339,10 +355,13 @@ def assemble(
     shift : float
         By what part of an element the nodes inside of a piece lie higher: little of it changes
         little but what lengths are rounded to, which is alike in all units.
+    measured : bool
+        Whether a node lies where motion is measured.
     """
     from skfem import Basis, ElementLinePp, LinearForm, asm
 
-    pieces = beam_pieces(device, support)
+    below = device.measurement.below_tip if measured else 0.0
+    pieces = measured_pieces(device, support) if below else beam_pieces(device, support)
     beams = [piece for piece in pieces if piece.section != "bond"]
     mesh, piece_of, joints = row_mesh(pieces, device, elements, halvings, shift)
     w_space = Basis(mesh, ElementLinePp(ORDER), intorder=2 * ORDER)
@@ -370,12 +389,14 @@ def assemble(
         return constants[4] * phi.grad[0] + 0.0 * v
 
     ends = w_space.nodal_dofs[0][[0, -1]]
+    place = np.abs(mesh.p[0] - (mesh.p[0, -1] - below)).argmin()
     return BeamMatrices(
         stiffness=stiffness,
         mass=asm(_inertial(*constants[2:4].real), basis).toarray(),
         coupling=asm(moment_per_voltage, basis),
         capacitance=complex(np.sum(constants[5] * w_space.dx)),
         unit=unit,
+        measured=int(w_space.nodal_dofs[0][place]) if below else None,
         ports=np.array([ends[0], ends[0] + w_space.N, ends[1], ends[1] + w_space.N]),
         stations=[
             (float(z), int(dof), int(dof) + int(w_space.N))
@@ -501,13 +522,18 @@ def _top(size: int, count: int) -> list[int]:
     return [max(size - count, 0), size - 1]
 
 
+#: Place of the voltage among the ports.
+_VOLTAGE = 4
+
+
 def _condense(matrices: BeamMatrices, omega: Floats) -> Complex:
-    """D (n, 5, 5): interior dofs, a band when numbered along z, eliminated."""
+    """D (n, k, k): interior dofs, a band when numbered along z, eliminated."""
     from scipy.linalg import solve_banded
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-    ports = matrices.ports
+    place = [] if matrices.measured is None else [matrices.measured]
+    ports = np.array([*matrices.ports, *place])
     inner = np.setdiff1d(np.arange(matrices.mass.shape[0]), ports)
     pattern = csr_matrix(
         matrices.mass[np.ix_(inner, inner)] + abs(matrices.stiffness[np.ix_(inner, inner)])
@@ -515,17 +541,19 @@ def _condense(matrices: BeamMatrices, omega: Floats) -> Complex:
     inner = inner[reverse_cuthill_mckee(pattern, symmetric_mode=True)]
     inside = np.ix_(inner, inner)
     width, k_band, m_band = _bands(matrices.stiffness[inside], matrices.mass[inside])
-    held = np.concatenate([matrices.stiffness[:, ports], -matrices.coupling[:, None]], axis=1)
-    moving = np.concatenate(
-        [matrices.mass[:, ports], np.zeros((matrices.mass.shape[0], 1))], axis=1
-    )
-    d = np.zeros((omega.size, 5, 5), dtype=complex)
+    held = np.insert(matrices.stiffness[:, ports], _VOLTAGE, -matrices.coupling, axis=1)
+    moving = np.insert(matrices.mass[:, ports], _VOLTAGE, 0.0, axis=1)
+    at = np.delete(np.arange(held.shape[1]), _VOLTAGE)
+    d = np.zeros((omega.size, held.shape[1], held.shape[1]), dtype=complex)
     for i, o2 in enumerate(omega**2):
         to_ports = held - o2 * moving
         solved = solve_banded((width, width), k_band - o2 * m_band, to_ports[inner])
-        d[i, :4] = to_ports[ports]
-        d[i, 4, :4], d[i, 4, 4] = matrices.coupling[ports], matrices.capacitance
-        d[i] -= np.vstack([to_ports[inner, :4].T, matrices.coupling[inner]]) @ solved
+        d[i, at] = to_ports[ports]
+        d[i, _VOLTAGE, at] = matrices.coupling[ports]
+        d[i, _VOLTAGE, _VOLTAGE] = matrices.capacitance
+        answers = to_ports[inner].T.copy()
+        answers[_VOLTAGE] = matrices.coupling[inner]
+        d[i] -= answers @ solved
     return d
 
 

@@ -77,6 +77,17 @@ def nodal_values(axis: Axis) -> Floats:
     return values
 
 
+def values_at(axis: Axis, at: float) -> Floats:
+    """Values (n,) of an axis' functions at one point of it (m)."""
+    interval = min(max(int(np.searchsorted(axis.breaks, at)) - 1, 0), axis.intervals - 1)
+    low, high = axis.breaks[interval : interval + 2]
+    local = legendre.legvander(np.array([2.0 * (at - low) / (high - low) - 1.0]), axis.degree)
+    values = np.zeros(axis.nodes.size)
+    to_coefficients = _legendre_coefficients(axis.degree, hierarchic=axis.hierarchic)
+    values[axis.nodes_of(interval, interval + 1)] = (local @ to_coefficients)[0]
+    return values
+
+
 @lru_cache(maxsize=64)
 def line_matrices(axis: Axis, first: int = 0, last: int | None = None) -> LineMatrices:
     """Matrices of an axis, integrated over the intervals first … last − 1."""

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tactgen.fem.piezo.bricks import brick_matrices, quarter_unknowns, tip_functionals
+from tactgen.fem.piezo.bricks import brick_matrices, quarter_unknowns, seen_functionals
 from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.symmetry import PORTS, Unknowns
 from tactgen.fem.piezo.system import materials, volts_per_unit
@@ -34,7 +34,14 @@ class MotionEstimator:
     stiffness: Sparse
     mass: Sparse
     lacking: Ints  #: (w,) Which of these they are
-    tip: Floats  #: (w, 2) What they add to the tip's displacement and rotation
+    #: (w, t) What they add to the tip's displacement and rotation, and to the displacement at the
+    #: place of measurement, if there is one
+    seen: Floats
+
+    @property
+    def tip(self) -> Floats:
+        """What they add to the tip's displacement and rotation (w, 2)."""
+        return self.seen[:, :2]
 
     def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
         """K x and M x (w, k) of states (m + 3, k); the residual is f − K x + Ω² M x.
@@ -77,6 +84,7 @@ class BrickEstimator:
     def __init__(self, device: Device, bricks: Bricks, *, lossy: bool = False) -> None:
         known = materials(device, bricks.regions, device.piezo.ceramic(), lossy=lossy)
         self._bricks, self._richer = bricks, _one_degree_more(bricks)
+        self._below = device.measurement.below_tip
         self._unit = volts_per_unit(known)
         axes = zip(bricks.axes, self._richer.axes, strict=True)
         places = [_places(own, more) for own, more in axes]
@@ -102,7 +110,7 @@ class BrickEstimator:
             stiffness=self._stiffness[lacking],
             mass=self._mass[lacking],
             lacking=lacking,
-            tip=tip_functionals(self._richer)[lacking],
+            seen=seen_functionals(self._richer, self._below)[lacking],
         )
 
 

@@ -13,7 +13,13 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from tactgen.fem.elements.line_basis import LineMatrices, line_matrices, line_weights, nodal_values
+from tactgen.fem.elements.line_basis import (
+    LineMatrices,
+    line_matrices,
+    line_weights,
+    nodal_values,
+    values_at,
+)
 from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.symmetry import SIGNS, Expansion, Unknowns, mirror_signs
 from tactgen.fem.piezo.system import Material, SolidSystem, materials, volts_per_unit
@@ -299,7 +305,9 @@ def assemble_bricks(
     """
     known = materials(device, bricks.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)
-    quarter = _Quarter(bricks, known, unit, *brick_matrices(bricks, known, unit), uniform_field)
+    matrices = brick_matrices(bricks, known, unit)
+    below = device.measurement.below_tip
+    quarter = _Quarter(bricks, known, unit, *matrices, uniform_field, below)
     return quarter.system(motion)
 
 
@@ -313,6 +321,7 @@ class _Quarter:
     stiffness: Sparse
     mass: Sparse
     uniform_field: bool
+    below_tip: float  #: Of the place of measurement (m)
 
     @cached_property
     def nodal_mass(self) -> Floats:
@@ -320,9 +329,9 @@ class _Quarter:
         return nodal_mass(self.bricks, self.known)
 
     @cached_property
-    def tip(self) -> Floats:
-        """The tip's functionals (4 n, 2)."""
-        return tip_functionals(self.bricks)
+    def seen(self) -> Floats:
+        """The functionals of tip and place of measurement (4 n, t)."""
+        return seen_functionals(self.bricks, self.below_tip)
 
     @cached_property
     def place(self) -> Ints:
@@ -334,10 +343,12 @@ class _Quarter:
         bricks, unit, mass, place = self.bricks, self.unit, self.mass, self.place
         unknowns = quarter_unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
         nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, self.nodal_mass)
+        seen = unknowns.seen(self.seen)
         return SolidSystem(
             stiffness=unknowns.bordered(self.stiffness),
             mass=unknowns.bordered(mass),
-            tip=unknowns.seen(self.tip),
+            tip=seen[:, :2],
+            measured=seen[:, 2:] if self.below_tip else None,
             expand=expand,
             nodes=nodes,
             node_mass=node_mass,
@@ -388,12 +399,33 @@ def _linear_potential(bricks: Bricks, outer: Bools, inner: Bools, piezo: Bools) 
     return np.where(piezo & outer.any(axis=0), share[:, None, None], 0.0)
 
 
+def seen_functionals(bricks: Bricks, below_tip: float) -> Floats:
+    """(4 n, t): those of the tip, and mean u_x over the section so far below it, if any."""
+    tip = tip_functionals(bricks)
+    if not below_tip:
+        return tip
+    plain, _ = _through(bricks, float(bricks.z.breaks[-1]) - below_tip)
+    across, _ = line_weights(bricks.y)
+    out = np.zeros((*bricks.shape, 4, 1))
+    area = (plain @ bricks.x.one) * (across @ bricks.y.one)
+    along = values_at(bricks.z, float(bricks.z.breaks[-1]) - below_tip)
+    out[..., 0, 0] = np.multiply.outer(np.outer(plain, across), along) / area
+    return np.hstack([tip, out.reshape(-1, 1)])
+
+
+def _through(bricks: Bricks, z: float) -> Floats:
+    """∫ N_i and ∫ x N_i (2, n) along x over the section at a height z (m)."""
+    found = np.zeros((2, bricks.x.nodes.size))
+    for slab in bricks.slabs:
+        low, high = bricks.z.breaks[list(slab.z)]
+        if low < z <= high:
+            found += line_weights(bricks.x, *slab.x)
+    return found
+
+
 def tip_functionals(bricks: Bricks) -> Floats:
     """(4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""
-    plain, levered = np.zeros((2, bricks.x.nodes.size))
-    for slab in bricks.tip_slabs():
-        more = line_weights(bricks.x, *slab.x)
-        plain, levered = plain + more[0], levered + more[1]
+    plain, levered = _through(bricks, float(bricks.z.breaks[-1]))
     if not bricks.mirrored_x:  # about the middle of the face, which need not be at x = 0
         levered = levered - (plain @ bricks.x.position) / (plain @ bricks.x.one) * plain
     across, _ = line_weights(bricks.y)

@@ -20,7 +20,7 @@ from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
 from tactgen.fem.solvers.linear_solver import Factor, factorise, wide_product
 from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Numbers, Sparse
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.ports.multiport import BIMORPH, Multiport
+from tactgen.tmm.ports.multiport import Multiport
 
 Wide = NDArray[Any]
 
@@ -71,8 +71,9 @@ def project(system: SolidSystem, chains: list[list[Complex]]) -> Projection:
     mass[:k, :k], mass[:k, k:] = u.T @ (system.mass.inner @ u), u.T @ system.mass.border
     mass[k:, k:] = system.mass.corner
     mass = np.triu(mass) + np.triu(mass, 1).T
-    tip = np.zeros((s, 2))
-    tip[:k] = u.T @ system.tip[:-PORTS]
+    seen = system.seen
+    tip = np.zeros((s, seen.shape[1]))
+    tip[:k] = u.T @ seen[:-PORTS]
 
     def kept(of_u: int, of_p: int) -> tuple[PortModel, Numbers]:
         # what the first vectors span, in terms of the turned ones
@@ -178,17 +179,17 @@ def _pivoted_qr(matrix: Floats) -> tuple[Floats, Floats, Ints]:
     return qr(matrix, mode="economic", pivoting=True)  # type: ignore[no-any-return]
 
 
-#: Rows of D that are the tip's efforts.
-_TIP = slice(2, 4)
-#: Sign of each row of D in the symmetric system, the last being minus the charge; the stiffness
-#: of potentials has the other.
-_SIGNS = np.array([1.0, 1.0, 1.0, 1.0, -1.0])
+#: Rows of D that are given as motions, and those that are efforts on what is seen.
+_SOURCE, _SEEN = [0, 1, 4], [2, 3, 5]
+#: Sign of each row of D in the symmetric system, one being minus the charge; the stiffness of
+#: potentials has the other.
+_SIGNS = np.array([1.0, 1.0, 1.0, 1.0, -1.0, 1.0])
 
 
 def missing_products(states: Numbers, surplus: EstimatorSpace) -> Numbers:
-    """Products r_iᵀ K_w⁻¹ r_j (2, 2 k + 8, 2 k + 8) of displacements, of potentials.
+    """Products r_iᵀ K_w⁻¹ r_j (2, m, m) of displacements, of potentials; m = 2 k + 6 + t.
 
-    Of K x and of M x of every unknown of a reduced solid, then of the tip's two functionals.
+    Of K x and of M x of every unknown of a reduced solid, then of the t functionals that see it.
 
     Parameters
     ----------
@@ -197,31 +198,31 @@ def missing_products(states: Numbers, surplus: EstimatorSpace) -> Numbers:
     surplus : EstimatorSpace
         The functions that the solid lacks, with the losses that it has.
     """
-    return np.stack(surplus.products(np.hstack([*surplus.residuals(states), surplus.tip])))
+    return np.stack(surplus.products(np.hstack([*surplus.residuals(states), surplus.seen])))
 
 
 def richer_multiports(
     model: PortModel, missing: Numbers, frequencies: Floats
 ) -> tuple[Multiport, Multiport]:
-    """D(Ω) (n, 5, 5) with displacements that the solid lacks; with potentials.
+    """D(Ω) (n, p, p) with displacements that the solid lacks; with potentials.
 
     Parameters
     ----------
     model : PortModel
         The reduced solid.
-    missing : (2, 2 k + 8, 2 k + 8) array
+    missing : (2, m, m) array
         See :func:`missing_products`.
     """
     own = model.multiport(frequencies)
-    held = np.zeros_like(own.stiffness)
-    held[:, :3] = np.eye(5)[[0, 1, 4]]
-    held[:, 3:] = own.stiffness[:, _TIP]
+    held, size = np.zeros_like(own.stiffness), len(own.ports)
+    held[:, :3] = np.eye(size)[_SOURCE]
+    held[:, 3:] = own.stiffness[:, _SEEN[: size - 3]]
     x = model.states(frequencies) @ held
     omega2 = (2.0 * np.pi * own.frequencies)[:, None, None] ** 2
     r = np.concatenate([-x, omega2 * x, held[:, 3:]], axis=1)
     changes = (r.swapaxes(1, 2) @ products @ r for products in missing)
     moved, charged = (
-        Multiport(own.frequencies, own.stiffness - sign[:, None] * change, BIMORPH)
+        replace(own, stiffness=own.stiffness - sign[:size, None] * change)
         for sign, change in zip((_SIGNS, -_SIGNS), changes, strict=True)
     )
     return moved, charged
@@ -249,8 +250,8 @@ class ReducedSolid:
     #: Largest estimate over the frequencies it was checked at, peaks and dips included
     error: float
     unknowns: int  #: Number of unknowns of the solid
-    #: (2, 2 k + 8, 2 k + 8) What functions that the solid lacks have in products, if these were
-    #: given (:func:`fem.piezo.krylov.missing_products`)
+    #: (2, m, m) What functions that the solid lacks have in products, if these were given
+    #: (:func:`fem.piezo.krylov.missing_products`)
     missing: Numbers | None = None
 
     def multiport(self, frequencies: Floats) -> Multiport:
@@ -345,7 +346,7 @@ def reduce_to_ports(
 
 
 class _Chain:
-    """The blocks (n, 5) of one shift: responses to the ports, then their moments."""
+    """The blocks (n, p) of one shift: responses to the ports, then their moments."""
 
     def __init__(self, system: SolidSystem, centre: float, length: int) -> None:
         stiffness, self._mass = system.stiffness, system.mass
@@ -353,7 +354,7 @@ class _Chain:
         self._factor: Factor | None = factorise(
             stiffness.inner - shift * self._mass.inner, order=system.elimination
         )
-        loads = np.hstack([shift * self._mass.border - stiffness.border, system.tip[:-PORTS]])
+        loads = np.hstack([shift * self._mass.border - stiffness.border, system.seen[:-PORTS]])
         self.blocks: list[Complex] = [self._factor.solve(loads)]
         self.lengthen(length)
 

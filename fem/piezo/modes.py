@@ -160,7 +160,7 @@ class SolidState:
 
     frequency: float  #: Hz; 0 of a static state
     values: Numbers  #: (n_nodes, 4) (u_x, u_y, u_z) in m and φ in V at the system's nodes
-    tip: complex  #: Mean of u_x over the tip face (m)
+    tip: complex  #: Mean of u_x over the tip face, or the section where motion is measured (m)
     charge: complex  #: On the outer electrodes (C), layers in parallel
     #: Class of a mode; "bending_x" of driven states, the only motion that the ports drive
     kind: ModeClass = "bending_x"
@@ -239,4 +239,5 @@ def driven_state(system: SolidSystem, ends: Ends, frequency: float, voltage: com
 
 def _state(system: SolidSystem, frequency: float, y: Numbers, charge: complex) -> SolidState:
     values = (system.expand @ y).reshape(4, -1).T
-    return SolidState(frequency, values, complex(system.tip[:, 0] @ y), complex(charge))
+    read = system.tip[:, :1] if system.measured is None else system.measured
+    return SolidState(frequency, values, complex((read.T @ y)[0]), complex(charge))

@@ -18,12 +18,12 @@ from functools import cached_property
 
 import numpy as np
 
-from tactgen.fem.piezo.ports import ports_from_blocks
+from tactgen.fem.piezo.ports import over_ports, ports_from_blocks
 from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.elements import attach
-from tactgen.tmm.ports.multiport import BIMORPH, Multiport, respond
+from tactgen.tmm.ports.multiport import MEASURED, Multiport, respond
 
 
 @storable
@@ -34,29 +34,31 @@ class PortModel:
     stiffness: Complex  #: (k + 3, k + 3) complex Its real part is positive definite over q
     #: (k + 3, k + 3) Positive definite but for the row and column of U, which are zero
     mass: Floats
-    tip: Floats  #: (k + 3, 2) Tip displacement and rotation from the unknowns
+    #: (k + 3, t) From the unknowns the tip's displacement and rotation, and the displacement at the
+    #: place of measurement, if there is one
+    tip: Floats
 
     def multiport(self, frequencies: Floats) -> Multiport:
-        """D(Ω) (n, 5, 5), a few microseconds each."""
+        """D(Ω) (n, p, p), a few microseconds each."""
         f = np.atleast_1d(np.asarray(frequencies, dtype=float))
         p = self._poles
         o2 = (2.0 * np.pi * f)[:, None] ** 2
-        g = ((o2 / (1.0 - o2 * p.mu)) @ p.products).reshape(-1, 5, 5) + p.still
+        g = ((o2 / (1.0 - o2 * p.mu)) @ p.products).reshape(-1, *p.still.shape) + p.still
         o2 = o2[:, :, None]
         held = p.static - o2 * p.inertia - o2**2 * g[:, :3, :3]
         through = p.carried - o2 * g[:, :3, 3:]
         follows = -through.transpose(0, 2, 1)
-        return Multiport(f, ports_from_blocks(held, through, follows, g[:, 3:, 3:]), BIMORPH)
+        return over_ports(f, ports_from_blocks(held, through, follows, g[:, 3:, 3:]))
 
     def states(self, frequencies: Floats) -> Complex:
-        """Unknowns (n, k + 3, 5) per unit w_base, ψ_base, U, and tip force and moment.
+        """Unknowns (n, k + 3, p) per unit w_base, ψ_base, U, and forces on what is seen.
 
         Base and electrode are held and the tip is free where it is not said otherwise.
         """
         f = np.atleast_1d(np.asarray(frequencies, dtype=float))
         p = self._poles
         o2 = (2.0 * np.pi * f)[:, None, None] ** 2
-        found = np.zeros((f.size, self.stiffness.shape[0], 5), dtype=complex)
+        found = np.zeros((f.size, self.stiffness.shape[0], len(p.still)), dtype=complex)
         inner, driven = found[:, :-3], p.shapes * (o2 / (1.0 - o2 * p.mu))
         inner[:] = p.at_rest + driven @ p.loads
         inner[:, :, :3] *= o2
@@ -78,7 +80,7 @@ class PortModel:
         left, right = (loads.T @ p * s) @ y, np.linalg.solve(y, s[:, None] * (p @ loads))
         return _Poles(
             mu=mu,
-            products=(left.T[:, :, None] * right[:, None, :]).reshape(k, 25),
+            products=(left.T[:, :, None] * right[:, None, :]).reshape(k, -1),
             still=np.asarray(loads.T @ p @ loads, dtype=complex),
             static=self.stiffness[k:, k:] - pull.T @ follows,
             inertia=self.mass[k:, k:] - drag.T @ follows - follows.T @ moved,
@@ -92,10 +94,10 @@ class PortModel:
 
 @dataclass(frozen=True)
 class _Poles:
-    """D(Ω) as sums: `products` (k, 25) belong to the poles `mu`; the rest is constant.
+    """D(Ω) as sums: `products` (k, p²) belong to the poles `mu`; the rest is constant.
 
-    The inner unknowns alike: `shapes` (k, k) belong to the poles under `loads` (k, 5), `at_rest`
-    (k, 5) is constant, and they follow base and voltage by `follows` (k, 3).
+    The inner unknowns alike: `shapes` (k, k) belong to the poles under `loads` (k, p), `at_rest`
+    (k, p) is constant, and they follow base and voltage by `follows` (k, 3).
     """
 
     mu: Complex
@@ -139,10 +141,14 @@ def standard_ends(model: PortModel) -> tuple[Ends, Ends]:
     return Ends(), Ends(Springs(*own))
 
 
+_SEEN = ("w_tip", "psi_tip", MEASURED.name)
+
+
 def motions(port: Multiport, ends: Ends) -> Complex:
-    """Tip displacement, tip rotation and charge per volt, (3, n)."""
+    """Tip displacement, tip rotation, what is measured besides, and charge per volt, (m, n)."""
     answer = respond(attach(port, ends), {"voltage": 1.0})
-    return np.array([answer.motion["w_tip"], answer.motion["psi_tip"], answer.effort["voltage"]])
+    seen = [answer.motion[name] for name in _SEEN if name in answer.motion]
+    return np.array([*seen, answer.effort["voltage"]])
 
 
 def extremes(model: PortModel, low: float, high: float, ends: tuple[Ends, ...]) -> Floats:
@@ -177,7 +183,7 @@ def _refined(
 
     def values(at: Floats) -> Floats:
         """Them at (2, m) frequencies."""
-        moved = motions(model.multiport(at.ravel()), end).reshape(3, *at.shape)
+        moved = motions(model.multiport(at.ravel()), end).reshape(-1, *at.shape)
         return np.asarray(sign * np.log(np.abs(moved[row, :, np.arange(row.size)].T)))
 
     golden = 0.5 * (np.sqrt(5.0) - 1.0)

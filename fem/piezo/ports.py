@@ -14,14 +14,14 @@ import numpy as np
 from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
 from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Complex, Floats, Numbers
-from tactgen.tmm.ports.multiport import BIMORPH, Multiport
+from tactgen.tmm.ports.multiport import BIMORPH, MEASURED, Multiport
 
 #: The mixed form of D, see :func:`ports_from_blocks`, at one frequency.
 Blocks: TypeAlias = tuple[Numbers, Numbers, Numbers, Numbers]
 
 
 def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
-    """D(Ω) (n, 5, 5), each frequency by its own factorisation; real at 0 Hz without losses.
+    """D(Ω) (n, p, p), each frequency by its own factorisation; real at 0 Hz without losses.
 
     Accurate enough to judge what is faster: the residual is that of K and M apart, in long
     double, since rounding K − Ω² M alone moves a peak by a millionth of its width.
@@ -31,7 +31,13 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
     for frequency in frequencies:
         omega2 = (2.0 * np.pi * frequency) ** 2
         found.append(_blocks(system, omega2, _states(system, omega2)))
-    return Multiport(frequencies, _stiffness(found), BIMORPH)
+    return over_ports(frequencies, _stiffness(found))
+
+
+def over_ports(frequencies: Floats, stiffness: Complex) -> Multiport:
+    """D(Ω) (n, p, p) of a solid, the place of measurement being a sixth port."""
+    ports = (*BIMORPH, MEASURED)
+    return Multiport(frequencies, stiffness, ports[: stiffness.shape[-1]])
 
 
 def static_multiports(
@@ -52,28 +58,28 @@ def static_multiports(
         )
         for more in (moved, -charged)
     ]
-    fine, *better = (Multiport(np.zeros(1), _stiffness([of]), BIMORPH) for of in (blocks, *richer))
+    fine, *better = (over_ports(np.zeros(1), _stiffness([of])) for of in (blocks, *richer))
     return fine, better[0], better[1]
 
 
 def _judged(system: SolidSystem, surplus: EstimatorSpace) -> tuple[Blocks, Numbers, Numbers]:
-    """Mixed form at rest, with its hierarchical error (5, 5)."""
+    """Mixed form at rest, with its hierarchical error (p, p)."""
     x = _states(system, 0.0)
     residuals = -surplus.residuals(x.astype(float))[0]
-    residuals[:, 3:] += surplus.tip
+    residuals[:, 3:] += surplus.seen
     return _blocks(system, 0.0, x), *surplus.products(residuals)
 
 
 def _states(system: SolidSystem, omega2: float) -> Numbers:
-    """Y (n + 3, 5) in long double: per unit w_base, ψ_base, U, and tip force and moment."""
+    """Y (n + 3, p) in long double: per unit w_base, ψ_base, U, and forces on what is seen."""
     wide, plain = (np.clongdouble, complex) if system.lossy else (np.longdouble, float)
-    n, factor = system.inner, _factor(system, omega2)
-    x = np.zeros((system.size, 5), dtype=wide)
+    n, factor, seen = system.inner, _factor(system, omega2), system.seen
+    x = np.zeros((system.size, 3 + seen.shape[1]), dtype=wide)
     x[n:, :3] = np.eye(3)
-    last: Floats = np.zeros(5)
+    last: Floats = np.zeros(x.shape[1])
     for _ in range(1 + _REFINEMENTS):
         missing = _force(system, omega2, x)
-        missing[:, 3:] -= system.tip
+        missing[:, 3:] -= seen
         step = factor.solve(missing[:n].astype(plain))
         x[:n] -= step
         size = _norms(step)
@@ -86,7 +92,7 @@ def _states(system: SolidSystem, omega2: float) -> Numbers:
 
 def _blocks(system: SolidSystem, omega2: float, x: Numbers) -> Blocks:
     force = system.stiffness.at_ports(x) - omega2 * system.mass.at_ports(x)
-    seen = system.tip.T @ x
+    seen = system.seen.T @ x
     return force[:, :3], force[:, 3:], seen[:, :3], seen[:, 3:]
 
 
@@ -100,7 +106,7 @@ def _norms(columns: Numbers) -> Floats:
 
 
 def _force(system: SolidSystem, omega2: float, x: Numbers) -> Numbers:
-    """Forces (n + 3, 5) that hold x, in long double."""
+    """Forces (n + 3, p) that hold x, in long double."""
     stiff = system.stiffness.wide_product(x)
     return stiff if omega2 == 0.0 else stiff - omega2 * system.mass.wide_product(x)
 
@@ -126,22 +132,24 @@ def ports_from_blocks(
     ----------
     held : (n, 3, 3) array
         Base force, base moment and −charge per unit (w_base, ψ_base, U), tip free.
-    through : (n, 3, 2) array
-        The same per unit tip force and moment.
-    follows : (n, 2, 3) array
-        Tip motion per unit (w_base, ψ_base, U), tip free.
-    compliance : (n, 2, 2) array
-        Tip motion per unit tip force and moment.
+    through : (n, 3, t) array
+        The same per unit force on what is seen: on the tip, its moment, at the place of
+        measurement.
+    follows : (n, t, 3) array
+        Motion seen per unit (w_base, ψ_base, U), tip free.
+    compliance : (n, t, t) array
+        Motion seen per unit force on it.
     """
-    stiff = np.linalg.inv(compliance)
-    s = np.zeros((held.shape[0], 5, 5), dtype=complex)
-    s[:, 2:4, 2:4] = stiff
+    stiff, t = np.linalg.inv(compliance), compliance.shape[-1]
+    seen = np.array(_SEEN[:t])
+    s = np.zeros((held.shape[0], 3 + t, 3 + t), dtype=complex)
+    s[:, seen[:, None], seen] = stiff
     tip_by_source = -stiff @ follows
     source_by_tip = through @ stiff
     source = held - source_by_tip @ follows
     for i, at in enumerate(_SOURCE):
-        s[:, 2:4, at] = tip_by_source[:, :, i]
-        s[:, at, 2:4] = source_by_tip[:, i]
+        s[:, seen, at] = tip_by_source[:, :, i]
+        s[:, at, seen] = source_by_tip[:, i]
         for j, other in enumerate(_SOURCE):
             s[:, at, other] = source[:, i, j]
     s[:, 4] *= -1.0  # the symmetric system's last row is minus the charge
@@ -153,5 +161,5 @@ def ports_from_blocks(
 _REFINEMENTS = 8
 #: A step of this size, relative to the solution, is rounding.
 _ROUNDING = 1e-13
-#: Positions in D of (w_base, ψ_base, U).
-_SOURCE = (0, 1, 4)
+#: Positions in D of (w_base, ψ_base, U), and of what is seen.
+_SOURCE, _SEEN = (0, 1, 4), (2, 3, 5)

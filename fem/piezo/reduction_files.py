@@ -143,5 +143,7 @@ def reduced_solid(
 
 
 def made_from(device: Device, mesh: Mesh | Bricks) -> str:
-    """Inputs that identify a solid: tensors, poling, mesh."""
-    return fingerprint(materials(device, mesh.regions, device.piezo.ceramic(), lossy=True), mesh)
+    """Inputs that identify a solid: tensors, poling, mesh, and where its motion is measured."""
+    known = materials(device, mesh.regions, device.piezo.ceramic(), lossy=True)
+    place = [device.measurement.below_tip] if device.measurement.below_tip else []
+    return fingerprint(known, mesh, *place)

@@ -59,5 +59,6 @@ def assemble(
         )
     known = materials(device, mesh.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)
-    body = SkfemBody(mesh, known, unit, device.bimorph if uniform_field else None)
+    uniform, below = device.bimorph if uniform_field else None, device.measurement.below_tip
+    body = SkfemBody(mesh, known, unit, uniform, below)
     return body.system("bending_x" if is_quarter(mesh) else "all")

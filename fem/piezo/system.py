@@ -49,6 +49,11 @@ class EstimatorSpace(Protocol):
         """Contribution to the tip's displacement and rotation (w, 2)."""
         ...
 
+    @property
+    def seen(self) -> Floats:
+        """The same, and to the displacement at the place of measurement, if there is one (w, t)."""
+        ...
+
     def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
         """K x and M x (w, k) of states (n, k); at Ω the residual is f − K x + Ω² M x."""
         ...
@@ -88,6 +93,14 @@ class SolidSystem:
     elimination: Ints | None = None
     #: (n,) The body moved along x by 1, as far as its motions let it
     translation: Floats | None = None
+    #: (n, m) Its column gives the mean displacement of the section where motion is measured; none
+    #: at the tip itself
+    measured: Floats | None = None
+
+    @property
+    def seen(self) -> Floats:
+        """All that is seen of y and loaded, (n, t): the tip, and the place of measurement."""
+        return self.tip if self.measured is None else np.hstack([self.tip, self.measured])
 
     @property
     def has_ports(self) -> bool:

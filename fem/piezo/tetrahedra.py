@@ -26,6 +26,9 @@ from tactgen.geometry.meshing.structured_tets import MIRRORS, is_quarter, mirror
 
 #: Cells worked on at a time: bounds the memory.
 _CHUNK = 4000
+#: Points along each side of the section over which a mean displacement is taken: Gauss's, more
+#: than the cells are across.
+_POINTS = 12
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,7 @@ class SkfemBody:
     known: dict[str, Material]
     unit: float
     uniform: Bimorph | None
+    below_tip: float = 0.0  #: Of the place where motion is measured (m)
 
     @cached_property
     def basis(self) -> Any:
@@ -146,6 +150,7 @@ class SkfemBody:
             stiffness=unknowns.bordered(stiffness),
             mass=unknowns.bordered(mass),
             tip=unknowns.seen(self._tip_functionals()),
+            measured=unknowns.seen(self._measured_functional()) if self.below_tip else None,
             expand=unknowns.expansion(source, sign * scale),
             nodes=nodes,
             node_mass=nodal[source] / np.bincount(source)[source],
@@ -198,6 +203,21 @@ class SkfemBody:
         for name in names:
             mask[self.basis.get_dofs(name).flatten()] = True
         return mask
+
+    def _measured_functional(self) -> Floats:
+        """(4 n, 1): mean u_x over the section at the place of measurement."""
+        corners = self.mesh.points[self.mesh.cells]
+        z = corners[..., 2]
+        height = float(z.max()) - self.below_tip
+        # no cell reaches out of the layers that there are at that height
+        met = corners[(z.min(axis=1) < height) & (height <= z.max(axis=1))].reshape(-1, 3)
+        share, line = np.polynomial.legendre.leggauss(_POINTS)
+        x, y = (np.interp(share, [-1.0, 1.0], [met[:, k].min(), met[:, k].max()]) for k in (0, 1))
+        points = np.stack([*map(np.ravel, np.meshgrid(x, y)), np.full(x.size * y.size, height)])
+        weights = np.outer(line, line).ravel()
+        out = np.zeros((self.basis.N, 4, 1))
+        out[:, 0, 0] = weights @ self.basis.probes(points) / weights.sum()
+        return out.reshape(-1, 1)
 
     def _tip_functionals(self) -> Floats:
         """(4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""

@@ -190,10 +190,6 @@ class Bricks:
         mask[:, :, 1:] = False
         return mask
 
-    def tip_slabs(self) -> tuple[Slab, ...]:
-        """Slabs that reach the tip face."""
-        return tuple(slab for slab in self.slabs if slab.z[1] == self.z.intervals)
-
     def electrodes(self) -> tuple[Bools, Bools]:
         """Masks (nx, ny, nz) of the nodes of the electrodes at the voltage and at 0 V."""
         hot, cold = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=bool)

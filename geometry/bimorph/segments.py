@@ -7,7 +7,7 @@ stated here; each model computes its own section constants from them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any, Literal
@@ -91,6 +91,26 @@ def beam_pieces(device: Device, support: Support) -> tuple[Piece, ...]:
     if bimorph.tip_extension > 0.0:
         pieces.append(Piece("shim", bimorph.tip_extension))
     return tuple(pieces)
+
+
+def measured_pieces(device: Device, support: Support) -> list[Piece]:
+    """Pieces with the one divided in which the place of measurement lies, if it is not the tip."""
+    bimorph, below = device.bimorph, device.measurement.below_tip
+    found, rest = list(beam_pieces(device, support)), below
+    for k in range(len(found) - 1, -1, -1):
+        piece, rest = found[k], rest - found[k].length
+        if not below or abs(rest) < _APART * piece.length:
+            break
+        if rest < 0.0:
+            share = -rest / piece.length
+            lower = replace(piece, length=-rest)
+            upper = replace(piece, length=rest + piece.length)
+            if piece.ends is not None:
+                at = piece.layers(bimorph, share)
+                lower = replace(lower, ends=(piece.ends[0], at))
+                upper = replace(upper, ends=(at, piece.ends[1]))
+            return [*found[:k], lower, upper, *found[k + 1 :]]
+    return found
 
 
 @dataclass(frozen=True)
@@ -240,10 +260,14 @@ class CentreLine:
     voltage: complex  #: Across each layer (V)
     frequency: float  #: Hz
 
-    @property
-    def tip(self) -> complex:
-        """Displacement of the tip (m)."""
-        return complex(self.w[-1])
+    def measured(self, below_tip: float) -> complex:
+        """Displacement (m) at a distance (m) below the tip, by a cubic through the stations."""
+        from scipy.interpolate import CubicSpline  # slow to import
+
+        if not below_tip:
+            return complex(self.w[-1])
+        z, at = np.unique(self.z, return_index=True)
+        return complex(CubicSpline(z, self.w[at])(self.z[-1] - below_tip))
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ def check_bimorph(device: Device, support: Support) -> None:
     """
     _check_ceramic(device.bimorph)
     _check_layers(device.bimorph, support)
+    _check_place(device, support)
     if support.kind == "rod":
         _check_joint(device)
 
@@ -123,6 +124,29 @@ def _check_ceramic(bimorph: Bimorph) -> None:
             f"bimorph.bare_below = {bimorph.bare_below * mm:g} mm and bimorph.bare_above = "
             f"{bimorph.bare_above * mm:g} mm leave no electrode on bimorph.length = "
             f"{bimorph.length * mm:g} mm; make them shorter"
+        )
+
+
+def _check_place(device: Device, support: Support) -> None:
+    """Refuse a place of measurement that is not on the bimorph above what holds it."""
+    inside = device.bimorph.tab_length - device.ceramic_base if support.kind == "rod" else 0.0
+    free, below = device.bimorph.height - inside, device.measurement.below_tip
+    if below >= free - _ROUNDING:
+        raise InputError(
+            f"measurement.below_tip = {below * 1e3:g} mm is not on the bimorph, whose tip is "
+            f"{free * 1e3:g} mm above what holds it; measure less far below the tip"
+        )
+
+
+def check_read_at_tip(device: Device) -> None:
+    """Refuse a place of measurement other than the tip.
+
+    Raises InputError in one sentence that names the models that know one.
+    """
+    if below := device.measurement.below_tip:
+        raise InputError(
+            f"measurement.below_tip = {below * 1e3:g} mm is unknown to the model lumped, which has "
+            "no shape between base and tip; ask for models=tmm,beam,solid, or set 0 mm"
         )
 
 

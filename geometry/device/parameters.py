@@ -23,6 +23,7 @@ from tactgen.geometry.device.support_load_drive import (
     Guide,
     Limits,
     Load,
+    Measurement,
     Spring,
     Support,
     Threshold,
@@ -30,15 +31,16 @@ from tactgen.geometry.device.support_load_drive import (
 
 __all__ = [
     "NOMINAL_GAP", "Beam", "Bimorph", "Circuit", "Coil", "Contact", "Device", "Display", "Drive",
-    "Glue", "Guide", "Limits", "Load", "Parameters", "Piezo", "Rod", "Scatter", "Shim", "Skin",
-    "Sleeve", "Spring", "Steel", "Support", "Threshold", "sources", "spreads",
+    "Glue", "Guide", "Limits", "Load", "Measurement", "Parameters", "Piezo", "Rod", "Scatter",
+    "Shim", "Skin", "Sleeve", "Spring", "Steel", "Support", "Threshold", "sources", "spreads",
 ]  # fmt: skip
 
 
 class Device(Parameters):
-    """One tactile generator: dimensions and materials."""
+    """One tactile generator: dimensions and materials, and where its motion is measured."""
 
     bimorph: Bimorph = Bimorph()
+    measurement: Measurement = Measurement()
     piezo: Piezo = Piezo()
     shim: Shim = Shim()
     glue: Glue = Glue()

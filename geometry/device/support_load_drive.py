@@ -7,6 +7,7 @@ from typing import Literal
 from tactgen.geometry import units as u
 from tactgen.geometry.device.materials import Own
 from tactgen.geometry.device.parameter_group import PAPER_4, Parameters, field, printed
+from tactgen.geometry.formats import engineering
 
 #: How far a support of somebody else may lie from what is said of it.
 _FITTED = Own("support", 0.2)
@@ -117,6 +118,22 @@ class Threshold(Parameters):
         "used by kind table: a CSV file with the columns frequency and threshold (peak amplitude "
         "of the displacement), each with its unit",
     )
+
+
+class Measurement(Parameters):
+    """Where motion is read."""
+
+    below_tip: u.LengthOrZero = field(
+        0.0,
+        "paper Fig 13, left: at the upper end",
+        "distance below the tip at which the motion of the tip is measured in place of the tip's "
+        "own, as where a laser looks below a support plate",
+    )
+
+    @property
+    def place(self) -> str:
+        """Where motion is read, in words."""
+        return f"{engineering(self.below_tip, 'm')} below the tip" if self.below_tip else "the tip"
 
 
 class Drive(Parameters):

@@ -35,7 +35,7 @@ from tactgen.geometry.device.profile import UNIFORM
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.beam.modes import natural_frequencies
-from tactgen.tmm.beam.scattering import Element, joined
+from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import (
     Section,
     energy_shear_correction,
@@ -44,7 +44,7 @@ from tactgen.tmm.beam.sections import (
     without_electrode,
 )
 from tactgen.tmm.chebyshev import Products
-from tactgen.tmm.ports.multiport import BIMORPH, Multiport
+from tactgen.tmm.ports.multiport import Multiport
 
 #: Coefficients, their ranges and their errors, as ``tactgen calibrate`` writes them.
 FILE = Path(__file__).with_name("calibration.json")
@@ -419,11 +419,13 @@ def with_inertia(entry: Element, factor: float) -> Element:
     return replace(element, m=element.m * factor, rhoI=element.rhoI * factor), length
 
 
-def multiport(row: Sequence[Element], factors: SectionFactors, frequencies: Floats) -> Multiport:
-    """Calibrated row over its five ports (parallel wiring)."""
+def multiport(
+    row: Sequence[Element], factors: SectionFactors, frequencies: Floats, below_tip: float = 0.0
+) -> Multiport:
+    """Calibrated row over its ports (parallel wiring), see :mod:`tmm.beam.transfer_matrix`."""
     at = np.atleast_1d(np.asarray(frequencies, dtype=float))
     omega = 2.0 * np.pi * factors.of_beam(at)
-    return Multiport(at, joined(row, omega), BIMORPH)
+    return transfer_matrix.chain(row, at, below_tip, omega)
 
 
 def bending_frequencies(

@@ -15,6 +15,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.device.checks import check_read_at_tip
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Joint, Section
@@ -87,6 +88,7 @@ def multiport(
     segments: int = SEGMENTS,
 ) -> Multiport:
     """Lumped model of the device over its five ports (parallel wiring)."""
+    check_read_at_tip(device)
     frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
     model = lumped_model(sections(device, support, beam, lossy=lossy, segments=segments))
     o2 = (2.0 * np.pi * frequencies)[:, None, None] ** 2

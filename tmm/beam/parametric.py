@@ -16,7 +16,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.bimorph.segments import Layers, Piece, beam_pieces
+from tactgen.geometry.bimorph.segments import Layers, Piece, measured_pieces
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Drive, Load, Support
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, quoted
@@ -24,7 +24,7 @@ from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, chain, elements
 from tactgen.tmm.ports.elements import attach, ends_of
-from tactgen.tmm.ports.multiport import Multiport, Response, in_series, respond
+from tactgen.tmm.ports.multiport import MEASURED, Multiport, Response, in_series, respond
 
 #: Values by scene key, each a number or an array over the points.
 Values = Mapping[str, Any]
@@ -152,32 +152,40 @@ def terminated(
     Raises InputError if the row of pieces does not follow a key smoothly.
     """
     row, ends, series = _mounted(actuator, values, lossless=lossless)
-    return attach(_wired(chain(row, frequencies), series=series), ends)
+    return attach(_wired(_chain(actuator, row, frequencies), series=series), ends)
 
 
 def tip_response(
     actuator: Actuator, values: Values, frequencies: Floats, *, lossless: bool = False
 ) -> Response:
-    """Motion of the tip and charge (n,) per volt, wired as the device is.
+    """Motion of tip and place of measurement, and charge (n,) per volt, wired as the device is.
 
     In closed form for one uniform beam, by D(Ω) for any other row, a block of points at a
     time; arguments as of :func:`terminated`.
     """
     f = np.asarray(frequencies, dtype=float)
-    w_tip, psi_tip, charge = (np.empty(f.size, dtype=complex) for _ in range(3))
+    below = actuator.device.measurement.below_tip
+    names = ("w_tip", "psi_tip", *([MEASURED.name] if below else []))
+    motion = {name: np.empty(f.size, dtype=complex) for name in names}
+    charge = np.empty(f.size, dtype=complex)
     for start in range(0, f.size, _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
         here = {key: v[part] if np.ndim(v) else v for key, v in values.items()}
         row, ends, series = _mounted(actuator, here, lossless=lossless)
-        closed = uniform_response(row, ends, f[part], series=series)
+        closed = None if below else uniform_response(row, ends, f[part], series=series)
         if closed is not None:
             found = closed.response
         else:
-            port = _wired(chain(row, f[part]), series=series)
+            port = _wired(_chain(actuator, row, f[part]), series=series)
             found = respond(attach(port, ends), {"voltage": 1.0})
-        w_tip[part], psi_tip[part] = found.motion["w_tip"], found.motion["psi_tip"]
+        for name, values_of in motion.items():
+            values_of[part] = found.motion[name]
         charge[part] = found.effort["voltage"]
-    return Response({"w_tip": w_tip, "psi_tip": psi_tip}, {"voltage": charge})
+    return Response(motion, {"voltage": charge})
+
+
+def _chain(actuator: Actuator, row: list[Element], frequencies: Floats) -> Multiport:
+    return chain(row, frequencies, actuator.device.measurement.below_tip)
 
 
 def _wired(port: Multiport, *, series: bool) -> Multiport:
@@ -203,7 +211,7 @@ def _pieces(actuator: Actuator, values: Values) -> list[Piece]:
     sums and differences of parameters, so that one step gives each slope exactly; a piece
     itself cannot be made with arrays, since it takes comparisons.
     """
-    row = beam_pieces(actuator.device, actuator.support)
+    row = measured_pieces(actuator.device, actuator.support)
     dimensions: list[list[Any]] = [list(_dimensions(piece)) for piece in row]
     for key, value in values.items():
         slopes = _slopes(actuator, key)
@@ -219,12 +227,12 @@ def _slopes(actuator: Actuator, key: str) -> Floats | None:
 
     None if pieces appear or vanish.
     """
-    row = beam_pieces(actuator.device, actuator.support)
+    row = measured_pieces(actuator.device, actuator.support)
     if key.partition(".")[0] not in ("bimorph", "rod", "glue"):
         return np.zeros((len(row), 8))
     value = actuator.value(key)
     more, less = (
-        beam_pieces(actuator.with_values({key: value * (1.0 + s)}).device, actuator.support)
+        measured_pieces(actuator.with_values({key: value * (1.0 + s)}).device, actuator.support)
         for s in (_STEP, -_STEP)
     )
     kinds = [[(piece.section, piece.electrode) for piece in pieces] for pieces in (row, more, less)]

@@ -10,17 +10,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.segments import Piece, beam_pieces
+from tactgen.geometry.bimorph.segments import Piece, beam_pieces, measured_pieces
 from tactgen.geometry.device.materials import lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.scattering import Element, joined
 from tactgen.tmm.beam.sections import Constant, Joint, Section, section, segmented
 from tactgen.tmm.beam.span import dynamic_stiffness
-from tactgen.tmm.ports.multiport import BIMORPH, Multiport
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport, measured_between
 
 
 def bonded_tab(piece: Piece, device: Device, beam: Beam, *, lossy: bool = False) -> Joint:
@@ -55,21 +57,30 @@ def _diagonal(first: Constant, second: Constant) -> Constant:
     return np.stack(np.broadcast_arrays(first, second), axis=-1)[..., None] * np.eye(2)
 
 
+#: Lengths whose sums differ by no more, relative, are equal.
+_ROUNDING = 1e-12
 #: Segments of a tapered piece.
 SEGMENTS = 32
 
 
 def sections(
-    device: Device, support: Support, beam: Beam, *, lossy: bool, segments: int = SEGMENTS
+    device: Device,
+    support: Support,
+    beam: Beam,
+    *,
+    lossy: bool,
+    segments: int = SEGMENTS,
+    measured: bool = False,
 ) -> list[Element]:
     """(section or joint, length) of every element from base to tip.
 
     A tapered piece is divided into `segments`; the error of every result falls with the
-    fourth power of their number.
+    fourth power of their number.  What is read inside a segment is worse, so where something is
+    `measured` a piece ends.
     """
     return [
         element
-        for piece in beam_pieces(device, support)
+        for piece in (measured_pieces if measured else beam_pieces)(device, support)
         for element in elements(piece, device, beam, lossy=lossy, segments=segments)
     ]
 
@@ -95,10 +106,47 @@ def _section_at(piece: Piece, device: Device, beam: Beam, lossy: bool, share: fl
     return section(piece, device, beam, lossy=lossy, share=share)
 
 
-def chain(row: Sequence[Element], frequencies: Floats) -> Multiport:
-    """Multiport of elements joined end to end."""
-    frequencies = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    return Multiport(frequencies, joined(row, 2.0 * np.pi * frequencies), BIMORPH)
+def chain(
+    row: Sequence[Element], frequencies: Floats, below_tip: float = 0.0, omega: Floats | None = None
+) -> Multiport:
+    """Multiport of elements joined end to end.
+
+    Parameters
+    ----------
+    below_tip : float
+        Distance from the tip (m) of the place of measurement, a port if this is not 0.
+    omega : (n,) array, optional
+        Angular frequencies (rad/s) at which the elements are taken, if not those of `frequencies`.
+    """
+    f = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    at = 2.0 * np.pi * f if omega is None else omega
+    parts = [Multiport(f, joined(part, at), BIMORPH) for part in divided(row, below_tip)]
+    return measured_between(*parts) if len(parts) == 2 else parts[0]
+
+
+def divided(row: Sequence[Element], below_tip: float) -> list[list[Element]]:
+    """Row below and above a distance from the tip (m); the whole row if that is 0.
+
+    Raises InputError if the row's lengths are arrays, and the distance does not end in the same
+    element for all of them.
+    """
+    if not below_tip:
+        return [list(row)]
+    rest: Any = below_tip
+    rounding = _ROUNDING * below_tip
+    for k in range(len(row) - 1, -1, -1):
+        element, length = row[k]
+        if np.all(length > rest + rounding):
+            return [[*row[:k], (element, length - rest)], [(element, rest), *row[k + 1 :]]]
+        if np.any(length > rest + rounding):
+            break
+        rest = rest - length
+        if np.all(np.abs(rest) <= rounding):
+            return [list(row[:k]), list(row[k:])]
+    raise InputError(
+        f"measurement.below_tip = {below_tip * 1e3:g} mm ends in another part of the bimorph where "
+        "its lengths vary; measure less far below the tip"
+    )
 
 
 def multiport(
@@ -110,5 +158,6 @@ def multiport(
     lossy: bool = True,
     segments: int = SEGMENTS,
 ) -> Multiport:
-    """Transfer-matrix model of the device over its five ports (parallel wiring)."""
-    return chain(sections(device, support, beam, lossy=lossy, segments=segments), frequencies)
+    """Transfer-matrix model of the device over its ports (parallel wiring)."""
+    row = sections(device, support, beam, lossy=lossy, segments=segments, measured=True)
+    return chain(row, frequencies, device.measurement.below_tip)

@@ -46,6 +46,7 @@ from tactgen.tmm.ports.multiport import (
     AXIAL,
     CURRENT,
     LATERAL,
+    MEASURED,
     ROTATION,
     Multiport,
     Port,
@@ -165,7 +166,8 @@ def machine(bimorph: Multiport, linear: Linearised) -> Multiport:
     The bimorph moves along the axis as a rigid mass, which is in `linear`; so u is the tip's
     axial motion, too.
     """
-    return reduce(joined(bimorph, linear), MACHINE)
+    found = joined(bimorph, linear)
+    return reduce(found, [name for name in (*MACHINE, MEASURED.name) if name in found.names])
 
 
 def joined(bimorph: Multiport, linear: Linearised) -> Multiport:
@@ -241,8 +243,8 @@ def _spring_and_guide(device: Device, tilt: float) -> Floats:
     return np.asarray(held + spring.stiffness * np.outer(lever, lever))
 
 
-#: What is given, and what follows, of the bimorph's ports.
-_DRIVEN, _FREE = ("psi_base", "voltage"), ("w_base", "w_tip", "psi_tip")
+#: What is given, and what follows, of the bimorph's ports; the last only if it is one.
+_DRIVEN, _FREE = ("psi_base", "voltage"), ("w_base", "w_tip", "psi_tip", MEASURED.name)
 
 
 @dataclass(frozen=True)
@@ -255,7 +257,7 @@ class RockingHead:
     oscillator: Oscillator
     stops: Stops  #: What the head touches
     #: From frequencies (n,) in Hz to what the bimorph with load, lateral support and the head's
-    #: inertia, but not what resists the tilt, does when tilt and voltage are given, (n, 10): the
+    #: inertia, but not what resists the tilt, does when tilt and voltage are given, (n, 2 k): the
     #: efforts there, then the other motions, see :func:`_seen`
     attached: Tabulated
 
@@ -263,11 +265,12 @@ class RockingHead:
         """All motions and the charge at the harmonics (H + 1,) of an orbit."""
         n = np.arange(orbit.harmonics + 1)
         drive = np.stack([orbit.spectrum[:, 1], orbit.level * (n == 1)], axis=-1)
-        answers = self.attached(n * orbit.frequency).reshape(-1, 5, 2) @ drive[..., None]
+        attached = self.attached(n * orbit.frequency)
+        answers = attached.reshape(n.size, -1, 2) @ drive[..., None]
         given = dict(zip(_DRIVEN, drive.T, strict=True))
         effort, motion = answers[:, :2, 0].T, answers[:, 2:, 0].T
         return Response(
-            {**given, **dict(zip(_FREE, motion, strict=True))},
+            {**given, **dict(zip(_FREE, motion, strict=False))},
             dict(zip(_DRIVEN, effort, strict=True)),
         )
 
@@ -300,7 +303,7 @@ def rocking_head(
     Parameters
     ----------
     bimorph : callable
-        From frequencies (n,) in Hz, 0 among them, to the bimorph's five ports, wired as it is.
+        From frequencies (n,) in Hz, 0 among them, to the bimorph's ports, wired as it is.
     tip : TipLoad or law
         What the tip moves laterally; at harmonics, too.
     forces : AxialForces
@@ -353,7 +356,7 @@ def rocking_head(
 
 
 def _seen(port: Multiport) -> Complex:
-    """Efforts at tilt and voltage, then the free motions, per tilt and per volt (n, 10)."""
+    """Efforts at tilt and voltage, then the free motions, per tilt and per volt (n, 2 k)."""
     seen, follows = eliminated(port, _DRIVEN)
     parts = (seen.stiffness, follows)
     return np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1)

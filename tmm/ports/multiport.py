@@ -71,6 +71,8 @@ BIMORPH = (
     Port("psi_tip", ROTATION),
     Port("voltage", VOLTAGE),
 )
+#: The place below the tip at which its motion is measured, if one is asked for: nothing acts there.
+MEASURED = Port("w_measured", LATERAL)
 
 
 @storable
@@ -211,6 +213,13 @@ def connect(
     d[:, : len(first.ports), : len(first.ports)] = first.stiffness
     d[:, at[:, None], at] += second.stiffness
     return Multiport(first.frequencies, d, ports)
+
+
+def measured_between(lower: Multiport, upper: Multiport) -> Multiport:
+    """Lateral actuator of two, one on the other, with the place where they meet as a port."""
+    below = lower.renamed({"w_tip": MEASURED.name, "psi_tip": "psi_measured"})
+    joints = {MEASURED.name: "w_base", "psi_measured": "psi_base", "voltage": "voltage"}
+    return reduce(connect(below, upper, joints), [port.name for port in (*BIMORPH, MEASURED)])
 
 
 def _check_joint(one: Port, other: Port) -> None:

@@ -6,27 +6,29 @@ read the same formula.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.tmm.ports.excitation import ELECTRICAL, UNIT_VOLTAGE, Excitation
-from tactgen.tmm.ports.multiport import BIMORPH, VOLTAGE, Multiport, Response, respond
+from tactgen.tmm.ports.multiport import BIMORPH, MEASURED, VOLTAGE, Multiport, Response, respond
 
 #: The bimorph's mechanical ports.
 MECHANICAL = tuple(port.name for port in BIMORPH if port.pair != VOLTAGE)
 
 Electrodes = Literal["short", "open"]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Readout:
     """A variable of one port under the scene's excitation or another, everything attached."""
 
-    port: str  #: Name of the port
+    #: Name of the port; the motion of `w_tip` is that of the place of measurement, if there is one
+    port: str
     #: Displacement-like variable, or force-like (charge at the electrical port)
     of: Literal["motion", "effort"]
     #: How many times jΩ multiplies it: 1 for a velocity or a current, 2 for an acceleration
@@ -85,7 +87,11 @@ class Readout:
 
     def variable(self, response: Response) -> Complex:
         """Port's variable (n,)."""
-        return (response.motion if self.of == "motion" else response.effort)[self.port]
+        return (
+            measured(response.motion, self.port)
+            if self.of == "motion"
+            else response.effort[self.port]
+        )
 
     def scaled(self, variable: Complex, voltage: Any, frequencies: Floats) -> Complex:
         """Quantity (n,) from the port's variable (n,) per volt."""
@@ -99,6 +105,11 @@ class Readout:
             return np.asarray(size / self.level(frequencies))
         # no voltage moves what does not respond
         return np.asarray(self.level(frequencies) / np.where(size > 0.0, size, np.nan))
+
+
+def measured(motion: Mapping[str, T], port: str = "w_tip") -> T:
+    """Motion of a port; of the tip's displacement that at the place where it is measured."""
+    return motion[MEASURED.name if port == "w_tip" and MEASURED.name in motion else port]
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,7 @@ MACHINE = (
     "spring", "contact", "guide", "load.normal_force",
 )  # fmt: skip
 #: One unit beside the others: its board and its skin; and units that differ.
-CROSSTALK = (*MACHINE, "support.kind", "load", "frequency", "display", "skin")
+CROSSTALK = (*MACHINE, "measurement", "support.kind", "load", "frequency", "display", "skin")
 SPREAD = (*MACHINE, "support", "load", "display", "scatter", "modes")
 
 #: Springs of a contact: equilibrium of the rod and weight of what moves.  With a current also the
@@ -192,13 +192,13 @@ _MESHER = ("tactgen.geometry.meshing.tetwild",)
 
 _SOLID_KEPT = ("static", "modal", "ports")
 _SOLID_STAGES: Mapping[str, tuple[str, ...]] = {
-    "mesh": SOLID,
-    "assembly": SOLID,
-    "static": SOLID,
+    "mesh": (*SOLID, "measurement"),
+    "assembly": (*SOLID, "measurement"),
+    "static": (*SOLID, "measurement"),
     "modal": (*SOLID, "modes"),
     "modes_short": (*SOLID, *ENDS, "modes"),
     "modes_open": (*SOLID, *ENDS, "modes"),
-    "ports": (*SOLID, "frequency"),
+    "ports": (*SOLID, "measurement", "frequency"),
     "machine": MACHINE,
     "crosstalk": (*SOLID, *CROSSTALK),
 }
@@ -216,8 +216,8 @@ _SOLID_GIVES: Mapping[Need, tuple[str, ...]] = {
 
 def _row_stages(*modes: str) -> dict[str, tuple[str, ...]]:
     return {
-        "ports": (*BEAM, "frequency"),
-        "static": BEAM,
+        "ports": (*BEAM, "measurement", "frequency"),
+        "static": (*BEAM, "measurement"),
         "modes": (*BEAM, *ENDS, *modes),
         "machine": MACHINE,
         "crosstalk": CROSSTALK,

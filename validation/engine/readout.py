@@ -25,7 +25,7 @@ from tactgen.tmm.ports.excitation import (
     superposed,
 )
 from tactgen.tmm.ports.loads import OF_THE_TABLE, disturbed
-from tactgen.tmm.ports.multiport import Multiport, Response, in_series
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport, Response, in_series, reduce
 from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
 from tactgen.validation.catalogue.quantities import (
     AnswerReadout,
@@ -120,7 +120,7 @@ def _matrix(model: Model, refined: Refined[Multiport], ends: Ends) -> Estimate:
     rounding = rounding_of_ports(refined, attach(refined.fine, ends))
 
     def of(port: Multiport) -> Array:
-        return _wired(model.scene, port).stiffness
+        return reduce(_wired(model.scene, port), [port.name for port in BIMORPH]).stiffness
 
     return _judge(refined, of, rounding[:, None, None], balanced_size)
 

@@ -32,6 +32,7 @@ from tactgen.tmm.harmonic_balance.steady import (
 )
 from tactgen.tmm.ports.elements import ends_of
 from tactgen.tmm.ports.multiport import Multiport, in_series
+from tactgen.tmm.ports.readout import measured
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.scene.inputs import values_read
 from tactgen.validation.scene.scene import Scene
@@ -129,7 +130,7 @@ def response_curve(
     return Curve(
         voltage=voltage,
         frequencies=np.array([o.frequency for o in orbits]),
-        displacement=np.array([head.response(o).motion["w_tip"][1] for o in orbits]),
+        displacement=np.array([measured(head.response(o).motion)[1] for o in orbits]),
         stable=_stable(head, branch),
         peaks=tuple(sorted(found, key=lambda p: -p.velocity)),
         folds=tuple(at.orbit.frequency for at in turns),
@@ -164,7 +165,7 @@ def response_branch(
 
 def speed(head: RockingHead) -> Callable[[Orbit], complex]:
     """Readout of the tip velocity's first harmonic (m/s) off an orbit."""
-    return lambda o: 1j * o.omega * complex(head.response(o).motion["w_tip"][1])
+    return lambda o: 1j * o.omega * complex(measured(head.response(o).motion)[1])
 
 
 def moment_share(head: RockingHead, orbit: Orbit) -> float:
@@ -340,7 +341,7 @@ def voltage_for(head: RockingHead, frequency: float, displacement: float, most: 
 
 
 def _tip(head: RockingHead, orbit: Orbit) -> complex:
-    return complex(head.response(orbit).motion["w_tip"][1])
+    return complex(measured(head.response(orbit).motion)[1])
 
 
 def _raised(head: RockingHead, frequency: float, voltage: float) -> tuple[Orbit, ...]:
@@ -358,8 +359,8 @@ def _raised(head: RockingHead, frequency: float, voltage: float) -> tuple[Orbit,
 
 #: Scene keys and groups that the answers depend on.
 _READS = (
-    "bimorph", "piezo", "shim", "glue", "beam", "rod", "coil", "sleeve", "steel.curve", "gap",
-    "spring", "contact", "guide", "support.kind", "load", "drive", "models",
+    "bimorph", "measurement", "piezo", "shim", "glue", "beam", "rod", "coil", "sleeve",
+    "steel.curve", "gap", "spring", "contact", "guide", "support.kind", "load", "drive", "models",
 )  # fmt: skip
 
 
@@ -453,15 +454,17 @@ def _row(scene: Scene, model: str) -> FivePort:
 
     if model == "lumped":
         return lambda f: lumped.multiport(scene.device, scene.support, scene.beam, f, lossy=True)
-    row = transfer_matrix.sections(scene.device, scene.support, scene.beam, lossy=True)
-    return lambda f: transfer_matrix.chain(row, f)
+    parts = scene.device, scene.support, scene.beam
+    row = transfer_matrix.sections(*parts, lossy=True, measured=True)
+    return lambda f: transfer_matrix.chain(row, f, scene.measurement.below_tip)
 
 
 def _beam(scene: Scene, _: str) -> FivePort:
     from tactgen.fem import beam
 
     count = beam.elements_for(scene.device, _highest(scene))
-    matrices = beam.assemble(scene.device, scene.support, scene.beam, elements=count, lossy=True)
+    parts = scene.device, scene.support, scene.beam
+    matrices = beam.assemble(*parts, elements=count, lossy=True, measured=True)
     return lambda frequencies: beam.condense(matrices, frequencies)
 
 

@@ -77,8 +77,9 @@ def held_system(scene: Scene, load: Chain, volts: float) -> System:
     base = scene.ends.base
     check_base_held(scene, "a run in time")
     beam = assemble(scene.device, scene.support, scene.beam,
-                    elements=elements_for(scene.device, _HIGHEST), lossy=True)  # fmt: skip
-    w, psi, tip, _ = beam.ports
+                    elements=elements_for(scene.device, _HIGHEST), lossy=True,
+                    measured=True)  # fmt: skip
+    w, psi, tip, _ = map(int, beam.ports)
     stiffness, mass = beam.stiffness.copy(), beam.mass.copy()
     if base is not None:
         stiffness[w, w] += base.lateral_stiffness
@@ -89,18 +90,19 @@ def held_system(scene: Scene, load: Chain, volts: float) -> System:
     free = np.setdiff1d(np.arange(mass.shape[0]), held)
     bent = np.zeros(mass.shape[0])
     bent[free] = np.linalg.solve(stiffness.real[np.ix_(free, free)], beam.coupling.real[free])
-    scale = max(abs(float(share * volts * bent[tip])), _STILL)
+    scale = max(abs(float(share * volts * bent[beam.seen])), _STILL)
     stiffness[tip, tip] += load.stiffness[0, 0]
     mass[tip, tip] += load.mass[0, 0]
-    reads_tip = np.eye(mass.shape[0])[tip]
     modes = bimorph_modes(
-        stiffness, mass, share * beam.coupling, share**2 * beam.capacitance, held, reads_tip,
+        stiffness, mass, share * beam.coupling, share**2 * beam.capacitance, held, tip, beam.seen,
         _HIGHEST,
     )  # fmt: skip
     k, parts = modes.omega.size, load.mass.shape[0] - 1
     own = slice(0, k)
-    seen = np.concatenate([modes.tip[held.size :], np.zeros(parts)])
-    loaded = np.vstack([seen, np.eye(k + parts)[k:]])
+    carries, seen = (
+        np.concatenate([row[held.size :], np.zeros(parts)]) for row in (modes.tip, modes.seen)
+    )
+    loaded = np.vstack([carries, np.eye(k + parts)[k:]])
     left = {"mass": load.mass.copy(), "stiffness": load.stiffness.copy()}
     for matrix in left.values():
         matrix[0, 0] = 0.0  # in the modes
@@ -120,7 +122,9 @@ def held_system(scene: Scene, load: Chain, volts: float) -> System:
         load=np.zeros(k + parts),
         coupling=coupling,
         capacitance=modes.capacitance,
-        outputs={"lateral_tip": Output(seen, "m", scale, "lateral motion of the tip")},
+        outputs={
+            "lateral_tip": Output(seen, "m", scale, f"lateral motion of {scene.measurement.place}")
+        },
     )
 
 

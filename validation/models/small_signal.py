@@ -34,6 +34,7 @@ from tactgen.tmm.generator.transient.time_integration import error_bar
 from tactgen.tmm.ports.elements import load_tip
 from tactgen.tmm.ports.loads import disturbed
 from tactgen.tmm.ports.multiport import Multiport, in_series, respond
+from tactgen.tmm.ports.readout import measured
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.coenergy_fit import thinned
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
@@ -259,11 +260,12 @@ class SmallSignal:
 
         def of(port: Multiport) -> Complex:
             driven = respond(port, {"voltage": 1.0, "current": 0.0})
+            moved = measured(driven.motion, motion)
             if self.scene.coil.supply == "current":
-                return driven.motion[motion]
+                return moved
             alone = respond(port, {"voltage": 0.0, "current": 1.0})
             induced = -2j * np.pi * port.frequencies * driven.effort["current"]
-            return driven.motion[motion] + alone.motion[motion] * induced / self._impedance(port)
+            return moved + measured(alone.motion, motion) * induced / self._impedance(port)
 
         return self._judged(of)
 

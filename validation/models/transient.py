@@ -136,15 +136,14 @@ def scene_modes(scene: Scene) -> BimorphModes:
     """Modes of a scene's bimorph above the rod's head, by beam elements."""
     found = scene_beam(scene)[1]
     share = 0.5 if scene.bimorph.wiring == "series" else 1.0
-    tip = np.zeros(found.mass.shape[0])
-    tip[found.ports[2]] = 1.0
     return bimorph_modes(
         found.stiffness,
         found.mass,
         share * found.coupling,
         share**2 * found.capacitance,
         found.ports[:2],
-        tip,
+        int(found.ports[2]),
+        found.seen,
         _HIGHEST,
     )
 
@@ -155,7 +154,8 @@ def scene_beam(scene: Scene) -> tuple[Device, BeamMatrices]:
 
     device = above_the_head(scene.device, scene.support)
     elements = elements_for(device, _HIGHEST)
-    return device, assemble(device, Support(), scene.beam, elements=elements, lossy=True)
+    parts = device, Support(), scene.beam
+    return device, assemble(*parts, elements=elements, lossy=True, measured=True)
 
 
 def above_the_head(device: Device, support: Support) -> Device:

@@ -418,6 +418,8 @@ def _able_models(scene: Scene) -> tuple[str, ...]:
         unable.add("solid")
     if beyond_plain_layers(bimorph):
         unable.add("cad")
+    if scene.measurement.below_tip:
+        unable.add("lumped")
     return tuple(name for name in scene.models if name not in unable)
 
 

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
-from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Device, Measurement
 from tactgen.geometry.display.clearances import check_display
 from tactgen.geometry.files import written_whole
 from tactgen.tmm.generator.transient.machine import MachineStateSpace, machine_state_space
@@ -56,12 +56,14 @@ def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
     from tactgen.fem.piezo.state_space import write_state_space
     from tactgen.validation.models.bimorph.solid import mesh_pair
 
+    # ports are ends: where motion is measured is none
+    device = scene.device.model_copy(update={"measurement": Measurement()})
     mesh = mesh_pair(scene).meshes[0]
     frequencies = np.asarray(scene.frequency, dtype=float)
     # the tolerance of `tactgen solve`, so that one reduction serves both
-    reduced = reduced_solid(scene.device, mesh, frequencies, tolerance=1e-3 * scene.accuracy)
+    reduced = reduced_solid(device, mesh, frequencies, tolerance=1e-3 * scene.accuracy)
     if "ports" in files:
-        write_ports(files["ports"], reduced, made_from=made_from(scene.device, mesh))
+        write_ports(files["ports"], reduced, made_from=made_from(device, mesh))
     if "state_space" in files:
         top = float(frequencies.max())
         bounds = max(float(frequencies.min()), 1e-3 * top), top

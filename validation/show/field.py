@@ -74,7 +74,7 @@ class State:
     #: By the names of :data:`FIELDS`, SI, real or complex peak amplitudes with the time factor
     #: e^{+jΩt}.  Modes are scaled to a largest displacement of :data:`MODE_SIZE`
     fields: Mapping[str, Array]
-    tip: complex = 0.0  #: Mean of u_x over the tip face (m)
+    tip: complex = 0.0  #: Mean of u_x over the tip face, or the section where it is measured (m)
     charge: complex = 0.0  #: On the outer electrodes (C), layers in parallel
     motion: str = ""  #: Class of a mode, as the quantities name it
     #: Coupling factor √(1 − (f_short / f_open)²) of a mode that bends in x; nan of others
@@ -102,6 +102,7 @@ class FieldResult:
     #: Regions that move as rigid bodies: of these only the displacement is known
     rigid: tuple[str, ...] = ()
     conditions: str = ""  #: How the device is held, loaded, wired and driven
+    place: str = "tip"  #: Where the motion of the tip is read
 
     @property
     def has(self) -> tuple[str, ...]:
@@ -281,7 +282,7 @@ def words_of(result: FieldResult, state: State) -> Words:
     if "displacement" not in state.fields:
         pull = "" if state.pull is None else f"pull {with_error(*state.pull, 'N')}"
         return Words("field", pull, state.name, name, "")
-    tip = f"tip {engineering(abs(state.tip), 'm', 4)}"
+    tip = f"{result.place} {engineering(abs(state.tip), 'm', 4)}"
     if state.kind == "static":
         return Words("static", tip, driven.removesuffix(" peak"), "Static", driven[:-5])
     degrees = math.degrees(math.atan2(state.tip.imag, state.tip.real))

@@ -212,4 +212,5 @@ class RowFields:
     def _found(self, line: CentreLine, factor: float = 1.0) -> Found:
         values = factor * self._shape.values(line)
         fields = {"displacement": values[:, :3], "potential": values[:, 3]}
-        return fields, factor * line.tip, factor * line.charge
+        measured = line.measured(self._model.scene.measurement.below_tip)
+        return fields, factor * measured, factor * line.charge

@@ -105,6 +105,7 @@ class _RunStage(Stage):
     def __init__(self, found: Simulation) -> None:
         super().__init__(_BODY, _HEIGHT)
         self._body: MovingBody = body_of(found)
+        self.place = found.scene.measurement.place.removeprefix("the ")
         self.instants = list(_instants(found, _FRAMES))
         mesh = self._body.mesh
         low, high = mesh.points.min(axis=0) * MM, mesh.points.max(axis=0) * MM
@@ -168,7 +169,7 @@ def _words(image: Image, stage: _RunStage, now: Instant) -> None:
     draw.text((left, 74), factors, fill=DIM, font=small)
     curves = (
         ("rod, µm", [1e6 * i.lift for i in instants], 1e6 * now.lift),
-        ("tip, lateral, µm", [1e6 * i.tip for i in instants], 1e6 * now.tip),
+        (f"{stage.place}, lateral, µm", [1e6 * i.tip for i in instants], 1e6 * now.tip),
         ("coil current, mA", [1e3 * i.current for i in instants], 1e3 * now.current),
     )
     tall, until = 165, instants[-1].time or 1.0

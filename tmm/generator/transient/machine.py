@@ -54,7 +54,10 @@ class BimorphModes:
     #: (2, 2) Mass matrix of the bimorph as a rigid body about its base (kg, kg m, kg m²)
     rigid: Floats
     coupling: Floats  #: (k,) Force on the modes per volt across each layer, and charge per mode
-    tip: Floats  #: (k + 2,) Tip displacement (m) of base motions w and ψ, then of the modes
+    #: (k + 2,) Tip displacement (m) of base motions w and ψ, then of the modes; that which is
+    #: measured
+    tip: Floats
+    seen: Floats
     capacitance: float  #: With all motion held (F)
     #: (n, k + 2) The unknowns that the modes were made of, of base motions w and ψ, then of the
     #: modes
@@ -67,7 +70,8 @@ def bimorph_modes(
     coupling: Complex,
     capacitance: complex,
     base: Ints,
-    tip: Floats,
+    tip: int,
+    seen: int,
     highest: float,
 ) -> BimorphModes:
     """Modes of a discretised bimorph.
@@ -83,8 +87,8 @@ def bimorph_modes(
     base : (2,) int
         Unknowns that are w and ψ of a base that moves or is clamped; of one that springs hold, and
         that are in `stiffness`, none (0,).
-    tip : (n,) float
-        Row that reads the tip's displacement.
+    tip, seen : int
+        Unknowns that are the displacement of the tip, and at the place where it is measured.
     highest : float
         Modes above this frequency (Hz) are only there as statics.
     """
@@ -96,7 +100,8 @@ def bimorph_modes(
     dragged = m @ follows + mass[np.ix_(inner, base)]
     squares, shapes = eigh(k.real, m)
     kept = shapes[:, squares < (2.0 * np.pi * highest) ** 2]
-    loads = np.column_stack([coupling.real[inner], tip[inner], dragged])
+    forced = (inner == tip).astype(float)
+    loads = np.column_stack([coupling.real[inner], forced, dragged])
     # the part of the static answers that the modes do not have
     statics = np.linalg.solve(k.real, loads)
     statics -= kept @ (kept.T @ m @ statics)
@@ -108,15 +113,17 @@ def bimorph_modes(
     whole[inner], whole[base] = follows, np.eye(base.size)
     moved = np.zeros((mass.shape[0], basis.shape[1]))
     moved[inner] = basis
+    found = np.hstack([whole, moved])
     return BimorphModes(
         omega=omega,
         damping=np.einsum("ij,ik,kj->j", basis, k.imag, basis) / omega,
         inertia=basis.T @ dragged,
         rigid=whole.T @ mass @ whole,
         coupling=basis.T @ coupling.real[inner],
-        tip=np.concatenate([tip @ whole, tip[inner] @ basis]),
+        tip=found[tip],
+        seen=found[seen],
         capacitance=float(capacitance.real),
-        shapes=np.hstack([whole, moved]),
+        shapes=found,
     )
 
 
@@ -190,7 +197,7 @@ def machine(
     n = 3 + k + parts
     own = slice(3, 3 + k)
     # rows that read the load's coordinates: the tip, then its parts
-    tip: Floats = np.concatenate([[0.0], modes.tip, np.zeros(parts)])
+    tip, seen = (np.concatenate([[0.0], row, np.zeros(parts)]) for row in (modes.tip, modes.seen))
     loaded = np.vstack([tip, np.eye(n)[3 + k :]])
     mass = loaded.T @ load.mass @ loaded
     mass[0, 0] += body.mass + modes.rigid[0, 0] + load.carried
@@ -216,7 +223,7 @@ def machine(
     low, high = pull.gap_limits
     beyond = _BEYOND * max(stops.upper.decay_length, stops.lower.decay_length)
     lateral, axial = np.eye(n)[1], np.eye(n)[0]
-    static = drive_scale * float(modes.tip[2:] @ (modes.coupling / modes.omega**2))
+    static = drive_scale * float(modes.seen[2:] @ (modes.coupling / modes.omega**2))
     bent = max(abs(static), _STILL)
     system = System(
         mass=mass,
@@ -239,11 +246,11 @@ def machine(
         ),
         outputs={
             "rod_lift": Output(axial, "m", stops.stroke, "lift of the rod, 0 on top"),
-            "lateral_tip": Output(tip, "m", bent, "lateral motion of the tip"),
+            "lateral_tip": Output(seen, "m", bent, f"lateral motion of {device.measurement.place}"),
             "head_tilt": Output(
                 np.eye(n)[2], "rad", np.inf, "tilt of the rod's head",
                 # a rocking head turns the tip by its height; what it does to the contact counts too
-                step_scale=bent / (_TURNED * abs(float(tip[2]))),
+                step_scale=bent / (_TURNED * abs(float(seen[2]))),
             ),
         },
     )  # fmt: skip
@@ -372,14 +379,14 @@ def machine_state_space(
     mass[own, :2], mass[:2, own] = modes.inertia, modes.inertia.T
     damping[:3, :3], damping[own, own] = rod.damping, np.diag(modes.damping)
     stiffness[:3, :3], stiffness[own, own] = rod.stiffness, np.diag(modes.omega**2)
-    tip = np.concatenate([modes.tip[:2], [0.0], modes.tip[2:]])
+    tip, seen = (np.insert(row, 2, 0.0) for row in (modes.tip, modes.seen))
     lift = np.eye(n)[_LIFT]
     forces = np.stack([np.concatenate([np.zeros(3), modes.coupling]), tip, rod.motional * lift], 1)
     pushed = np.linalg.solve(mass, np.hstack([-stiffness, -damping, forces]))
     a = np.zeros((2 * n, 2 * n))
     a[:n, n:], a[n:] = np.eye(n), pushed[:, : 2 * n]
     b = np.vstack([np.zeros((n, 3)), pushed[:, 2 * n :]])
-    c = np.hstack([np.stack([tip, lift]), np.zeros((2, n))])
+    c = np.hstack([np.stack([seen, lift]), np.zeros((2, n))])
     inputs: tuple[str, ...] = (*_INPUTS, "coil current (A)")
     outputs: tuple[str, ...] = _OUTPUTS
     if supply == "voltage":

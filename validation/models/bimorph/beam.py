@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -62,8 +62,8 @@ class BeamModel(BeamTheoryModel):
         from tactgen.fem import beam
 
         number = beam.elements_for(self.scene.device, float(frequencies.max()))
-        meshes = self._meshes(number, lossy=lossy)
-        others = self._rounded(number, lossy=lossy)
+        meshes = self._meshes(number, lossy=lossy, measured=True)
+        others = self._rounded(number, lossy=lossy, measured=True)
         fine, middle, coarse = (beam.condense(matrices, frequencies) for matrices in meshes)
         size = np.sqrt(np.abs(np.einsum("nii->ni", fine.stiffness)).max(axis=0))
         before, last = (
@@ -92,25 +92,22 @@ class BeamModel(BeamTheoryModel):
         judges = tuple((Modes(judge, classes), share) for judge, share in coarser)
         return Refined(Modes(fine, classes), judges, self._METHOD)
 
-    def _meshes(self, number: int, *, lossy: bool) -> list[BeamMatrices]:
+    def _meshes(self, number: int, **how: bool) -> list[BeamMatrices]:
         """About `number` elements along the row, half of them and a quarter."""
-        return [
-            self._assembled(number, lossy=lossy, halvings=halvings)
-            for halvings in range(_HALVINGS, -1, -1)
-        ]
+        each = range(_HALVINGS, -1, -1)
+        return [self._assembled(number, halvings=halvings, **how) for halvings in each]
 
-    def _rounded(self, number: int, *, lossy: bool) -> Iterator[BeamMatrices]:
+    def _rounded(self, number: int, **how: bool) -> Iterator[BeamMatrices]:
         """Finest elements again, each time in other units and a little elsewhere."""
         for unit, shift in _OTHERWISE:
-            yield self._assembled(number, lossy=lossy, halvings=_HALVINGS, unit=unit, shift=shift)
+            yield self._assembled(number, halvings=_HALVINGS, unit=unit, shift=shift, **how)
 
     def _assembled(
-        self, number: int, *, lossy: bool, halvings: int, unit: float = 1.0, shift: float = 0.0
+        self, number: int, *, halvings: int, unit: float = 1.0, shift: float = 0.0, **how: bool
     ) -> BeamMatrices:
         from tactgen.fem import beam
 
         s, coarsest = self.scene, math.ceil(number / 2**_HALVINGS)
-        return beam.assemble(
-            s.device, s.support, s.beam,
-            elements=coarsest, halvings=halvings, lossy=lossy, unit=unit, shift=shift,
-        )  # fmt: skip
+        parts = s.device, s.support, s.beam
+        settings: dict[str, Any] = {"halvings": halvings, "unit": unit, "shift": shift} | how
+        return beam.assemble(*parts, elements=coarsest, **settings)

@@ -17,7 +17,7 @@ from tactgen.tmm.beam.calibrated import SectionFactors
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.ports.excitation import ELECTRICAL
-from tactgen.tmm.ports.multiport import BIMORPH, Multiport, Response
+from tactgen.tmm.ports.multiport import Multiport, Response
 from tactgen.validation.models.bimorph.model import TmmModel
 from tactgen.validation.models.model import Modes, Refined, Stages
 from tactgen.validation.scene.scene import Scene
@@ -71,7 +71,7 @@ class CalibratedModel(TmmModel):
 
     def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
         def solved(segments: int, at: Floats = frequencies) -> Multiport:
-            return calibrated.multiport(self._row(lossy=lossy, segments=segments), self.factors, at)
+            return self._of(self._row(lossy=lossy, segments=segments), at)
 
         found = self._judged(solved)
         if not self._against_solid:
@@ -85,15 +85,20 @@ class CalibratedModel(TmmModel):
         if judged:
             return super()._ports_between(frequencies, judged=judged)
         row = self._row(lossy=True)
-        return Refined(calibrated.multiport(row, self.factors, frequencies), (), METHOD)
+        return Refined(self._of(row, frequencies), (), METHOD)
+
+    def _of(self, row: list[Element], frequencies: Floats) -> Multiport:
+        below = self.scene.measurement.below_tip
+        return calibrated.multiport(row, self.factors, frequencies, below)
 
     def _faster(self, solved: Callable[..., Multiport], frequencies: Floats) -> Multiport:
         """D(Ω) of natural frequencies that are off by their error; nan where that is not known."""
         error = self.factors.frequency_error(frequencies)
         moved = frequencies * (1.0 + np.nan_to_num(error))
-        stiffness = solved(transfer_matrix.SEGMENTS, moved).stiffness.copy()
+        found = solved(transfer_matrix.SEGMENTS, moved)
+        stiffness = found.stiffness.copy()
         stiffness[np.isnan(error)] = np.nan
-        return Multiport(frequencies, stiffness, BIMORPH)
+        return replace(found, frequencies=frequencies, stiffness=stiffness)
 
     def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
         if open_circuit not in self._known:

@@ -13,6 +13,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.segments import CentreLine, beam_pieces
+from tactgen.geometry.device.checks import check_read_at_tip
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import lumped, transfer_matrix
 from tactgen.tmm.beam import port_quantities as shapes
@@ -269,6 +270,13 @@ class LumpedModel(RowModel):
     """Closed-form statics with a consistent mass matrix."""
 
     name = "lumped"
+
+    @classmethod
+    def check(cls, scene: Scene) -> None:
+        """Refuse a place of measurement below the tip, too: a lumped model has no shape."""
+        super().check(scene)
+        check_read_at_tip(scene.device)
+
     _METHOD = "rounding of closed forms; the model's own error is not included"
     _ORDER = 2  # the mass of a segment's cubic shapes; the statics are of order 4
     _solved = staticmethod(lumped.multiport)
@@ -328,6 +336,8 @@ class TmmModel(RowModel):
     def closed_form(self, ends: Ends) -> Refined[Response] | None:
         """Response of one uniform beam, right also at the poles of D(Ω)."""
         s = self.scene
+        if s.measurement.below_tip:
+            return None
         row = transfer_matrix.sections(s.device, s.support, s.beam, lossy=True)
         series = s.bimorph.wiring == "series"
         found = uniform_response(row, ends, self.frequencies, series=series)
