@@ -21,6 +21,10 @@ def sections(study: Study) -> tuple[Section, ...]:
         from tactgen.validation.report.sections.reluctance import NORMAL
 
         found += [s for s in NORMAL if not (study.lateral and s.id == "magnetic_field")]
+    if study.lateral:
+        from tactgen.validation.report.sections.measurements import MEASUREMENTS
+
+        found.append(MEASUREMENTS)
     if asks_display(study.scene.quantities):
         from tactgen.validation.report.sections.display import DISPLAY
 

@@ -1,0 +1,410 @@
+"""What the paper measured beside what its device is predicted to do, unknowns left unknown.
+
+The paper leaves open where its laser looked, what each spring was set to and how much of a weight
+a tip bore; other numbers are assumed because no source has them.  So a prediction is a band: what
+comes out where all of them lie somewhere in their ranges.  Nothing is fitted.  The contact is
+linear; the rows ROCK of the book have a head that rocks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.boundary_conditions import TipLoad
+from tactgen.geometry.device.parameters import spreads
+from tactgen.geometry.units import Unit
+from tactgen.tmm.beam.sections import Section
+from tactgen.tmm.beam.transfer_matrix import sections
+from tactgen.tmm.generator.contact import moving_rod
+from tactgen.tmm.generator.equilibrium import AxialForces, axial_forces, resting_place
+from tactgen.tmm.ports.elements import attach
+from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.readout import measured
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
+from tactgen.tmm.reluctance.map_range import network_map
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.backbone import STATES, State, five_port
+from tactgen.validation.scene.scene import Scene, load_scene
+from tactgen.validation.scene.variation import with_values
+
+#: Values of the unknowns by name (SI).
+Values = Mapping[str, float]
+
+#: Samples of a figure, a power of two; of one with two unknowns.
+SAMPLES, _FEW = 128, 32
+#: Ranges by which shares of a band's variance are told.
+_BINS = 8
+#: Settings of the spring's preload that are compared (N).
+PRELOADS = (80e-3, 90e-3, 100e-3, 110e-3)
+#: Amplitude (V) of Fig 15, and its frequencies (Hz).
+_VOLTS, _SWEEP = 50.0, np.linspace(10.0, 1000.0, 67)
+#: Frequencies (Hz) at which the text on Fig 17 states a threshold and a voltage.
+_FELT = np.array([10.0, 250.0, 1000.0])
+#: Current of Fig 16 (A).
+_CURRENT = 0.12
+#: A rod so close to a stop (m) is on it; what takes longer (s) stays.
+_NEAR, _LONGEST = 2e-6, 20e-3
+#: Name of the factor on the pull of the network.
+_PULL = "magnetic pull"
+
+
+class Unknown(NamedTuple):
+    """A number that no source fixes: its range, every place in it alike, and why that range."""
+
+    name: str
+    low: float
+    high: float
+    unit: str
+    reason: str
+    usual: float  # what answers elsewhere are given for
+    logarithmic: bool = False
+
+    def at(self, share: Floats | float) -> Floats:
+        """Value at a share of the range."""
+        share = np.asarray(share)
+        if self.logarithmic:
+            return np.asarray(self.low * (self.high / self.low) ** share)
+        return np.asarray(self.low + share * (self.high - self.low))
+
+
+class Published(NamedTuple):
+    """A number that the paper prints, or a range in which it says that it lies."""
+
+    words: str
+    low: float
+    high: float
+    unit: str
+
+    @property
+    def middle(self) -> float:
+        """Middle of the range, or its limit if it begins at 0."""
+        return 0.5 * (self.low + self.high) if self.low else self.high
+
+    def off(self, value: Floats | float) -> Floats:
+        """Relative distance of values from what is printed, 0 inside."""
+        nearest = np.clip(value, self.low, self.high)
+        return np.asarray(np.abs(np.asarray(value) - nearest) / np.abs(nearest))
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Published numbers that one measurement gave, and the unknowns behind their prediction."""
+
+    title: str
+    source: str
+    numbers: tuple[Published, ...]
+    unknowns: tuple[Unknown, ...]
+    #: Gives the numbers' predictions in order
+    predict: Callable[[Values], Floats]
+    samples: int = SAMPLES
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """One number beside its prediction."""
+
+    published: Published
+    usual: float  #: At the usual values of all unknowns
+    band: tuple[float, float]
+    alone: dict[str, tuple[float, float]]  #: What each unknown by itself makes of it
+    shares: dict[str, float]  #: Part of the band's variance that each unknown is worth by itself
+    by_preload: dict[float, tuple[float, float]]  #: The band at each of :data:`PRELOADS`
+
+    @property
+    def covered(self) -> bool:
+        """Whether the band and what is published have a value in common."""
+        return _meets(self.band, self.published)
+
+    @property
+    def widest(self) -> list[str]:
+        """Unknowns by what they are worth alone, the most first."""
+        return sorted(self.alone, key=lambda name: -float(np.ptp(self.alone[name])))
+
+    def meets(self, preload: float) -> bool:
+        """Whether it is covered at a preload."""
+        return _meets(self.by_preload[preload], self.published)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A figure with its predictions."""
+
+    figure: Figure
+    predictions: tuple[Prediction, ...]
+    #: The sample whose worst number is the least off: its values, and that number's distance
+    nearest: dict[str, float]
+    worst: float
+    worst_by_preload: dict[float, float]  #: That distance at each of :data:`PRELOADS`
+
+
+def _meets(band: tuple[float, float], published: Published) -> bool:
+    return band[0] <= published.high and published.low <= band[1]
+
+
+_PLACE = Unknown(
+    "measurement.below_tip", 4e-3, 8e-3, "m",
+    "Fig 13: below the support plate and above the upper board; assumed: as seen there", 6e-3,
+)  # fmt: skip
+_PRELOAD = Unknown(
+    "spring.preload", PRELOADS[0], PRELOADS[-1], "N",
+    "set by a screw: at most the 110 mN of section 5.1", 110e-3,
+)  # fmt: skip
+_SHARE = Unknown(
+    "load.normal_force", 0.0, 60e-3, "N",
+    "of the 490 mN that sixteen tips and the support plate bear: none to twice a sixteenth", 0.0,
+)  # fmt: skip
+#: A share of the way from small signals (0) to the most that 192 V/mm is assumed to do (1).
+_FIELD = Unknown(
+    "field in the ceramic", 0.0, 1.0, "1",
+    "assumed: at 192 V/mm a soft ceramic has up to 1.4 times the d31 and 1.08 times the s11 of "
+    "small signals, and a Q down to 20", 0.0,
+)  # fmt: skip
+_AT_HIGH_FIELD = {"piezo.d31": 1.4, "piezo.s11": 1.08}
+_LEAST_Q = 20.0
+_FINGER = Unknown(
+    "stiffness of the finger", 1.0, 4.0, "1",
+    "over that of 2.5 g: on the display it was pressed with 50 g; assumed: up to four times", 1.0,
+    logarithmic=True,
+)  # fmt: skip
+
+
+def _assumed(scene: Scene, *keys: str) -> tuple[Unknown, ...]:
+    """Unknowns that are keys of a scene, in the ranges that their sources or assumptions have."""
+    found = []
+    for key in keys:
+        group, name = key.split(".")
+        spread = spreads(getattr(scene, group))[name]
+        usual, wide = float(getattr(getattr(scene, group), name)), spread.high > 4.0 * spread.low
+        metadata = type(getattr(scene, group)).model_fields[name].metadata
+        unit = next((m.si for m in metadata if isinstance(m, Unit)), "") or "1"
+        found.append(Unknown(key, spread.low, spread.high, unit, spread.reason, usual, wide))
+    return tuple(found)
+
+
+@cache
+def _scene(state: State, load: str) -> Scene:
+    """The paper's 20 mm bimorph on its rod, at 50 V."""
+    given = ("support.kind=contact", "models=tmm", f"load.kind={load}", *STATES[state])
+    return load_scene("paper", given)[0]
+
+
+def deflection(state: State, load: str, values: Values, frequencies: Floats) -> Floats:
+    """Displacement per volt (n,) in m/V where it is measured, the contact linear."""
+    keys = {key: value for key, value in values.items() if "." in key}
+    field = values.get(_FIELD.name, 0.0)
+    scene = _scene(state, load)
+    for key, most in _AT_HIGH_FIELD.items():
+        keys[key] = getattr(scene.piezo, key.split(".")[1]) * (1.0 + field * (most - 1.0))
+    quality = scene.piezo.quality_factor
+    keys["piezo.quality_factor"] = quality * (_LEAST_Q / quality) ** field
+    scene = with_values(scene, keys)
+    ends, stiffer = scene.ends, values.get(_FINGER.name, 1.0)
+    law = ends.tip
+    if stiffer != 1.0 and not isinstance(law, TipLoad):
+        ends = replace(ends, tip=lambda f: stiffer * law(f))
+    port = five_port(scene, "tmm")(frequencies)
+    motion = respond(attach(port, ends), {"voltage": 1.0}).motion
+    return np.asarray(np.abs(measured(motion)))
+
+
+def _spans(values: Values) -> Floats:
+    """Largest and smallest displacement (m) at 50 V, and the line's slope (m/Hz), up and held."""
+    each: list[float] = []
+    for state in ("not activated", "held"):
+        found = _VOLTS * deflection(state, "pad", values, _SWEEP)
+        each += [found.max(), found.min(), np.polyfit(_SWEEP, found, 1)[0]]
+    return np.array(each)
+
+
+def _felt(values: Values) -> Floats:
+    """Voltages (V) at which the threshold is reached."""
+    level = DISPLAY_THRESHOLD.at(_FELT)
+    return np.asarray(level / deflection("not activated", "finger", values, _FELT))
+
+
+@cache
+def _pulls() -> tuple[float, float]:
+    """Pull of the network, times which the field's lies: its modelling error at this device."""
+    scene, _ = load_scene("reluctance", ("models=network",))
+    found = solve(scene, ("network",), ("magnetic_force",)).quantities[0]
+    assert found.modelling is not None
+    middle, error = (float(v) for v in (found.modelling.expected, found.modelling.error))
+    return (middle - error) / float(found.value), (middle + error) / float(found.value)
+
+
+@dataclass(frozen=True)
+class _Scaled:
+    """A map's pull times a factor."""
+
+    map: CoenergyMap
+    factor: float
+
+    @property
+    def gap_limits(self) -> tuple[float, float]:
+        return self.map.gap_limits
+
+    def force(self, current: Floats | float, gap: Floats | float) -> Floats:
+        return self.factor * self.map.force(current, gap)
+
+    def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        return self.factor * self.map.force_gradient(current, gap)
+
+
+def rod_times(values: Values) -> Floats:
+    """Current (A) that pulls the rod in; times (s) in which 120 mA bring it down, the spring up.
+
+    Along the axis alone, without the finger.  What is not pulled in never comes down.
+    """
+    device = with_values(Scene(), {_PRELOAD.name: values[_PRELOAD.name]}).device
+    forces = axial_forces(device, _Scaled(network_map(device), values[_PULL]))
+    stroke = device.gap - device.spring.stop_gap
+    currents = np.linspace(0.5, 1.5, 201) * _CURRENT
+    pulls_in = float(np.interp(0.0, -forces.finger_force(currents, 0.0), currents))
+    top = resting_place(forces, 0.0, "rising").lift
+    down = _flight(forces, _CURRENT, top, _NEAR - stroke)
+    bottom = resting_place(forces, 1.5 * _CURRENT, "rising").lift
+    return np.array([pulls_in, down, _flight(forces, 0.0, bottom, -_NEAR)])
+
+
+def _flight(forces: AxialForces, current: float, start: float, end: float) -> float:
+    """Time (s) from rest at one lift (m) to another at a current (A); inf if it stays."""
+    from scipy.integrate import solve_ivp  # slow to import
+
+    device = forces.device
+    mass = moving_rod(device).mass + device.bimorph.height * _mass_per_length()
+    stroke = device.gap - device.spring.stop_gap
+    near = np.linspace(-3e-6, 3e-6, 301)
+    lifts = np.unique([*near, *(near - stroke), *np.linspace(-stroke, 0.0, 200)])
+    total = forces.total(current, lifts)
+
+    def rate(_: float, state: Floats) -> list[float]:
+        force = float(np.interp(state[0], lifts, total))
+        return [state[1], (force - device.guide.axial_damping * state[1]) / mass]
+
+    def there(_: float, state: Floats) -> float:
+        return float(state[0] - end)
+
+    there.terminal = True  # type: ignore[attr-defined]
+    found = solve_ivp(rate, (0.0, _LONGEST), [start, 0.0], events=there, rtol=1e-6, atol=1e-9)
+    return float(found.t_events[0][0]) if found.t_events[0].size else float("inf")
+
+
+@cache
+def _mass_per_length() -> float:
+    """Mass of the bimorph per length (kg/m)."""
+    scene = Scene()
+    (section, _), *_ = sections(scene.device, scene.support, scene.beam, lossy=False)
+    assert isinstance(section, Section)
+    return float(section.m)
+
+
+def _printed(words: str, value: float, unit: str, digit: float) -> Published:
+    return Published(words, value - 0.5 * digit, value + 0.5 * digit, unit)
+
+
+_PAD = ("load.pad_modulus", "load.pad_loss_factor", "load.pad_thickness", "load.pad_radius",
+        "load.pad_backing")  # fmt: skip
+_CONTACT = ("contact.decay_length", "contact.relaxation_time")
+
+
+def figures() -> tuple[Figure, ...]:
+    """The paper's measurements of the machine that print numbers."""
+    pad = _scene("not activated", "pad")
+    loaded = (_PLACE, _PRELOAD, _SHARE, *_assumed(pad, *_CONTACT))
+    on_skin = (*loaded, *_assumed(pad, *_PAD), _FIELD)
+    low, high = _pulls()
+    pull = Unknown(_PULL, low, high, "1",
+                   "of the network's: its modelling error beside the field", 1.0)  # fmt: skip
+    spans = (("not activated", 24.8e-6, 3.1e-6, 1.164e-8), ("held", 72.4e-6, 13.6e-6, 3.441e-8))
+    return (
+        Figure(
+            "50 V on skin imitation under 50 g", "paper section 6, Fig 15",
+            tuple(
+                _printed(f"{state}: {words}", value, unit, digit)
+                for state, largest, smallest, slope in spans
+                for words, value, unit, digit in (
+                    ("largest displacement, 10 to 1000 Hz", largest, "m", 1e-7),
+                    ("smallest displacement", smallest, "m", 1e-7),
+                    ("slope of the fitted line", slope, "m/Hz", 1e-11),
+                )
+            ),
+            on_skin, _spans,
+        ),
+        Figure(
+            "Voltage that is felt, finger at 50 g", "paper section 6, Fig 17",
+            (_printed("2 µm at the lowest frequency", 8.0, "V", 1.0),
+             _printed("0.2 µm at 250 Hz", 3.0, "V", 1.0),
+             Published("1 µm at 1 kHz", 2.5, 4.0, "V")),
+            (*loaded, _FINGER), _felt,
+        ),
+        Figure(
+            "The rod at 120 mA", "paper section 6, Fig 16",
+            (Published("current that pulls it in", 0.0, _CURRENT, "A"),
+             Published("time down", 1.5e-3, 2.5e-3, "s"),
+             Published("time up", 0.5e-3, 1.5e-3, "s")),
+            (_PRELOAD, pull), rod_times, _FEW,
+        ),
+    )  # fmt: skip
+
+
+def compared(figure: Figure) -> Comparison:
+    """Predictions of a figure's numbers over all its unknowns."""
+    from scipy.stats.qmc import Sobol  # slow to import
+
+    unknowns = figure.unknowns
+    usual = {u.name: u.usual for u in unknowns}
+    shares = Sobol(len(unknowns), seed=1).random(figure.samples)
+    # settings in place of all values, which cost a map of the pull each
+    preload = [u.name for u in unknowns].index(_PRELOAD.name)
+    setting = (shares[:, preload] * len(PRELOADS)).astype(int)
+    columns = [u.at(share) for u, share in zip(unknowns, shares.T, strict=True)]
+    columns[preload] = np.array(PRELOADS)[setting]
+    names = [u.name for u in unknowns]
+    samples = [dict(zip(names, map(float, row), strict=True)) for row in zip(*columns, strict=True)]
+    found = np.array([figure.predict(values) for values in samples])
+    alone = {
+        u.name: np.array([figure.predict(usual | {u.name: float(u.at(s))}) for s in (0.0, 1.0)])
+        for u in unknowns
+    }
+    at_usual = figure.predict(usual)
+    every = np.vstack([found, *alone.values(), at_usual])
+    predictions = []
+    for k, published in enumerate(figure.numbers):
+        predictions.append(Prediction(
+            published, float(at_usual[k]), _range(every[:, k]),
+            {name: _range(np.append(ends[:, k], at_usual[k])) for name, ends in alone.items()},
+            {name: _share(shares[:, n], found[:, k]) for n, name in enumerate(names)},
+            {level: _range(found[setting == n, k]) for n, level in enumerate(PRELOADS)},
+        ))  # fmt: skip
+    off = np.array([p.off(found[:, k]) for k, p in enumerate(figure.numbers)]).max(axis=0)
+    best = int(np.argmin(off))
+    by_preload = {level: float(off[setting == n].min()) for n, level in enumerate(PRELOADS)}
+    return Comparison(figure, tuple(predictions), samples[best], float(off[best]), by_preload)
+
+
+def _range(values: Floats) -> tuple[float, float]:
+    return float(np.min(values)), float(np.max(values))
+
+
+def _share(place: Floats, values: Floats) -> float:
+    """Part of the variance of values (n,) that goes with a place in a range (n,), 0 to 1."""
+    known = np.isfinite(values)
+    place, values = place[known], values[known]
+    total = float(np.var(values)) if values.size else 0.0
+    if total == 0.0:
+        return 0.0
+    bins = np.minimum((place * _BINS).astype(int), _BINS - 1)
+    groups = [values[bins == b] for b in np.unique(bins)]
+    left = sum(float(np.sum((group - group.mean()) ** 2)) for group in groups)
+    if values.size <= len(groups):
+        return 0.0
+    # per degree of freedom, since bins of so few samples differ by chance, too
+    free = (values.size - len(groups)) / (values.size - 1)
+    return float(np.clip(1.0 - left / (free * total * values.size), 0.0, 1.0))
