@@ -74,6 +74,12 @@ def is_papers_bimorph(scene: Scene) -> bool:
     return own == papers and (scene.piezo, scene.shim) == (Piezo(), Shim())
 
 
+def is_papers_generator(scene: Scene) -> bool:
+    """Whether it is the machine that the paper measured, whose bimorph is 20 mm long."""
+    papers = is_papers_bimorph(scene) and is_papers_actuator(scene)
+    return papers and scene.bimorph.length == Bimorph().length
+
+
 def is_papers_actuator(scene: Scene) -> bool:
     """Whether head and sleeve have the paper's outer diameter: whatever else, its own circuit."""
     own = scene.rod.head_radius, scene.sleeve.outer_radius

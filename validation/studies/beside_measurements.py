@@ -19,6 +19,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import TipLoad
 from tactgen.geometry.device.parameters import spreads
 from tactgen.geometry.units import Unit
+from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.contact import moving_rod
@@ -148,7 +149,7 @@ def _meets(band: tuple[float, float], published: Published) -> bool:
     return band[0] <= published.high and published.low <= band[1]
 
 
-_PLACE = Unknown(
+PLACE = Unknown(
     "measurement.below_tip", 4e-3, 8e-3, "m",
     "Fig 13: below the support plate and above the upper board; assumed: as seen there", 6e-3,
 )  # fmt: skip
@@ -165,6 +166,10 @@ _FIELD = Unknown(
     "field in the ceramic", 0.0, 1.0, "1",
     "assumed: at 192 V/mm a soft ceramic has up to 1.4 times the d31 and 1.08 times the s11 of "
     "small signals, and a Q down to 20", 0.0,
+)  # fmt: skip
+_LOWEST = Unknown(
+    "lowest setting of the spring", 5e-3, 40e-3, "N",
+    "section 6: adjusted by its screw, no setting is printed; assumed", 20e-3, logarithmic=True,
 )  # fmt: skip
 _AT_HIGH_FIELD = {"piezo.d31": 1.4, "piezo.s11": 1.08}
 _LEAST_Q = 20.0
@@ -227,6 +232,23 @@ def _felt(values: Values) -> Floats:
     """Voltages (V) at which the threshold is reached."""
     level = DISPLAY_THRESHOLD.at(_FELT)
     return np.asarray(level / deflection("not activated", "finger", values, _FELT))
+
+
+def _on_stop(values: Values) -> Floats:
+    """Hz by which the spring tunes the free tip, N/m of the support along x, V to the first limit.
+
+    The limit is that of the field against the poling.
+    """
+    keys = {key: value for key, value in values.items() if key != _LOWEST.name}
+    scene = with_values(_scene("not activated", "none"), keys)
+    preloads = values[_PRELOAD.name], values[_LOWEST.name]
+    row = sections(scene.device, scene.held, scene.beam, lossy=False)
+    high, low = (
+        float(bending_frequencies(row, at.ends, 1, open_circuit=False)[0])
+        for at in (with_values(scene, {_PRELOAD.name: preload}) for preload in preloads)
+    )
+    limit = scene.limits.depoling_field * scene.bimorph.thinnest_driven
+    return np.array([high - low, scene.held.lateral_stiffness, limit])
 
 
 @cache
@@ -314,35 +336,49 @@ _PAD = ("load.pad_modulus", "load.pad_loss_factor", "load.pad_thickness", "load.
 _CONTACT = ("contact.decay_length", "contact.relaxation_time")
 
 
+#: Title, source and numbers of two measurements.
+FIG_15 = (
+    "50 V on skin imitation under 50 g", "paper section 6, Fig 15",
+    tuple(
+        _printed(f"{state}: {words}", value, unit, digit)
+        for state, largest, smallest, slope in (
+            ("not activated", 24.8e-6, 3.1e-6, 1.164e-8), ("held", 72.4e-6, 13.6e-6, 3.441e-8),
+        )
+        for words, value, unit, digit in (
+            ("largest displacement, 10 to 1000 Hz", largest, "m", 1e-7),
+            ("smallest displacement", smallest, "m", 1e-7),
+            ("slope of the fitted line", slope, "m/Hz", 1e-11),
+        )
+    ),
+)  # fmt: skip
+FIG_17 = (
+    "Voltage that is felt, finger at 50 g", "paper section 6, Fig 17",
+    (
+        _printed("2 um at the lowest frequency", 8.0, "V", 1.0),
+        _printed("0.2 um at 250 Hz", 3.0, "V", 1.0),
+        Published("1 um at 1 kHz", 2.5, 4.0, "V"),
+    ),
+)  # fmt: skip
+
+
 def figures() -> tuple[Figure, ...]:
     """The paper's measurements of the machine that print numbers."""
     pad = _scene("not activated", "pad")
-    loaded = (_PLACE, _PRELOAD, _SHARE, *_assumed(pad, *_CONTACT))
+    loaded = (PLACE, _PRELOAD, _SHARE, *_assumed(pad, *_CONTACT))
     on_skin = (*loaded, *_assumed(pad, *_PAD), _FIELD)
     low, high = _pulls()
     pull = Unknown(_PULL, low, high, "1",
                    "of the network's: its modelling error beside the field", 1.0)  # fmt: skip
-    spans = (("not activated", 24.8e-6, 3.1e-6, 1.164e-8), ("held", 72.4e-6, 13.6e-6, 3.441e-8))
     return (
+        Figure(*FIG_15, on_skin, _spans),
+        Figure(*FIG_17, (*loaded, _FINGER), _felt),
         Figure(
-            "50 V on skin imitation under 50 g", "paper section 6, Fig 15",
-            tuple(
-                _printed(f"{state}: {words}", value, unit, digit)
-                for state, largest, smallest, slope in spans
-                for words, value, unit, digit in (
-                    ("largest displacement, 10 to 1000 Hz", largest, "m", 1e-7),
-                    ("smallest displacement", smallest, "m", 1e-7),
-                    ("slope of the fitted line", slope, "m/Hz", 1e-11),
-                )
-            ),
-            on_skin, _spans,
-        ),
-        Figure(
-            "Voltage that is felt, finger at 50 g", "paper section 6, Fig 17",
-            (_printed("2 µm at the lowest frequency", 8.0, "V", 1.0),
-             _printed("0.2 µm at 250 Hz", 3.0, "V", 1.0),
-             Published("1 µm at 1 kHz", 2.5, 4.0, "V")),
-            (*loaded, _FINGER), _felt,
+            "Support and limits", "paper sections 4, 6 and 7",
+            (Published("resonance adjusted by the spring, about 300 Hz", 250.0, 350.0, "Hz"),
+             Published("lateral stiffness of the support, as fitted", 2.5e6, 3.5e6, "N/m"),
+             Published("voltage up to which it works", 230.0, 230.0, "V")),
+            (_PRELOAD, _LOWEST, *_assumed(pad, "contact.decay_length", "contact.tangential_ratio",
+                                          "limits.depoling_field")), _on_stop, _FEW,
         ),
         Figure(
             "The rod at 120 mA", "paper section 6, Fig 16",

@@ -10,10 +10,11 @@ from tactgen.validation.studies import reconstruction as stated
 
 #: References of the validation rows, as printed.
 PRINTED = {
-    "PAP-1": 750.0, "PAP-2": 0.7, "PAP-4": (2.5, 4.0), "PAP-5": (13.6e-6, 72.4e-6),
-    "PAP-6": 3.441e-8, "PAP-7": 8.0, "PAP-8": 3.0,
-    "PAD-1": 24.8e-6, "PAD-2": 3.1e-6, "PAD-3": 1.164e-8,
-    "PAD-4": 72.4e-6, "PAD-5": 13.6e-6, "PAD-6": 3.441e-8,
+    "PAP-1": 750.0, "PAP-2": 0.7,
+    "MEAS-1": pytest.approx(24.8e-6), "MEAS-2": pytest.approx(3.1e-6),
+    "MEAS-3": pytest.approx(1.164e-8), "MEAS-4": pytest.approx(72.4e-6),
+    "MEAS-5": pytest.approx(13.6e-6), "MEAS-6": pytest.approx(3.441e-8),
+    "MEAS-7": (7.5, 8.5), "MEAS-8": (2.5, 3.5), "MEAS-9": (2.5, 4.0),
 }  # fmt: skip
 
 
@@ -30,9 +31,9 @@ def test_references_of_the_validation_rows():
 def test_references_of_the_rocking_head():
     """Figs 14 to 17 as printed; what the paper only says has a range or a count."""
     rows = {c.id: c.reference for c in group_rows("amplitude") if c.tier == "validation"}
-    printed = [rows[f"ROCK-{number}"] for number in range(7, 20)]
+    printed = [rows[f"ROCK-{number}"] for number in range(7, 19)]
     assert printed == [
-        3.441e-8, 1.164e-8, pytest.approx(3.441 / 1.164, rel=2e-4), 24.8e-6, 3.1e-6, 72.4e-6,
+        3.441e-8, 1.164e-8, 24.8e-6, 3.1e-6, 72.4e-6,
         13.6e-6, (2.5, 4.0), (2.5, 4.0), 24.8e-6, 3.1e-6, 72.4e-6, 13.6e-6,
     ]  # fmt: skip
 

@@ -25,6 +25,22 @@ def test_a_prediction_is_the_answer_of_its_scene():
     np.testing.assert_allclose(found, np.abs(answer), rtol=1e-9)
 
 
+def test_the_spring_tunes_what_the_scene_says():
+    """The first frequency of the free tip at two settings, and the limits of the scene."""
+    values = {"spring.preload": 100e-3, "lowest setting of the spring": 10e-3}
+    tuned, stiffness, limit = beside._on_stop(values)
+    asked = ("support.kind=contact", "load.kind=none", "models=tmm", "coil.current=0mA",
+             "quantities=short_circuit_frequencies")  # fmt: skip
+    high, low = (
+        solve(load_scene("paper", [*asked, f"spring.preload={at}mN"])[0]).quantities[0].value[0]
+        for at in (100, 10)
+    )
+    assert tuned == pytest.approx(high - low, rel=1e-9)
+    scene, _ = load_scene("paper", [*asked, "spring.preload=100mN"])
+    assert stiffness == scene.held.lateral_stiffness
+    assert limit == pytest.approx(scene.limits.depoling_field * 0.26e-3)
+
+
 def test_a_stiffer_finger_needs_more_voltage():
     """At 10 Hz, where the bimorph is a spring; with the field's effect on the ceramic it moves."""
     place = {"measurement.below_tip": 0.0}

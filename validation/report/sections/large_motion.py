@@ -27,8 +27,8 @@ from tactgen.validation.models.backbone import (
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.scene.variation import is_papers_bimorph
-from tactgen.validation.show.figures import BLUE, DARK, ORANGE, panels, plain_numbers, shades, svg
+from tactgen.validation.scene.variation import is_papers_generator
+from tactgen.validation.show.figures import BLUE, DARK, panels, plain_numbers, shades, svg
 from tactgen.validation.show.page import inline
 from tactgen.validation.show.run import fragment
 
@@ -92,10 +92,7 @@ def states_plot(states: Sequence[RockingState]) -> str:
 
 
 def deflection_plot(
-    states: Sequence[RockingState],
-    frequencies: Floats,
-    linear: Mapping[str, Floats],
-    measured: Mapping[str, tuple[float, float]],
+    states: Sequence[RockingState], frequencies: Floats, linear: Mapping[str, Floats]
 ) -> str:
     """Plot the deflection under load over frequency, rocking and linear, in each state.
 
@@ -105,17 +102,11 @@ def deflection_plot(
         Hz.
     linear : mapping of str to (n,) array
         By state (m).
-    measured : mapping of str to (float, float)
-        What a measurement spans (m), by state: a band.
     """
     figure, axes = panels(10.0, 4.4, ncols=len(states), sharey=True, squeeze=False)
     for axis, state in zip(axes[0], states, strict=True):
         found = state.deflection
         assert found is not None
-        if state.state in measured:
-            low, high = measured[state.state]
-            axis.axhspan(1e6 * low, 1e6 * high, color=ORANGE, alpha=0.15, lw=0,
-                         label="measured, Fig 15 (other load)")  # fmt: skip
         axis.plot(frequencies, 1e6 * linear[state.state], "--", color=DARK, lw=1.0,
                   label="linear support")  # fmt: skip
         axis.plot(found.frequencies, 1e6 * np.abs(found.displacement), color=BLUE,
@@ -129,11 +120,6 @@ def deflection_plot(
 
 #: Voltages of the free tip's curves (V); the last is that of the paper's Fig 14.
 _VOLTAGES = (0.1, 0.3, 1.0)
-#: What the paper's Fig 15 spans at 50 V, 20 mm, under skin imitation and 50 g (m).
-_FIG_15 = {"not activated": (3.1e-6, 24.8e-6), "held": (13.6e-6, 72.4e-6)}
-#: Its voltage (V), the length of its bimorph (m), and the slopes of the fitted lines (m/Hz).
-_AT, _LENGTH = 50.0, 20e-3
-_SLOPES = {"not activated": 1.164e-8, "held": 3.441e-8}
 #: End of the run in time (s): a whole period of the paper's current and the start of the next.
 _UNTIL = 12.5e-3
 _ACCURACY, _QUICK_ACCURACY = 0.05, 0.2
@@ -141,7 +127,7 @@ _ACCURACY, _QUICK_ACCURACY = 0.05, 0.2
 
 @dataclass(frozen=True)
 class DeflectionRow:
-    """The deflection under load in one state, beside the paper's (m, m/Hz); nan where unknown."""
+    """The deflection under load in one state (m, m/Hz)."""
 
     state: str
     least: float
@@ -149,8 +135,6 @@ class DeflectionRow:
     slope: float
     linear: tuple[float, float]
     ended: str
-    paper: tuple[float, float] | None
-    paper_slope: float
 
 
 def _amplitude(study: Study) -> Context | None:
@@ -160,17 +144,13 @@ def _amplitude(study: Study) -> Context | None:
         return {"states": ()} if study.quick else None
     states = rocking_states(scene, _VOLTAGES, study.announce)
     band, linear = _linear(study)
-    papers = is_papers_bimorph(scene) and scene.bimorph.length == _LENGTH
-    beside = papers and scene.load.kind != "none" and abs(scene.drive.voltage) == _AT
-    ranges = _FIG_15 if beside else {}
     loaded = [state for state in states if state.deflection is not None]
     return {
         "states": states,
         "backbones": states_plot(states) if any(s.curves for s in states) else "",
-        "deflections": deflection_plot(loaded, band, linear, ranges) if loaded else "",
-        "rows": [_row(state, linear[state.state], beside=beside) for state in loaded],
-        "beside": beside,
-        "free": papers,
+        "deflections": deflection_plot(loaded, band, linear) if loaded else "",
+        "rows": [_row(state, linear[state.state]) for state in loaded],
+        "papers": is_papers_generator(scene),
     }
 
 
@@ -188,7 +168,7 @@ def _linear(study: Study) -> tuple[Floats, dict[str, Floats]]:
     return frequencies, found
 
 
-def _row(state: RockingState, linear: Floats, *, beside: bool) -> DeflectionRow:
+def _row(state: RockingState, linear: Floats) -> DeflectionRow:
     found = state.deflection
     assert found is not None
     sizes = np.abs(found.displacement)
@@ -199,8 +179,6 @@ def _row(state: RockingState, linear: Floats, *, beside: bool) -> DeflectionRow:
         slope=found.fitted_slope,
         linear=(float(np.nanmin(linear)), float(np.nanmax(linear))),
         ended=found.ended,
-        paper=_FIG_15[state.state] if beside else None,
-        paper_slope=_SLOPES[state.state] if beside else float("nan"),
     )
 
 

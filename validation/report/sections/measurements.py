@@ -8,7 +8,7 @@ import numpy as np
 
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.scene.variation import is_papers_actuator, is_papers_bimorph
+from tactgen.validation.scene.variation import is_papers_generator
 from tactgen.validation.show.figures import BLUE, DARK, ORANGE, panels, svg
 from tactgen.validation.studies.beside_measurements import (
     PRELOADS,
@@ -18,8 +18,6 @@ from tactgen.validation.studies.beside_measurements import (
     figures,
 )
 
-#: Length (m) of the bimorph in these measurements.
-_LENGTH = 20e-3
 #: How far the picture reaches, over the printed value.
 _REACH = (-3.0, 15.0)
 #: Unknowns named beside a band, and those that a further measurement would have to settle first.
@@ -59,9 +57,7 @@ def _open(comparisons: Sequence[Comparison]) -> list[tuple[Unknown, str, float]]
 
 
 def _measurements(study: Study) -> Context | None:
-    scene = study.scene
-    papers = is_papers_bimorph(scene) and scene.bimorph.length == _LENGTH
-    if not (papers and is_papers_actuator(scene)):
+    if not is_papers_generator(study.scene):
         return None
     if study.quick:
         return {"comparisons": ()}
