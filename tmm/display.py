@@ -18,7 +18,7 @@ from tactgen.geometry.device.parameters import Device, Display, Skin
 from tactgen.geometry.display.layout import axes, spacer_axes
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.contact import lateral_guide, moving_rod, stops_of, tilt_guide
-from tactgen.tmm.generator.equilibrium import RestingPlace, pressed_support
+from tactgen.tmm.generator.equilibrium import RestingPlace, pressed_support, resting_tilt
 from tactgen.tmm.ports.elements import load_tip, spring
 from tactgen.tmm.ports.multiport import (
     LATERAL,
@@ -54,7 +54,7 @@ def unit_ports(
         What loads the tip by itself.
     """
     f, law = bimorph.frequencies, stops_of(device).holding(place.lift)
-    held = pressed_support(device, law, place.contact_force)
+    held = pressed_support(device, law, place.contact_force, resting_tilt(device, place))
     guided = {"w_rod": lateral_guide(device).at_rest, "psi_rod": tilt_guide(device).at_rest}
     along = held.lateral_stiffness - guided["w_rod"]
     across = spring(

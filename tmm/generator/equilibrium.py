@@ -235,12 +235,47 @@ def _place(forces: AxialForces, current: float, lift: float) -> RestingPlace:
     )
 
 
-def pressed_support(device: Device, contact: RoughContact, load: float) -> Support:
-    """Springs of a head that a stop carries with `load` (N), 0 or more."""
-    rocking = float(contact.stiffness_under(load))
+def resting_tilt(device: Device, place: RestingPlace) -> float:
+    """Tilt (rad) at which contact and guide balance the spring's moment.
+
+    Raises InputError if they cannot: the head tips over its edge.
+    """
+    lever = device.spring.eccentricity
+    if lever == 0.0:
+        return 0.0
+    from scipy.optimize import brentq
+
+    law, guide = stops_of(device).holding(place.lift), tilt_guide(device)
+    moment = lever * (device.spring.preload - device.spring.stiffness * place.lift)
+    if abs(moment) >= float(law.tipping_moment(place.contact_force)):
+        raise InputError(
+            f"spring.eccentricity = {1e3 * lever:g} mm tips the rod's head over its edge: the "
+            f"moment is {moment:.3g} N m and the contact bears less than "
+            f"{float(law.tipping_moment(place.contact_force)):.3g} N m; bring the spring closer to "
+            "the axis or press the head harder"
+        )
+
+    def left(tilt: float) -> float:
+        borne = float(law.moment_under(place.contact_force, tilt))
+        return float(borne + guide.force(tilt) - abs(moment))
+
+    # the disc's moment falls short of N R by 3/(2a), a = R ψ/u0, and the ring's by 1/(2a)
+    share = abs(moment) / float(law.tipping_moment(place.contact_force))
+    most = 4.0 * law.decay_length / (law.radius * (1.0 - share))
+    return float(np.copysign(brentq(left, 0.0, most, xtol=1e-18), moment))
+
+
+def pressed_support(
+    device: Device, contact: RoughContact, load: float, tilt: float = 0.0
+) -> Support:
+    """Springs of a head that a stop carries with `load` (N), 0 or more, at a tilt (rad).
+
+    A tilted head that rocks moves along the axis, too: its load stays.
+    """
+    rocking = float(contact.stiffness_under(load, tilt))
     return Support(
         kind="spring",
-        rotational_stiffness=rocking + tilt_guide(device).at_rest,
+        rotational_stiffness=rocking + float(tilt_guide(device).slope(tilt)),
         rotational_damping=contact.relaxation_time * rocking,
         lateral_stiffness=float(contact.tangential_stiffness(load)) + lateral_guide(device).at_rest,
         rotational_inertia=moving_rod(device).inertia_about(0.0),
@@ -269,4 +304,5 @@ def held_support(
     """
     forces = axial_forces(device, pull, pressed)
     place = resting_place(forces, current, history)
-    return place, pressed_support(device, forces.stops.holding(place.lift), place.contact_force)
+    law, tilt = forces.stops.holding(place.lift), resting_tilt(device, place)
+    return place, pressed_support(device, law, place.contact_force, tilt)

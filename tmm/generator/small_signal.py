@@ -27,7 +27,6 @@ from tactgen.geometry.bimorph.boundary_conditions import Law as TipLaw
 from tactgen.geometry.bimorph.boundary_conditions import TipLoad
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.device.winding import winding
-from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.contact import (
@@ -38,7 +37,12 @@ from tactgen.tmm.generator.contact import (
     stops_of,
     tilt_guide,
 )
-from tactgen.tmm.generator.equilibrium import AxialForces, RestingPlace, pressed_support
+from tactgen.tmm.generator.equilibrium import (
+    AxialForces,
+    RestingPlace,
+    pressed_support,
+    resting_tilt,
+)
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.steady import Tabulated
 from tactgen.tmm.ports.elements import load_tip
@@ -117,36 +121,6 @@ def linearised(
         resistance=winding(device.coil).resistance + device.coil.source_resistance,
         tilt=tilt,
     )
-
-
-def resting_tilt(device: Device, place: RestingPlace) -> float:
-    """Tilt (rad) at which contact and guide balance the spring's moment.
-
-    Raises InputError if they cannot: the head tips over its edge.
-    """
-    lever = device.spring.eccentricity
-    if lever == 0.0:
-        return 0.0
-    from scipy.optimize import brentq
-
-    law, guide = stops_of(device).holding(place.lift), tilt_guide(device)
-    moment = lever * (device.spring.preload - device.spring.stiffness * place.lift)
-    if abs(moment) >= float(law.tipping_moment(place.contact_force)):
-        raise InputError(
-            f"spring.eccentricity = {1e3 * lever:g} mm tips the rod's head over its edge: the "
-            f"moment is {moment:.3g} N m and the contact bears less than "
-            f"{float(law.tipping_moment(place.contact_force)):.3g} N m; bring the spring closer to "
-            "the axis or press the head harder"
-        )
-
-    def left(tilt: float) -> float:
-        borne = float(law.moment_under(place.contact_force, tilt))
-        return float(borne + guide.force(tilt) - abs(moment))
-
-    # the disc's moment falls short of N R by 3/(2a), a = R ψ/u0, and the ring's by 1/(2a)
-    share = abs(moment) / float(law.tipping_moment(place.contact_force))
-    most = 4.0 * law.decay_length / (law.radius * (1.0 - share))
-    return float(np.copysign(brentq(left, 0.0, most, xtol=1e-18), moment))
 
 
 def rod_ports(linear: Linearised, frequencies: Floats) -> Multiport:
@@ -317,8 +291,10 @@ def rocking_head(
     """
     device = forces.device
     law = forces.stops.holding(place.lift)
-    support = pressed_support(device, law, place.contact_force)
-    body = moving_rod(device)
+    support = pressed_support(device, law, place.contact_force, resting_tilt(device, place))
+    body, spring = moving_rod(device), device.spring
+    offset = spring.eccentricity
+    at_spring = np.array([1.0, offset])
     bore = tilt_guide(device)
     mass = body.mass + bimorph_mass
 
@@ -342,7 +318,10 @@ def rocking_head(
         effort += np.einsum("nij,nj->ni", damping, rate)
         effort[:, 0] += forces.pressed - forces.finger_force(current, lift)
         by_motion = tangent + change
-        by_motion[:, 0, 0] += device.spring.stiffness
+        # the spring presses beside the axis: it lifts by u + e ψ where it stands
+        effort += spring.stiffness * offset * tilt[:, None] * at_spring
+        effort[:, 1] -= offset * (spring.preload - spring.stiffness * lift)
+        by_motion += spring.stiffness * np.outer(at_spring, at_spring)
         if forces.pull is not None:
             by_motion[:, 0, 0] += forces.pull.force_gradient(current, forces.gap(lift))
         if bore.play:  # without play it is linear

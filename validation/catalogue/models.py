@@ -99,9 +99,10 @@ SPREAD = (*MACHINE, "support", "load", "display", "scatter", "modes")
 #: circuit; a field's map brings all of its own inputs.
 HELD = (
     "support.kind", "contact", "guide.lateral_stiffness", "guide.rotational_stiffness",
-    "guide.clearance", "guide.guided_length", "spring.preload", "spring.stiffness", "coil.current",
-    "load.normal_force", *_ROD, "rod.density", "coil.fill_factor", "coil.inner_radius",
-    "coil.outer_radius", "coil.length", "coil.position", "coil.copper_density",
+    "guide.clearance", "guide.guided_length", "spring.preload", "spring.stiffness",
+    "spring.eccentricity", "coil.current", "load.normal_force", *_ROD, "rod.density",
+    "coil.fill_factor", "coil.inner_radius", "coil.outer_radius", "coil.length", "coil.position",
+    "coil.copper_density",
 )  # fmt: skip
 HELD_WITH_CURRENT = (*HELD, *CIRCUIT, "spring.stop_gap", "coil.history", "models")
 

@@ -81,7 +81,7 @@ def held_warnings(
     Raises InputError if a rigid-body motion is free and a value at 0 Hz is asked for.
     """
     check_held(scene, quantities)
-    return (*_of_rest(scene, models), *_centred(scene, quantities))
+    return tuple(_of_rest(scene, models))
 
 
 def number_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
@@ -223,19 +223,6 @@ def _of_rest(scene: Scene, models: Sequence[str]) -> Iterator[str]:
             f"is {where} with a contact force of {1e3 * place.contact_force:.4g} mN (model "
             f"{scene.map_model}), which gives a support of {springs.rotational_stiffness:.3g} "
             "N m/rad; for the spring alone set coil.current = 0 mA"
-        )
-
-
-def _centred(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
-    """Quantities for which an eccentric spring counts as a centred one."""
-    if scene.rest is None or scene.spring.eccentricity == 0.0:
-        return
-    alone = [name for name in quantities if QUANTITIES[name].actuator == "bimorph"]
-    if alone:
-        yield (
-            f"spring.eccentricity = {1e3 * scene.spring.eccentricity:g} mm couples the bimorph to "
-            f"the rod's axial motion: {', '.join(alone[:3])}{', …' if alone[3:] else ''} without "
-            "this coupling, lateral_tip_per_voltage with it"
         )
 
 

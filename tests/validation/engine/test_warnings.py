@@ -77,12 +77,3 @@ def test_a_spring_that_does_not_hold_the_rod_up_is_named(preload):
     assert [("spring.preload = 0 mN" in w, "110 mN" in w) for w in found] == (
         [(True, True)] if preload == "0N" else []
     )
-
-
-def test_an_eccentric_spring_is_not_in_the_bimorphs_answer():
-    """Until it is, the answer says so, and which quantity contains it."""
-    scene, _ = load_scene("generator", ["spring.eccentricity=0.4 mm"])
-    names = ("tip_displacement", "lateral_tip_per_voltage")
-    (found,) = held_warnings(scene, ("tmm",), names)
-    assert "tip_displacement without" in found
-    assert held_warnings(load_scene("generator")[0], ("tmm",), names) == ()

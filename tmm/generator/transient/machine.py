@@ -30,6 +30,7 @@ from tactgen.tmm.generator.contact import (
     stops_of,
     tilt_guide,
 )
+from tactgen.tmm.generator.equilibrium import RestingPlace, resting_tilt
 from tactgen.tmm.generator.small_signal import Linearised
 from tactgen.tmm.generator.transient.system import (
     Coil,
@@ -210,10 +211,12 @@ def machine(
     damping[0, 0] += device.guide.axial_damping
     damping[own, own] += np.diag(modes.damping)
     stiffness = loaded.T @ load.stiffness @ loaded
-    stiffness[:3, :3] += np.diag([spring.stiffness, lateral_bore.at_rest, tilt_bore.at_rest])
+    at_spring = np.array([1.0, 0.0, spring.eccentricity])
+    stiffness[:3, :3] += np.diag([0.0, lateral_bore.at_rest, tilt_bore.at_rest])
+    stiffness[:3, :3] += spring.stiffness * np.outer(at_spring, at_spring)
     stiffness[own, own] += np.diag(modes.omega**2)
     pushed = np.zeros(n)
-    pushed[0] = spring.preload
+    pushed[:3] = spring.preload * at_spring
     elements = (
         _rim(UPPER, stops.upper, 1.0, 0.0, n),
         _rim(LOWER, stops.lower, -1.0, -stops.stroke, n),
@@ -255,11 +258,15 @@ def machine(
         },
     )  # fmt: skip
     rest = np.zeros(n)
-    force = spring.preload
+    force, tilt = spring.preload, 0.0
     # N(u) = preload − k u: the contact gives way by decay lengths, so the spring hardly changes
     for _ in range(_ROUNDS):
-        rest[0] = float(stops.upper.approach(force))
-        force = spring.preload - spring.stiffness * rest[0]
+        rest[0] = float(stops.upper.approach(force, tilt))
+        force = spring.preload - spring.stiffness * (rest[0] + spring.eccentricity * tilt)
+        if spring.eccentricity:
+            place = RestingPlace(rest[0], "upper stop", force, force, 0.0)
+            tilt = resting_tilt(device, place)
+    rest[2] = tilt
     return Machine(system, rest, modes)
 
 
