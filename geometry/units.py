@@ -367,6 +367,10 @@ Resistance = _quantity(
 IMPEDANCE = Unit("N*s/m", "mechanical impedance", "0.5 N s/m", limits=(0.0, 1e9))
 #: Force per displacement, of either sign: a mass pulls.
 DYNAMIC_STIFFNESS = Unit("N/m", "dynamic stiffness", "300 N/m", limits=(0.0, 1e15))
+#: Moment per rotation, of either sign.
+DYNAMIC_ROTATION = Unit(
+    "N*m/rad", "dynamic rotational stiffness", "0.24 N m/rad", limits=(0.0, 1e12)
+)
 #: Of a motion that is felt: from below what anyone feels to what hurts.
 AMPLITUDE = Unit("m", "displacement", "2 um", above=0.0, limits=(1e-12, 1.0))
 PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))

@@ -387,6 +387,10 @@ def quarter_unknowns(
         if uniform_field:
             potential = _linear_potential(bricks, outer, inner, piezo)
         ports[..., 3, 2] = potential / unit
+    if motion == "bending_y":
+        ports[base, 1, 0] = 1.0
+        ports[..., 2, 1][base] = np.broadcast_to(y[:, None], base.shape)[base]
+    if ports.any():
         ports *= bricks.one()[..., None, None]
     return Unknowns(free.reshape(-1, 4), ports.reshape(-1, 3))
 

@@ -132,7 +132,8 @@ class ModalModel:
     tip: Floats
     #: (k + 2,) Charge (C) from the unknowns
     charge: Floats
-    capacitance: float  #: Charge per voltage where nothing moves (F)
+    #: Charge per voltage where nothing moves (F); 0 of motions across the width, which make none
+    capacitance: float
     #: (6, slices, k + 2) Motions of sections, see :func:`fem.piezo.symmetry.section_motions`
     motions: Floats
     energy: Floats  #: (k + 2, k + 2) Nodal mass, for the share of a class in the energy
@@ -192,7 +193,7 @@ class ModalModel:
         moved = np.outer(seat, seat)
         k += load.stiffness * moved
         m += load.mass * moved + load.inertia * np.outer(turn, turn)
-        if open_circuit:
+        if open_circuit and self.capacitance:
             k += np.outer(self.charge, self.charge) / self.capacitance
         free = slice(None) if base is not None else slice(-2)
         k, m = k[free, free], m[free, free]
@@ -212,7 +213,8 @@ class ModalModel:
     def _residual(self, y: Floats, omega2: float, ends: Ends, *, open_circuit: bool) -> Floats:
         """Residual (2 k + 7,) of a mode in terms of :attr:`surplus`."""
         load = ends.conservative_tip
-        charge = float(self.charge @ y) / self.capacitance if open_circuit else 0.0
+        opened = open_circuit and self.capacitance
+        charge = float(self.charge @ y) / self.capacitance if opened else 0.0
         moved = self.tip.T @ y
         force = (load.stiffness - omega2 * load.mass) * float(load.arm @ moved)
         effort = force * load.arm

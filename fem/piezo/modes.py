@@ -50,7 +50,7 @@ def eigenpairs(
     from scipy.sparse.linalg import LinearOperator, eigsh
 
     if not system.has_ports:  # the mean motion of such a tip is zero
-        ends = Ends()
+        ends = Ends(ends.across if system.motion == "bending_y" else None)
     base, load = ends.base, ends.conservative_tip
     if base is not None and 0.0 in (base.lateral_stiffness, base.rotational_stiffness):
         shift = SHIFT

@@ -137,8 +137,8 @@ def standard_ends(model: PortModel) -> tuple[Ends, Ends]:
     Without any support the rigid motion at low frequencies is a matter of rounding.
     """
     port = model.multiport(np.zeros(1))
-    own = (float(port[name, name][0].real) for name in ("w_base", "psi_base"))
-    return Ends(), Ends(Springs(*own))
+    lateral, rotational = (float(port[at, at][0].real) for at in ("w_base", "psi_base"))
+    return Ends(), Ends(Springs(lateral, rotational))
 
 
 _SEEN = ("w_tip", "psi_tip", MEASURED.name)

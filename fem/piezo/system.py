@@ -82,8 +82,8 @@ class SolidSystem:
     node_mass: Floats  #: (n_nodes,) Lumped mass (kg), for weighing modes
     potentials: int  #: Number of free potential unknowns
     volts_per_unit: float  #: Size of the potential's unit (V); U is in volts all the same
-    #: The motions that it can make.  Those that the ports take no part in leave the last three rows
-    #: empty
+    #: The motions that it can make.  In bending across the width the first two ports are the base's
+    #: motions there; those that no port takes part in leave the last three rows empty
     motion: Motion = "all"
     #: Gives the same body in another class of motion; None for a body taken whole
     related: Callable[[Motion], SolidSystem] | None = None

@@ -172,7 +172,7 @@ class SkfemBody:
 
     def _unknowns(self, motion: Motion) -> Unknowns:
         """Free unknowns, and those prescribed by base and electrodes."""
-        x, base = self.basis.doflocs[0], self._on_faces("base")
+        (x, y, _), base = self.basis.doflocs, self._on_faces("base")
         piezo = np.zeros(self.basis.N, dtype=bool)
         for region, material in self.known.items():
             if material.piezo is not None:
@@ -195,6 +195,9 @@ class SkfemBody:
                 depth = np.abs(x) - 0.5 * self.uniform.shim_thickness
                 potential = np.where(piezo, depth / self.uniform.piezo_thickness, 0.0)
             ports[:, 3, 2] = potential / self.unit
+        elif motion == "bending_y":
+            ports[base, 1, 0] = 1.0
+            ports[base, 2, 1] = y[base]
         return Unknowns(free, ports.reshape(-1, 3))
 
     def _on_faces(self, *names: str) -> Bools:

@@ -22,6 +22,9 @@ class Springs:
     rotational_stiffness: float  #: N m/rad
     rotational_damping: float = 0.0  #: N m s/rad
     rotational_inertia: float = 0.0  #: kg m²
+    #: Of a measured support both dynamic stiffnesses (N/m, N m/rad) over frequency (Hz); the
+    #: constants are what statics and undamped modes take
+    law: Callable[[Floats], tuple[Complex, Complex]] | None = None
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,7 @@ class Ends:
     base: Springs | None = None  #: None holds the base rigidly
     #: Lateral load: constants, or a dynamic stiffness over frequency
     tip: TipLoad | Law = TipLoad()
+    across: Springs | None = None  #: The base's in bending across the width; None holds it
 
     @property
     def conservative_tip(self) -> TipLoad:
@@ -74,8 +78,8 @@ class Ends:
     @property
     def lossless(self) -> Ends:
         """The same without damping; see :attr:`conservative_tip`."""
-        base = self.base and replace(self.base, rotational_damping=0.0)
-        return Ends(base, self.conservative_tip)
+        base = self.base and replace(self.base, rotational_damping=0.0, law=None)
+        return Ends(base, self.conservative_tip, self.across)
 
     @property
     def rigid_motions(self) -> int:

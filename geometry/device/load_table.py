@@ -15,7 +15,7 @@ from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.csv_tables import Table, read_table
 from tactgen.geometry.device.parameters import Load
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.units import DYNAMIC_STIFFNESS, FREQUENCY, IMPEDANCE, PHASE, quoted
+from tactgen.geometry.units import DYNAMIC_STIFFNESS, FREQUENCY, IMPEDANCE, PHASE, Unit, quoted
 
 _EXAMPLE = "frequency (Hz), impedance_re (N s/m), impedance_im (N s/m)"
 _KINDS = {"impedance": IMPEDANCE, "stiffness": DYNAMIC_STIFFNESS}
@@ -84,36 +84,59 @@ def read_load_table(path: Path) -> LoadTable:
     table = read_table(path, source, _KNOWN, _EXAMPLE)
     kind, values = _complex(table, source)
     frequencies = table.columns["frequency"]
-    count = frequencies.size
-    if not LEAST <= count <= _MOST:
-        raise InputError(
-            f"{source} holds {count} frequencies; give {LEAST} to {_MOST} over the band of interest"
-        )
+    check_count(frequencies.size, source)
     impedance = values if kind == "impedance" else values / (2j * np.pi * frequencies)
     _check_passive(frequencies, impedance, table.lines, source)
     return LoadTable(source, frequencies, impedance)
 
 
+def check_count(count: int, source: str) -> None:
+    """Refuse tables of too few or too many frequencies."""
+    if not LEAST <= count <= _MOST:
+        raise InputError(
+            f"{source} holds {count} frequencies; give {LEAST} to {_MOST} over the band of interest"
+        )
+
+
 def _complex(table: Table, source: str) -> tuple[str, Complex]:
     """Kind of table (impedance or stiffness) and its complex values."""
-    columns = table.columns
-    names = set(columns) - {"frequency"}
+    names = set(table.columns) - {"frequency"}
     for kind, unit in _KINDS.items():
-        if names == {f"{kind}_re", f"{kind}_im"}:
-            return kind, columns[f"{kind}_re"] + 1j * columns[f"{kind}_im"]
-        if names == {kind, f"{kind}_phase"}:
-            negative = np.flatnonzero(columns[kind] < 0.0)
-            if negative.size:
-                line, size = table.lines[negative[0]], columns[kind][negative[0]]
-                raise InputError(
-                    f"{source} line {line}: {kind} {size:g} {unit.si} is below 0 as no "
-                    f"magnitude is; give {kind}_re and {kind}_im, or add 180 deg to the phase"
-                )
-            return kind, np.asarray(columns[kind] * np.exp(1j * columns[f"{kind}_phase"]))
+        if names in ({f"{kind}_re", f"{kind}_im"}, {kind, f"{kind}_phase"}):
+            values = complex_column(table, kind, unit, source)
+            assert values is not None
+            return kind, values
     raise InputError(
         f"{source} has besides the frequency {_listed(names)}, which is not a complex load; give "
         "impedance_re and impedance_im, impedance and impedance_phase, or the same of stiffness"
     )
+
+
+def complex_column(table: Table, kind: str, unit: Unit, source: str) -> Complex | None:
+    """Complex values (n,) of a kind from its two columns; None if neither is there.
+
+    Raises InputError if one of two columns is missing, or a magnitude is below 0.
+    """
+    columns = table.columns
+    own = {name for name in columns if name.removesuffix("_phase").removesuffix("_re")
+           .removesuffix("_im") == kind}  # fmt: skip
+    if own == {f"{kind}_re", f"{kind}_im"}:
+        return np.asarray(columns[f"{kind}_re"] + 1j * columns[f"{kind}_im"])
+    if own == {kind, f"{kind}_phase"}:
+        negative = np.flatnonzero(columns[kind] < 0.0)
+        if negative.size:
+            line, size = table.lines[negative[0]], columns[kind][negative[0]]
+            raise InputError(
+                f"{source} line {line}: {kind} {size:g} {unit.si} is below 0 as no "
+                f"magnitude is; give {kind}_re and {kind}_im, or add 180 deg to the phase"
+            )
+        return np.asarray(columns[kind] * np.exp(1j * columns[f"{kind}_phase"]))
+    if own:
+        raise InputError(
+            f"{source} has of {kind} {' and '.join(sorted(own))}; give {kind}_re and {kind}_im, or "
+            f"{kind} and {kind}_phase"
+        )
+    return None
 
 
 def _listed(names: set[str]) -> str:

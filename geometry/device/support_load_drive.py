@@ -16,11 +16,18 @@ _FITTED = Own("support", 0.2)
 class Support(Parameters):
     """Support of the lateral actuator's lower end (paper eqs 6-8)."""
 
-    kind: Literal["spring", "clamped", "pinned", "rod", "contact"] = field(
+    kind: Literal["spring", "clamped", "pinned", "table", "rod", "contact"] = field(
         "spring",
         PAPER_4,
-        "the paper's springs, a rigid clamp, a hinge, the glued joint in the real rod, or the "
-        "rod's head pressed on its stop",
+        "the paper's springs, a rigid clamp, a hinge, a measured table, the glued joint in the "
+        "real rod, or the rod's head pressed on its stop",
+    )
+    file: str = field(
+        "",
+        "not in the paper",
+        "used by kind table: a CSV file with the columns frequency, rotational_stiffness and, if "
+        "measured, lateral_stiffness as ..._re and ..._im or with ..._phase, each with its unit; "
+        "modes and statics take its real part at the lowest frequency",
     )
     rotational_stiffness: u.RotationalStiffness = printed(0.24, PAPER_4, "c_s", 0.005, own=_FITTED)
     lateral_stiffness: u.LateralStiffness = printed(

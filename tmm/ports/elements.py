@@ -13,11 +13,13 @@ import numpy as np
 from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Law, Springs, TipLoad
 from tactgen.geometry.device.parameters import Load, Support
+from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.loads import (
     FINGER_RANGE,
     Dictionary,
     MeasuredLaw,
+    MeasuredSupport,
     PassiveFit,
     SkinPad,
     finger_impedance,
@@ -181,6 +183,10 @@ def ends_of(support: Support, load: Load) -> Ends:
     base = None
     if support.kind == "pinned":
         base = Springs(_HINGE, 0.0)
+    if support.kind == "table":
+        law = MeasuredSupport(support_table(support), _HINGE)
+        lateral, rotational = law.at_rest
+        base = Springs(lateral, rotational, law=law)
     if support.kind == "spring":
         base = Springs(
             support.lateral_stiffness,
@@ -220,6 +226,8 @@ def base_stiffness(base: Springs, frequencies: Floats) -> tuple[Complex, Complex
 
     jΩ times the paper's R41 and R32 (eqs 7, 8).
     """
+    if base.law is not None:
+        return base.law(np.asarray(frequencies, dtype=float))
     omega = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
     lateral = np.full(omega.shape, base.lateral_stiffness, dtype=complex)
     rotational = (

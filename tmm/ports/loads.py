@@ -6,8 +6,8 @@ neither above nor below their neighbours: what takes energy at every point does 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device.load_table import LoadTable, load_table
 from tactgen.geometry.device.parameters import Load
+from tactgen.geometry.device.support_table import SupportTable
 from tactgen.geometry.errors import InputError
 
 
@@ -229,28 +230,82 @@ def _thinned(table: LoadTable) -> LoadTable:
 
 def _interpolated(table: LoadTable, frequencies: Floats) -> Complex:
     """Dynamic stiffness (n,) in N/m between the points of a table."""
+    found = _between(table.frequencies, table.impedance, frequencies)
+    return np.asarray(2j * np.pi * frequencies * found)
+
+
+def _between(points: Floats, values: Complex, frequencies: Floats) -> Complex:
+    """Values (n,) between points (m,) in Hz, beyond them those of the last."""
     from scipy.interpolate import PchipInterpolator
 
-    at = np.log(np.clip(frequencies, *table.band))
-    both = np.stack([table.impedance.real, table.impedance.imag])
-    real, imaginary = PchipInterpolator(np.log(table.frequencies), both, axis=1)(at)
-    return np.asarray(2j * np.pi * frequencies * (real + 1j * imaginary))
+    at = np.log(np.clip(frequencies, points[0], points[-1]))
+    both = np.stack([values.real, values.imag])
+    real, imaginary = PchipInterpolator(np.log(points), both, axis=1)(at)
+    return np.asarray(real + 1j * imaginary)
+
+
+@dataclass(frozen=True)
+class MeasuredSupport:
+    """A table of the base's support as dynamic stiffness over frequency."""
+
+    table: SupportTable
+    held: float  #: Lateral stiffness (N/m) where none was measured
+    #: By how much of its error it is off: see :func:`disturbed`
+    off: complex = 0.0
+
+    def __call__(self, frequencies: Floats) -> tuple[Complex, Complex]:
+        """Lateral and rotational dynamic stiffness (n,) in N/m and N m/rad.
+
+        Raises InputError for a frequency outside the table.
+        """
+        f, table = np.asarray(frequencies, dtype=float), self.table
+        beyond = outside(table.band, f)
+        if beyond.any():
+            low, high = table.band
+            raise InputError(
+                f"frequency = {float(f[beyond][0]):g} Hz is outside the table {table.source} "
+                f"({low:g} to {high:g} Hz); choose frequencies inside it"
+            )
+        lateral = np.full(f.shape, self.held, dtype=complex)
+        if table.lateral is not None:
+            lateral = self._at(table.lateral, f)
+        return lateral, self._at(table.rotational, f)
+
+    @property
+    def at_rest(self) -> tuple[float, float]:
+        """Real parts at the lowest frequency, at least 0."""
+        both = self(self.table.frequencies[:1])
+        lateral, rotational = (max(float(values[0].real), 0.0) for values in both)
+        return lateral, rotational
+
+    def _at(self, values: Complex, frequencies: Floats) -> Complex:
+        """Values (n,) at frequencies, off by what leaving out every other point changes."""
+        points = self.table.frequencies
+        found = _between(points, values, frequencies)
+        if not self.off:
+            return found
+        few = np.unique([*range(0, points.size, 2), points.size - 1])
+        return found + self.off * np.abs(found - _between(points[few], values[few], frequencies))
 
 
 def disturbed(ends: Ends) -> tuple[Ends, ...]:
-    """Loads with the table off by its error, in phase and a quarter turn later.
+    """Tables of load and support off by their errors, in phase and a quarter turn later.
 
-    None for other loads.  What is analytic in the load moves by as much either way, and what is
+    None for other ends.  What is analytic in the load moves by as much either way, and what is
     a magnitude by no more than both together.
     """
-    law = ends.tip
-    if not isinstance(law, MeasuredLaw):
-        return ()
+    found: list[Ends] = []
+    tip, base = ends.tip, ends.base
+    for turn in (1.0, 1j):
+        if isinstance(tip, MeasuredLaw):
+            found.append(replace(ends, tip=partial(_tip_off, tip, turn)))
+        if base is not None and isinstance(base.law, MeasuredSupport):
+            found.append(replace(ends, base=replace(base, law=replace(base.law, off=turn))))
+    return tuple(found)
 
-    def off(turn: complex) -> Ends:
-        return Ends(ends.base, lambda f: np.asarray(law(f) + turn * law.error(f)))
 
-    return off(1.0), off(1j)
+def _tip_off(law: MeasuredLaw, turn: complex, frequencies: Floats) -> Complex:
+    return np.asarray(law(frequencies) + turn * law.error(frequencies))
 
 
 #: Range in which the paper fitted the finger's impedance (Hz).

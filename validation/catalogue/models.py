@@ -39,6 +39,7 @@ CONDITIONS: Mapping[str, str] = {
     "bimorph.glue_thickness": "no bimorph.layers",
     "bimorph.poling": "no bimorph.layers",
     "threshold.file": "threshold.kind=table",
+    "support.file": "support.kind=table",
     "guide.guided_length": "guide.clearance",
     "steel.relative_permeability": "steel.curve=linear",
     "support.rotational_stiffness": "support.kind=spring",

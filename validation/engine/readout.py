@@ -49,12 +49,13 @@ def read(row: QuantityRow, model: Model) -> Estimate:
     """Quantity by a model that gives it."""
     ends = model.scene.ends
     found = _read(row, model, ends)
-    if not row.loaded or isinstance(row.read, AnswerReadout):
+    measured_base = ends.base is not None and ends.base.law is not None
+    if not (row.loaded or measured_base) or isinstance(row.read, AnswerReadout):
         return found
     apart = [np.abs(found.value - _read(row, model, other).value) for other in disturbed(ends)]
     if not apart:
         return found
-    bar = found.error + np.hypot(*apart)
+    bar = found.error + np.sqrt(np.sum(np.square(apart), axis=0))
     return replace(found, error=bar, method=f"{found.method}; {OF_THE_TABLE}")
 
 

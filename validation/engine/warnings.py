@@ -7,12 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import share as share_of
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.excitation import excitation_of
 from tactgen.tmm.ports.loads import FINGER_RANGE, MeasuredLaw
-from tactgen.tmm.ports.readout import Readout
+from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import (
@@ -48,6 +49,7 @@ def request_warnings(
     scene = scene.asking(models)
     _check_base(scene, quantities)
     found = [*load_warnings(scene, quantities), *_of_threshold(scene, quantities)]
+    found += _of_measured_support(scene, quantities)
     if not scene.awaits_map:
         found += held_warnings(scene, models, quantities)
     return (*found, *field_warnings(scene, quantities))
@@ -223,6 +225,21 @@ def _of_rest(scene: Scene, models: Sequence[str]) -> Iterator[str]:
             f"is {where} with a contact force of {1e3 * place.contact_force:.4g} mN (model "
             f"{scene.map_model}), which gives a support of {springs.rotational_stiffness:.3g} "
             "N m/rad; for the spring alone set coil.current = 0 mA"
+        )
+
+
+def _of_measured_support(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
+    """Quantities that take a measured support at one frequency."""
+    if scene.support.kind != "table":
+        return
+    rows = [QUANTITIES[name] for name in quantities]
+    constant = [r.name for r in rows if r.static or isinstance(r.read, ModalReadout)]
+    if constant:
+        lowest = support_table(scene.support).band[0]
+        yield (
+            f"{', '.join(constant[:3])}{', …' if constant[3:] else ''} takes the support's "
+            f"stiffness at {lowest:g} Hz, the lowest frequency of support.file, for all motions; "
+            "a response over frequency has the whole table"
         )
 
 

@@ -135,6 +135,11 @@ def check_base_held(scene: Scene, purpose: str) -> None:
             f'support.kind = "pinned" does not hold the base, which {purpose} needs; set '
             'support.kind = "clamped" or "spring"'
         )
+    if scene.support.kind == "table":
+        raise InputError(
+            f'support.kind = "table" is known over frequency only, and {purpose} needs constants; '
+            'set support.kind = "spring" with what fits the table'
+        )
     if scene.ends.base is None:
         return
     for name, unit in (("rotational_stiffness", "N m/rad"), ("lateral_stiffness", "N/m")):

@@ -63,6 +63,8 @@ def _support(support: Support) -> str:
             return (
                 f"base on springs ({rotational}, {engineering(support.lateral_stiffness, 'N/m')})"
             )
+        case "table":
+            return f"base on the support of {Path(support.file).name}"
         case "rod":
             return "glued into the held rod"
         case "contact":

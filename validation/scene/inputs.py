@@ -15,6 +15,7 @@ from tactgen.geometry.bimorph.segments import Piece, stack
 from tactgen.geometry.device.bimorph import Piezo
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
+from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.units import Unit
 from tactgen.tmm.beam.sections import section
 from tactgen.validation.catalogue.detection import threshold_of
@@ -124,6 +125,11 @@ def _values(scene: Scene, dump: dict[str, Any], entries: tuple[str, ...]) -> dic
         table = load_table(scene.load)
         impedance = [table.impedance.real.tolist(), table.impedance.imag.tolist()]
         values["load.file"] = [table.frequencies.tolist(), *impedance]
+    if "support.file" in values:
+        held = support_table(scene.support)
+        both = [held.rotational] if held.lateral is None else [held.rotational, held.lateral]
+        parts = [part.tolist() for of in both for part in (of.real, of.imag)]
+        values["support.file"] = [held.frequencies.tolist(), *parts]
     if "threshold.file" in values:
         points = threshold_of(scene.threshold).points
         values["threshold.file"] = [[point.frequency, point.amplitude] for point in points]

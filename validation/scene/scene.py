@@ -7,6 +7,7 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -27,6 +28,7 @@ from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, 
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.material_library import steel_name
 from tactgen.geometry.device.plausibility import clamped_for_free, slip
+from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import WholeNumber, quoted
@@ -64,6 +66,7 @@ if TYPE_CHECKING:
 FILE_KEYS: dict[str, Callable[[str], bool]] = {
     "steel.curve": lambda text: steel_name(text) is not None,
     "load.file": lambda text: not text,
+    "support.file": lambda text: not text,
     "threshold.file": lambda text: not text,
 }
 #: Origin of what ``--set`` and its shorthands say.
@@ -147,8 +150,12 @@ class Scene(p.Device):
 
     @property
     def ends(self) -> Ends:
-        """Support and load as every model of the lateral actuator reads them."""
-        return ends_of(self.held, self.load)
+        """Support and load as every model of the lateral actuator reads them.
+
+        A contact is alike in all directions; of other springs only those against bending are known.
+        """
+        found = ends_of(self.held, self.load)
+        return replace(found, across=found.base) if self.support.kind == "contact" else found
 
     @property
     def held(self) -> p.Support:
@@ -362,6 +369,8 @@ def _check_together(scene: Scene) -> None:
     check_actuator(device)
     if scene.load.kind == "table":
         load_table(scene.load)
+    if scene.support.kind == "table":
+        support_table(scene.support)
     if scene.threshold.kind == "table":
         threshold_of(scene.threshold)
 

@@ -156,17 +156,18 @@ def _with_rod(state: State, mesh: Mesh, points: Floats) -> State:
 
 
 def _carried(at: Floats, displacement: Array, points: Floats) -> Array:
-    """Rigid motion of points (n, 3) with the base: u_x = w − z ψ, u_z = x ψ.
+    """Rigid motion of points (n, 3) with the base: u_x = w − z ψ, u_z = x ψ, and alike about x.
 
     Motions that the contact does not let through have none at the base.
     """
     base = at[:, 2] < at[:, 2].min() + _NEAR
-    x, moved = at[base, 0], displacement[base]
-    turned = (x @ moved[:, 2]) / (x @ x)
-    shifted = moved.mean(axis=0)
-    out = np.tile(shifted, (len(points), 1))
-    out[:, 0] -= turned * points[:, 2]
-    out[:, 2] += turned * points[:, 0]
+    moved = displacement[base]
+    out = np.tile(moved.mean(axis=0), (len(points), 1))
+    for axis in (0, 1):
+        side = at[base, axis]
+        turned = (side @ moved[:, 2]) / (side @ side)
+        out[:, axis] -= turned * points[:, 2]
+        out[:, 2] += turned * points[:, axis]
     return np.asarray(out)
 
 

@@ -275,7 +275,9 @@ class TwoMeshModel(BimorphModel):
 
         def work() -> SolidModes:
             pair, systems = self.mesh_pair, self.systems()
-            coarse = coarse_modes(systems[1], self.scene.modes)
+            # a body taken whole has one class of motion
+            across = self.scene.support.kind == "contact" and bool(systems[1].others)
+            coarse = coarse_modes(systems[1], self.scene.modes, across=across)
             return SolidModes(
                 fine_modes(systems[0], coarse, self.scene.modes, pair.lacking),
                 coarse,

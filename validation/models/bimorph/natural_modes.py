@@ -24,6 +24,8 @@ from tactgen.validation.models.model import Modes, cancelling, least_difference
 if TYPE_CHECKING:
     from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
 
+#: Class of motion in which a contact holds the base by the same springs.
+_ACROSS: Motion = "bending_y"
 #: Where the search for a bending mode in x ends.
 _MOST_MODES = 40
 #: Modes of the coarser mesh this close above the last one wanted may come below it on the finer.
@@ -43,15 +45,19 @@ class MeshModes:
     others: dict[Motion, tuple[BareMode, ...]]
     #: The same modes, moved by displacements that the mesh lacks, and by potentials
     moved: tuple[dict[Motion, tuple[BareMode, ...]], ...] = ()
+    #: Bending across the width on any support, where the base is not held there
+    across: ModalModel | None = None
 
     @property
     def judges(self) -> tuple[MeshModes, ...]:
         """All modes, moved by displacements that the mesh lacks, and by potentials; if known."""
         if self.ports.surplus is None:
             return ()
+        each = zip(_moved(self.ports), _moved(self.across), self.moved, strict=True)
         return tuple(
-            MeshModes(replace(self.ports, missing=missing), others)
-            for missing, others in zip(self.ports.surplus, self.moved, strict=True)
+            MeshModes(ports, others, across=across)
+            for ports, across, others in each
+            if ports is not None
         )
 
     def opened(self, ends: Ends) -> float:
@@ -63,13 +69,28 @@ class MeshModes:
 
     def lowest(self, ends: Ends, count: int, *, open_circuit: bool) -> dict[Motion, list[BareMode]]:
         """Lowest `count` modes of every class of motion."""
-        of_ports = self.ports.modes(ends, count, open_circuit=open_circuit)
-        return {self.ports.motion: of_ports} | {m: list(f[:count]) for m, f in self.others.items()}
+        found = {m: list(modes[:count]) for m, modes in self.others.items()}
+        if self.across is not None:
+            found[_ACROSS] = self.across.modes(Ends(ends.across), count)
+        return {
+            self.ports.motion: self.ports.modes(ends, count, open_circuit=open_circuit),
+            **found,
+        }
 
 
-def coarse_modes(coarse: SolidSystem, count: int) -> MeshModes:
-    """Lowest `count` modes on any support, on a coarser mesh."""
-    return mesh_modes(coarse, dict.fromkeys(coarse.others, count), count)
+def _moved(model: ModalModel | None) -> list[ModalModel | None]:
+    """Model moved by displacements that its mesh lacks, and by potentials; None of none."""
+    if model is None or model.surplus is None:
+        return [None, None]
+    return [replace(model, missing=missing) for missing in model.surplus]
+
+
+def coarse_modes(coarse: SolidSystem, count: int, *, across: bool = False) -> MeshModes:
+    """Lowest `count` modes on any support, on a coarser mesh.
+
+    If `across`, of a base that is not held in bending across the width either.
+    """
+    return mesh_modes(coarse, dict.fromkeys(coarse.others, count), count, across=across)
 
 
 def fine_modes(
@@ -86,7 +107,7 @@ def fine_modes(
     last = _CLOSE * _reach(all_modes(stiffest.values()), count)
     few = {m: sum(mode.frequency <= last for mode in found) for m, found in coarse.others.items()}
     few = {motion: wanted for motion, wanted in few.items() if wanted}
-    return mesh_modes(fine, few, count, lacking)
+    return mesh_modes(fine, few, count, lacking, across=coarse.across is not None)
 
 
 def mesh_modes(
@@ -94,19 +115,29 @@ def mesh_modes(
     others: dict[Motion, int],
     count: int,
     lacking: Callable[[Motion], EstimatorSpace] | None = None,
+    *,
+    across: bool = False,
 ) -> MeshModes:
-    """Modal data of `count` bending modes in x and other classes."""
+    """Modal data of `count` bending modes in x, if `across` in y, and other classes."""
     from tactgen.fem.piezo.modal_reduction import modal_model
 
-    surplus = None if lacking is None else lacking(system.motion)
-    jobs: list[Callable[[], Any]] = [partial(modal_model, system, count, surplus)]
+    def model(body: SolidSystem) -> ModalModel:
+        return modal_model(body, count, None if lacking is None else lacking(body.motion))
+
+    bodies = [system, *([system.related(_ACROSS)] if across and system.related else [])]
+    others = {
+        motion: wanted for motion, wanted in others.items() if not across or motion != _ACROSS
+    }
+    jobs: list[Callable[[], Any]] = [partial(model, body) for body in bodies]
     jobs += [partial(_other, system, motion, wanted, lacking) for motion, wanted in others.items()]
     if system.size <= _MOST_TOGETHER:
-        ports, *found = side_by_side(lambda job: job(), jobs)
+        made = side_by_side(lambda job: job(), jobs)
     else:
-        ports, *found = (job() for job in jobs)
+        made = [job() for job in jobs]
+    models, found = made[: len(bodies)], made[len(bodies) :]
     plain, *moved = ({m: of[i] for m, of in zip(others, found, strict=True)} for i in range(3))
-    return MeshModes(ports, plain, tuple(moved) if lacking is not None else ())
+    further = tuple(moved) if lacking is not None else ()
+    return MeshModes(models[0], plain, further, models[1] if across else None)
 
 
 def lowest_modes(
