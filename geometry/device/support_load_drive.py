@@ -140,7 +140,12 @@ class Measurement(Parameters):
     @property
     def place(self) -> str:
         """Where motion is read, in words."""
-        return f"{engineering(self.below_tip, 'm')} below the tip" if self.below_tip else "the tip"
+        return f"{engineering(self.below_tip, 'm')} below the tip" if self.below_tip else "tip"
+
+    @property
+    def where(self) -> str:
+        """The same after a noun."""
+        return self.place if self.below_tip else "of the tip"
 
 
 class Drive(Parameters):
@@ -333,6 +338,13 @@ class Guide(Parameters):
         "assumed: 3 % of critical on the return spring",
         "damping of the axial motion",
         (0.001, 0.05, "assumed: from air alone to a rod that rubs"),
+    )
+    friction: u.Force = field(
+        0.0,
+        "assumed: none",
+        "Coulomb friction of the rod in its bore, a constant force along the axis against its "
+        "motion, in time simulations",
+        (0.0, 22e-3, "assumed: up to a fifth of the preload"),
     )
     lateral_stiffness: u.LateralStiffness = field(
         100.0,

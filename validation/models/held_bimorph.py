@@ -123,7 +123,7 @@ def held_system(scene: Scene, load: Chain, volts: float) -> System:
         coupling=coupling,
         capacitance=modes.capacitance,
         outputs={
-            "lateral_tip": Output(seen, "m", scale, f"lateral motion of {scene.measurement.place}")
+            "lateral_tip": Output(seen, "m", scale, f"lateral motion {scene.measurement.where}")
         },
     )
 

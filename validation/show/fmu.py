@@ -98,6 +98,10 @@ def _header(machine: Machine) -> str:
         raise InputError(
             "guide.clearance above 0 has no co-simulation unit yet; set guide.clearance = 0 mm"
         )
+    if any(friction.element is None for friction in system.frictions):
+        raise InputError(
+            "guide.friction above 0 has no co-simulation unit yet; set guide.friction = 0 N"
+        )
     coil, (upper, lower) = system.coil, system.elements
     assert coil is not None
     cells, law, below = coil.coenergy, upper.law, lower.law

@@ -136,7 +136,7 @@ def gather_from(
         states.append(_state(f"{frequency:.5g} Hz", "harmonic", frequency, found, layer))
     return FieldResult(
         scene.name, name, fields.mesh, tuple(states), scene.drive.voltage, MODELS[name].theory,
-        conditions=conditions(scene), place=scene.measurement.place.removeprefix("the "),
+        conditions=conditions(scene), place=scene.measurement.place,
     )  # fmt: skip
 
 

@@ -105,7 +105,7 @@ class _RunStage(Stage):
     def __init__(self, found: Simulation) -> None:
         super().__init__(_BODY, _HEIGHT)
         self._body: MovingBody = body_of(found)
-        self.place = found.scene.measurement.place.removeprefix("the ")
+        self.place = found.scene.measurement.place
         self.instants = list(_instants(found, _FRAMES))
         mesh = self._body.mesh
         low, high = mesh.points.min(axis=0) * MM, mesh.points.max(axis=0) * MM

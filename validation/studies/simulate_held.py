@@ -76,7 +76,7 @@ def held_lines(result: HeldRun) -> list[str]:
     at = int(np.searchsorted(answer.run.time, answer.certain_until))
     bar = engineering(float(answer.bars["lateral_tip"][at]), "m", 2)
     return [
-        f"lateral motion of {result.scene.measurement.place}: {low} to {high}, {last} at the end",
+        f"lateral motion {result.scene.measurement.where}: {low} to {high}, {last} at the end",
         f"natural frequencies: {listed or 'none, all motions decay without oscillation'}",
         f"{answer.run.time.size} steps; error bar until {1e3 * answer.certain_until:.4g} ms: {bar}",
         f"energy balance kept to {answer.run.worst_imbalance:.1e} of what was exchanged",

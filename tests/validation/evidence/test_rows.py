@@ -181,7 +181,7 @@ def made_phases(monkeypatch):
         phases = tuple(Phase(*phase) for phase in phases)
         monkeypatch.setattr(transient, "phases", lambda run: phases)
         monkeypatch.setattr(motion, "_paper_run", lambda: "run")
-        monkeypatch.setattr(motion, "_finger_run", lambda angle=0.0: ("run", angle))
+        monkeypatch.setattr(motion, "_run_of_fig_16", lambda load, angle=0.0: ("run", angle))
 
     return put
 
@@ -205,7 +205,7 @@ def test_flight_over_contact_takes_the_largest_of_each_kind(made_phases, rising,
         ("held", 0.0, 1.0, 1e-6), ("rising", 1.0, 2.0, rising), ("falling", 2.0, 3.0, falling),
         ("falling", 3.0, 4.0, 1e-6), ("pressed", 4.0, 5.0, 5e-6), ("held", 5.0, 6.0, 2e-6),
     )  # fmt: skip
-    assert motion._flight_to_contact() == pytest.approx(ratio)
+    assert motion._flight_to_contact("finger") == pytest.approx(ratio)
 
 
 def test_held_over_pressed_is_the_smallest_over_the_largest(made_phases, monkeypatch):
@@ -216,7 +216,7 @@ def test_held_over_pressed_is_the_smallest_over_the_largest(made_phases, monkeyp
     monkeypatch.setattr(
         transient, "common_oscillation", lambda seen, _: sizes[seen[0][1].start] * 1j
     )
-    assert motion._held_to_pressed() == pytest.approx(5.0 / 4.0)
+    assert motion._held_to_pressed("finger") == pytest.approx(5.0 / 4.0)
 
 
 def test_a_stretched_ball_has_the_factor_of_its_shape():

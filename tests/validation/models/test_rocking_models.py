@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from tactgen.tmm.generator.transient.waveform import Sources, Step
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import RESOLUTION, five_port, held_head
-from tactgen.validation.models.transient import scene_machine
+from tactgen.validation.models.transient import phases, run_scene, scene_machine
 from tactgen.validation.scene.scene import load_scene
 
 #: Below the peak, where the moment softens the support a little.
@@ -118,3 +119,16 @@ def test_an_eccentric_spring_softens_the_support():
     ]
     assert stiff[1] == pytest.approx(stiff[2], rel=1e-9)
     assert 0.6 < stiff[1] / stiff[0] < 0.9
+
+
+def test_friction_in_the_bore_slows_the_rod():
+    """Half of what pulls beyond the spring's force is lost; twice of it, and the rod stays up."""
+    until, pull = 4e-3, Sources(coil=Step(0.14))
+    arrivals = []
+    for friction in (0.0, 8.0, 60.0):
+        scene, _ = load_scene("generator", ["load.kind=none", f"guide.friction={friction} mN"])
+        run = run_scene(scene, pull, until, coil="current", accuracy=0.2)
+        assert run.answer.run.worst_imbalance < 1e-9
+        arrivals.append(next((p.start for p in phases(run) if p.name == "held"), until))
+    assert 0.0 < arrivals[0] < arrivals[1] < until
+    assert arrivals[2] == until

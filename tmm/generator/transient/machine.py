@@ -4,7 +4,8 @@ Coordinates: lift u of the rod (m, 0 at the upper stop, positive upwards), later
 tilt ψ of its head, then the bimorph's modes and the parts of what the tip touches.  The head stands
 on points around its rim, each of which pushes by the law of rough contact that
 :mod:`tmm.generator.contact` states for the whole rim: lift, rocking and tipping follow.  Friction
-holds the head laterally while it is pressed.
+holds the head laterally while it is pressed, and that of the bore is a constant force along the
+axis.
 
 Left out: the bimorph's stretching, tilting about the second axis, the field's moment on a tilted
 head, the head's thickness as a lever.  The weight (2 % of the preload) is in the preload, which is
@@ -228,6 +229,9 @@ def machine(
     lateral, axial = np.eye(n)[1], np.eye(n)[0]
     static = drive_scale * float(modes.seen[2:] @ (modes.coupling / modes.omega**2))
     bent = max(abs(static), _STILL)
+    frictions = [Friction(i, lateral, contact.friction) for i in range(2)]
+    if device.guide.friction:
+        frictions.append(Friction(None, axial, 1.0, load=device.guide.friction))
     system = System(
         mass=mass,
         damping=damping,
@@ -236,7 +240,7 @@ def machine(
         coupling=np.concatenate([np.zeros(3), modes.coupling, np.zeros(parts)]),
         capacitance=modes.capacitance,
         elements=elements,
-        frictions=tuple(Friction(i, lateral, contact.friction) for i in range(2)),
+        frictions=tuple(frictions),
         coil=Coil(
             coenergy=cells(pull),
             direction=axial,
@@ -249,7 +253,7 @@ def machine(
         ),
         outputs={
             "rod_lift": Output(axial, "m", stops.stroke, "lift of the rod, 0 on top"),
-            "lateral_tip": Output(seen, "m", bent, f"lateral motion of {device.measurement.place}"),
+            "lateral_tip": Output(seen, "m", bent, f"lateral motion {device.measurement.where}"),
             "head_tilt": Output(
                 np.eye(n)[2], "rad", np.inf, "tilt of the rod's head",
                 # a rocking head turns the tip by its height; what it does to the contact counts too

@@ -129,7 +129,9 @@ class Answers:
             steep.append(by_change)
             loss += lost
         for friction, along in self._frictions:
-            normal = pushed[friction.element], steep[friction.element]
+            normal = friction.load, [0.0] * len(y)
+            if friction.element is not None:
+                normal = pushed[friction.element], steep[friction.element]
             loss += _rubbed(friction, along, normal, y, h, forces, slope)
         if self.coil is None:
             return Answer(forces, pushed, slope, NO_FIELD, Means(0.0, 0.0, 0.0), loss)

@@ -213,16 +213,17 @@ class Element:
 
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb friction under an element's normal force, smoothed at small speeds.
+    """Coulomb friction under an element's force, or a constant one, smoothed at small speeds.
 
     T = −µ N v/√(v² + v_s²) along `direction` · x: it creeps where a rough surface would stick,
     and takes energy at any speed.
     """
 
-    element: int  #: Which of the system's elements pushes with N
+    element: int | None  #: Which of the system's elements pushes with N; None: N is constant
     direction: Floats  #: (n,)
     coefficient: float  #: µ
     speed: float = 1e-4  #: v_s (m/s)
+    load: float = 0.0  #: The constant N (N)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +21,7 @@ from tactgen.validation.evidence.mesh_levels import steps
 from tactgen.validation.models.model import Estimate
 
 if TYPE_CHECKING:
+    from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
     from tactgen.validation.models.transient import Phase, Simulation
     from tactgen.validation.scene.scene import Scene
 
@@ -28,6 +29,9 @@ _ONE, _UNIT = np.ones(1), np.eye(1)
 #: Section 2 of the paper: the drives of Fig 16.
 DRIVE, SQUARE = Sine(10.0, 200.0), Square(0.12, 100.0)
 SOURCES = Sources(DRIVE, SQUARE)
+#: Setting of the spring in the runs of Fig 16: by the field the paper's 120 mA pull no rod down
+#: that is pressed up with 110 mN, and the paper says that each spring is set by its screw.
+_SET = "spring.preload=100mN"
 #: Until the rod is up again; until every kind of phase has been there, from a moving start too (s).
 _UNTIL, _PERIOD_AND_HALF = 7e-3, 15e-3
 
@@ -90,8 +94,17 @@ def _phase(name: str, after: float) -> Phase:
 
 @lru_cache(maxsize=1)
 def _paper_run() -> Simulation:
-    """Run of Fig 16: 10 V at 200 Hz, 120 mA on and off at 100 Hz."""
-    return _scene_run(SOURCES, _UNTIL, 0.05)
+    """Run of Fig 16: 10 V at 200 Hz, 120 mA on and off at 100 Hz; by the field's map."""
+    return _scene_run(SOURCES, _UNTIL, 0.05, "paper", "none", field_map())
+
+
+@lru_cache(maxsize=1)
+def field_map() -> CoenergyMap:
+    """Co-energy over the stroke by the field, of the rod that is set as :data:`_SET` says."""
+    from tactgen.validation.models.classes import map_of
+    from tactgen.validation.scene.scene import load_scene
+
+    return map_of(load_scene("reluctance", ["models=axisymmetric", _SET])[0])
 
 
 def _rise_time() -> float:
@@ -104,7 +117,7 @@ def _fall_time() -> float:
     return _phase("held", after=0.0).start
 
 
-def _flight_to_contact() -> float:
+def _flight_to_contact(load: str) -> float:
     """Largest lateral amplitude in flight over the smaller one on the two stops.
 
     1 or more also where the tip moves more while the rod rises than while it falls.
@@ -112,14 +125,14 @@ def _flight_to_contact() -> float:
     from tactgen.validation.models.transient import phases
 
     largest: dict[str, float] = {}
-    for phase in phases(_finger_run()):
+    for phase in phases(_run_of_fig_16(load)):
         largest[phase.name] = max(phase.amplitude, largest.get(phase.name, 0.0))
     if largest["rising"] >= largest["falling"]:
         return largest["rising"] / largest["falling"]
     return largest["falling"] / min(largest["held"], largest["pressed"])
 
 
-def _held_to_pressed() -> float:
+def _held_to_pressed(load: str) -> float:
     """Tip's amplitude at the drive's frequency on the lower stop over the upper one's.
 
     By what two runs have in common whose drives are a quarter of a period apart: the smallest of
@@ -128,7 +141,7 @@ def _held_to_pressed() -> float:
     from tactgen.validation.models.transient import common_oscillation, phases
 
     angles = (0.0, 0.5 * math.pi)
-    runs = [_finger_run(angle) for angle in angles]
+    runs = [_run_of_fig_16(load, angle) for angle in angles]
     sizes: dict[str, list[float]] = {}
     for name in ("held", "pressed"):
         # not the rest at the start
@@ -140,11 +153,11 @@ def _held_to_pressed() -> float:
     return min(sizes["held"]) / max(sizes["pressed"])
 
 
-def _small_held_to_pressed() -> float:
+def _small_held_to_pressed(load: str) -> float:
     """Small-signal answer at the drive's frequency, held by 120 mA over pressed up."""
     from tactgen.validation.scene.scene import load_scene
 
-    scene = load_scene("generator", [])[0]
+    scene = load_scene("generator", [f"load.kind={load}"])[0]
     return abs(small_tip(scene, SQUARE.high)) / abs(small_tip(scene, 0.0))
 
 
@@ -160,22 +173,24 @@ def small_tip(scene: Scene, current: float) -> complex:
     return complex(solve(resting, ("tmm",), ("lateral_tip_per_voltage",)).quantities[0].value[0])
 
 
-@lru_cache(maxsize=2)
-def _finger_run(angle: float = 0.0) -> Simulation:
-    """Run of Fig 16 under the finger, with the drive's phase (rad) at the start."""
+@lru_cache(maxsize=4)
+def _run_of_fig_16(load: str, angle: float = 0.0) -> Simulation:
+    """Run of Fig 16 by the field's map, with the drive's phase (rad) at the start."""
     sources = Sources(replace(DRIVE, phase=angle), SQUARE)
-    return _scene_run(sources, _PERIOD_AND_HALF, 0.02, "generator", ())
+    # a free tip rings for long, and steps that follow it closely take minutes
+    accuracy = 0.02 if load == "finger" else 0.05
+    return _scene_run(sources, _PERIOD_AND_HALF, accuracy, "generator", load, field_map())
 
 
 def _scene_run(
-    sources: Sources, until: float, accuracy: float, name: str = "paper",
-    overrides: tuple[str, ...] = ("load.kind=none",),
+    sources: Sources, until: float, accuracy: float, name: str = "paper", load: str = "none",
+    pull: CoenergyMap | None = None,
 ) -> Simulation:  # fmt: skip
     from tactgen.validation.models.transient import run_scene
     from tactgen.validation.scene.scene import load_scene
 
-    scene, _ = load_scene(name, list(overrides))
-    return run_scene(scene, sources, until, coil="current", accuracy=accuracy)
+    scene, _ = load_scene(name, [f"load.kind={load}", *([_SET] if pull else [])])
+    return run_scene(scene, sources, until, coil="current", accuracy=accuracy, pull=pull)
 
 
 _ROD_IGNORED = Null("a tip that does not know of the rod", lambda: 1.0)
@@ -218,33 +233,57 @@ _KNOWN = (
           _generator_imbalance, 0.0, "rounding; relative to all that was exchanged", "first law",
           tier="solution verification", scene="generator"),
 )  # fmt: skip
+#: Tips of the runs, whether the paper's was loaded is not said: load, words, and where the order
+#: that it tells is not predicted the deviation and why.
+_FREE, _FINGER = ("none", "Free,"), ("finger", "Under the finger,")
+_TIPS = (
+    (
+        (*_FREE, 1.3265, "a free tip rings after each blow of the rod, more than it is driven"),
+        (*_FINGER, 0.0, ""),
+    ),
+    ((*_FREE, 0.0, ""), (*_FINGER, 0.0, "")),
+    (
+        (*_FREE, -0.1168, "on the softer upper stop a free tip resonates closer to the 200 Hz"),
+        (*_FINGER, 0.0, ""),
+    ),
+)  # fmt: skip
 _FIG_16 = (
     Check("The 120 mA of Fig 16 pull the reconstructed rod down against its preload.", (0.0, 0.12),
           "A", _pull_in_current, 0.0, "enough is enough", known=0.081,
-          explained="by the field it takes 129.7 mA, as the device was reconstructed from another "
-          "statement (PAP-11); the runs of the following rows rest on the network, by which 118.5 "
-          "mA are enough because its pull is 12 % too large here (NET-F1)"),
+          explained="the device was reconstructed from another statement (PAP-11), at the 110 mN "
+          "of section 5.1; the runs of the following rows have the spring set to 100 mN"),
     Check("Switched off, the rod is on its upper stop about 1 ms later (3 to 4 ms in the text).",
           (0.5e-3, 1.5e-3), "s", _rise_time, 0.0, _READ,
           null=Null(_FREE_FLIGHT, _free_flight), heavy=True),
     Check("Switched on, the rod is on its lower stop about 2 ms later (7 to 9 ms in the text).",
-          (1.5e-3, 2.5e-3), "s", _fall_time, 0.0, _READ,
+          (1.5e-3, 2.5e-3), "s", _fall_time, 0.0, _READ, known=0.0425,
+          explained="the pull exceeds the spring by a few per cent at first, so that its setting "
+          "decides: a report has the time as a band over it (Beside the measurements)",
           null=Null(_FREE_FLIGHT, _free_flight), heavy=True),
-    Check("Under the finger the tip moves less while the rod flies than on either stop, least "
-          "while it rises.", (0.0, 1.0), "1", _flight_to_contact, 0.0,
-          "an order, no sizes are given",
-          null=Null("a tip that swings at 200 Hz whatever the rod does, over phases as long as the "
-                    "paper's", _flight_of_a_sine), heavy=True),
-    Check("Under the finger the tip answers its drive more on the lower stop than on the upper "
-          "one.", (1.0, 10.0), "1", _held_to_pressed, 0.0,
-          "an order, no sizes are given; taken is what two runs, their drives a quarter of a "
-          "period apart, have in common at 200 Hz beside straight lines: after the blow on the "
-          "upper stop the finger lets the tip drift for milliseconds, which is no oscillation",
-          null=_ROD_IGNORED, heavy=True),
-    Check("So it does in small motions about both places of rest.", (1.0, 10.0), "1",
-          _small_held_to_pressed, 0.0,
-          "an order, no sizes are given; a contact is stiff in proportion to what presses it",
-          null=_ROD_IGNORED),
+    *(
+        Check(f"{words} the tip moves less while the rod flies than on either stop, least while it "
+              "rises.", (0.0, 1.0), "1", partial(_flight_to_contact, load), 0.0,
+              "an order, no sizes are given", known=known, explained=why,
+              null=Null("a tip that swings at 200 Hz whatever the rod does, over phases as long as "
+                        "the paper's", _flight_of_a_sine), heavy=True)
+        for load, words, known, why in _TIPS[0]
+    ),
+    *(
+        Check(f"{words} the tip answers its drive more on the lower stop than on the upper one.",
+              (1.0, 10.0), "1", partial(_held_to_pressed, load), 0.0,
+              "an order, no sizes are given; taken is what two runs, their drives a quarter of a "
+              "period apart, have in common at 200 Hz beside straight lines: after the blow on the "
+              "upper stop the finger lets the tip drift for milliseconds, which is no oscillation",
+              known=known, explained=why, null=_ROD_IGNORED, heavy=True)
+        for load, words, known, why in _TIPS[1]
+    ),
+    *(
+        Check(f"{words} it does so in small motions about both places of rest.", (1.0, 10.0), "1",
+              partial(_small_held_to_pressed, load), 0.0,
+              "an order, no sizes are given; a contact is stiff in proportion to what presses it",
+              known=known, explained=why, null=_ROD_IGNORED)
+        for load, words, known, why in _TIPS[2]
+    ),
 )  # fmt: skip
 _MISPRINT = Check(
     "The coil's current after 10 ms is printed as 1.9849 A.", 1.9849, "A", _vm207_current, 2.5e-5,

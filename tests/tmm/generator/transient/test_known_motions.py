@@ -248,13 +248,17 @@ def test_a_guess_deep_inside_a_stop_does_not_move_the_answer(deep):
     np.testing.assert_allclose(found.position, expected.position, rtol=1e-12)
 
 
-def test_friction_stops_what_slides():
-    """µ N over m, but for the speed at which it is rounded off; all motion is lost in it."""
+@pytest.mark.parametrize("constant", [False, True])
+def test_friction_stops_what_slides(constant):
+    """Under what pushes, or constant: µ N over m, but for the speed at which it is rounded off.
+
+    All motion is lost in it.
+    """
     mass, pressed, start = 0.1, 2.0, 0.05
     system = System(
         mass * np.eye(2), np.zeros((2, 2)), np.diag([0.0, 1.0]), np.array([0.0, pressed]),
         np.zeros(2), 0.0, (Element("floor", Stop(1e4), np.array([0.0, 1.0])),),
-        (Friction(0, np.array([1.0, 0.0]), 0.3, 1e-6),), None,
+        (Friction(None if constant else 0, np.array([1.0, 0.0]), 0.3, 1e-6, pressed),), None,
         {"x": Output(np.array([1.0, 0.0]), "m", 1e-3)},
     )  # fmt: skip
     deceleration = 0.3 * pressed / (1.0 + 1e-4) / mass
