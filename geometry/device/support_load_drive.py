@@ -317,6 +317,21 @@ class Contact(Parameters):
         "stiffness of the contact along the surfaces over that across them",
         (0.7, 1.0, "measured on rough surfaces: at most that of Mindlin's smooth ones, or equal"),
     )
+    board_stiffness: u.LateralStiffness = field(
+        0.0,
+        "assumed: rigid",
+        "of the springs that hold the upper board in its plane, in small motions and harmonic "
+        "balance; 0 holds it rigidly",
+    )
+    board_mass: u.Mass = field(
+        5.1e-3,
+        "tactgen bill: the upper board of the display",
+        "of the upper board, where springs hold it",
+        (4e-3, 8e-3, "assumed: boards of 0.8 to 1.6 mm"),
+    )
+    board_loss_factor: u.LossTangent = field(
+        0.02, "assumed: loss factor of glass-fibre epoxy", "of the springs that hold the board"
+    )
     friction: u.PositiveNumber = field(
         0.2,
         "assumed: dry steel on board or steel",

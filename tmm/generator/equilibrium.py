@@ -7,12 +7,14 @@ as in tmm.generator.contact: 0 at the upper stop, negative downwards.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.bimorph.boundary_conditions import Springs
 from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.contact import (
@@ -23,6 +25,7 @@ from tactgen.tmm.generator.contact import (
     stops_of,
     tilt_guide,
 )
+from tactgen.tmm.ports.elements import base_stiffness
 
 #: Lifts between the stops at which forces are compared, and at each stop, that reach so many
 #: decay lengths of the contact to both sides.
@@ -265,6 +268,28 @@ def resting_tilt(device: Device, place: RestingPlace) -> float:
     return float(np.copysign(brentq(left, 0.0, most, xtol=1e-18), moment))
 
 
+def sprung_board(device: Device, place: RestingPlace) -> Callable[[Floats], Complex] | None:
+    """Lateral dynamic stiffness (n,) in N/m over frequency (Hz) of contact and upper board.
+
+    Contact and board in series, the board a mass on its springs.  None where the board is rigid, or
+    the rod on the lower stop, whose sleeve stands in the lower board.
+    """
+    contact, stops = device.contact, stops_of(device)
+    if not contact.board_stiffness or stops.is_below(place.lift):
+        return None
+    law = stops.holding(place.lift)
+    along = float(law.tangential_stiffness(place.contact_force))
+
+    def stiffness(frequencies: Floats) -> Complex:
+        omega = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
+        held = along * (1.0 + 1j * omega * law.relaxation_time)
+        board = contact.board_stiffness * (1.0 + 1j * contact.board_loss_factor)
+        board = board - omega**2 * contact.board_mass
+        return np.asarray(held * board / (held + board))
+
+    return stiffness
+
+
 def pressed_support(
     device: Device, contact: RoughContact, load: float, tilt: float = 0.0
 ) -> Support:
@@ -306,3 +331,19 @@ def held_support(
     place = resting_place(forces, current, history)
     law, tilt = forces.stops.holding(place.lift), resting_tilt(device, place)
     return place, pressed_support(device, law, place.contact_force, tilt)
+
+
+def on_board(base: Springs, device: Device, place: RestingPlace) -> Springs:
+    """Springs of a contact, with those of the upper board if it is not rigid.
+
+    Statics and undamped modes have the board at rest on its springs.
+    """
+    board, guide = sprung_board(device, place), lateral_guide(device).at_rest
+    if board is None:
+        return base
+
+    def law(frequencies: Floats) -> tuple[Complex, Complex]:
+        return board(frequencies) + guide, base_stiffness(base, frequencies)[1]
+
+    at_rest = float(board(np.zeros(1))[0].real) + guide
+    return replace(base, lateral_stiffness=at_rest, law=law)

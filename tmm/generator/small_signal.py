@@ -42,6 +42,7 @@ from tactgen.tmm.generator.equilibrium import (
     RestingPlace,
     pressed_support,
     resting_tilt,
+    sprung_board,
 )
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.steady import Tabulated
@@ -97,6 +98,8 @@ class Linearised:
     inductance: float = 0.0  #: L = ∂λ/∂i (H), the rod held
     resistance: float = 0.0  #: Of wire, leads and supply (Ω)
     tilt: float = 0.0  #: Of the head at rest (rad)
+    #: What an upper board on springs adds to the lateral stiffness (n,) in N/m over frequency (Hz)
+    board: Callable[[Floats], Complex] | None = None
 
 
 def linearised(
@@ -120,7 +123,21 @@ def linearised(
         inductance=float(magnetic.incremental_inductance(current, gap)),
         resistance=winding(device.coil).resistance + device.coil.source_resistance,
         tilt=tilt,
+        board=_board(device, place),
     )
+
+
+def _board(device: Device, place: RestingPlace) -> Callable[[Floats], Complex] | None:
+    sprung, law = sprung_board(device, place), stops_of(device).holding(place.lift)
+    if sprung is None:
+        return None
+    along = _along(law, place.contact_force)
+
+    def added(frequencies: Floats) -> Complex:
+        rigid = along * (1.0 + 2j * np.pi * frequencies * law.relaxation_time)
+        return np.asarray(sprung(frequencies) - rigid)
+
+    return added
 
 
 def rod_ports(linear: Linearised, frequencies: Floats) -> Multiport:
@@ -129,6 +146,8 @@ def rod_ports(linear: Linearised, frequencies: Floats) -> Multiport:
     omega = 2.0 * np.pi * f[:, None, None]
     d = np.zeros((f.size, 4, 4), dtype=complex)
     d[:, :3, :3] = linear.stiffness + 1j * omega * linear.damping - omega**2 * linear.mass
+    if linear.board is not None:
+        d[:, 0, 0] += linear.board(f)
     d[:, 2, 3], d[:, 3, 2] = -linear.motional, linear.motional
     d[:, 3, 3] = linear.inductance
     return Multiport(f, d, ROD)
@@ -298,10 +317,15 @@ def rocking_head(
     bore = tilt_guide(device)
     mass = body.mass + bimorph_mass
 
+    board, guide = sprung_board(device, place), lateral_guide(device).at_rest
+
+    def lateral(frequencies: Floats) -> Complex | float:
+        return support.lateral_stiffness if board is None else board(frequencies) + guide
+
     def seen(frequencies: Floats) -> Complex:
         omega = 2.0 * np.pi * frequencies
         tilting = bore.at_rest - omega**2 * support.rotational_inertia
-        loads = {"w_base": support.lateral_stiffness, "psi_base": tilting}
+        loads = {"w_base": lateral(frequencies), "psi_base": tilting}
         return _seen(terminate(load_tip(bimorph(frequencies), tip), loads))
 
     attached = Tabulated(seen)

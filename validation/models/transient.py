@@ -14,6 +14,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device, Support
+from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.machine import (
     LOWER,
     UPPER,
@@ -122,7 +123,15 @@ def scene_machine(
     volts: float,
     pull: CoenergyMap | None = None,
 ) -> Machine:
-    """Generator of a scene driven by `volts`."""
+    """Generator of a scene driven by `volts`.
+
+    Raises InputError if it has an upper board on springs.
+    """
+    if scene.contact.board_stiffness:
+        raise InputError(
+            f"contact.board_stiffness = {scene.contact.board_stiffness:g} N/m has no time "
+            "simulation yet; set 0 N/m"
+        )
     load = chain_of(scene.ends.tip)
     if pull is None:
         from tactgen.tmm.reluctance.map_range import network_map

@@ -155,7 +155,12 @@ class Scene(p.Device):
         A contact is alike in all directions; of other springs only those against bending are known.
         """
         found = ends_of(self.held, self.load)
-        return replace(found, across=found.base) if self.support.kind == "contact" else found
+        if self.rest is None or found.base is None:
+            return found
+        from tactgen.tmm.generator.equilibrium import on_board
+
+        base = on_board(found.base, self.device, self.rest[0])
+        return replace(found, base=base, across=found.base)
 
     @property
     def held(self) -> p.Support:

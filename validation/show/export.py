@@ -107,6 +107,11 @@ def scene_state_space(scene: Scene) -> MachineStateSpace:
     Raises InputError if the rod rests nowhere.
     """
     check_machine(scene, "machine")
+    if scene.contact.board_stiffness:
+        raise InputError(
+            f"contact.board_stiffness = {scene.contact.board_stiffness:g} N/m has no state space "
+            "yet; set 0 N/m"
+        )
     rod = rod_of(scene, map_of(scene))
     return machine_state_space(rod, scene_modes(scene), supply=scene.coil.supply)
 

@@ -241,8 +241,8 @@ _HEAD = case(
               heavy=True, known=-0.5,
               explained="the model has the lateral actuator's peak alone. The paper ascribes the "
               "other to the combination with the normal actuator and sees it vanish where the "
-              "magnet holds the rod; friction of the rod in its bore (guide.friction) acts in runs in time only, and its "
-              "play (guide.clearance) takes away springs that are 0.04 % of the contact's"),
+              "magnet holds the rod; an upper board on springs (contact.board_stiffness) would "
+              "have one, and so would a spring that presses off both axes"),
         *(
             Check(f"Under load at 50 V, {state}: the line fitted to the deflection from 10 to 1000 "
                   "Hz has the printed slope.", slope, "m/Hz", partial(_slope, state), 2e-4,
