@@ -143,6 +143,8 @@ def _values(scene: Scene, dump: dict[str, Any], entries: tuple[str, ...]) -> dic
             _values(scene, dump, HELD_WITH_CURRENT) if by_field
             else scene.held.model_dump(mode="json")
         )  # fmt: skip
+        if scene.contact.board_stiffness:
+            values["board"] = dump["contact"]
     return values
 
 
