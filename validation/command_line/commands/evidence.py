@@ -119,6 +119,10 @@ def _print_checks(rows: list[Verified]) -> None:
         measured = "-" if found is None else engineering(found.measured, check.unit)
         deviation = "-" if found is None else percent(found.deviation)
         print(f"{check.id:9} {row.verdict:10} {measured:>14} {deviation:>12}  {check.requirement}")
+        if row.bar is not None and row.verdict == "explained":
+            covers = "covers" if row.covered_by else "does not cover"
+            bar = engineering(row.bar.error, check.unit)
+            print(f"{'':20} its bar of ± {bar} {covers} the reference")
         for words in (found.explanation, found.beside) if found else ():
             if words:
                 print(f"{'':20} {words}")
