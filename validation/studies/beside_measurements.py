@@ -38,7 +38,7 @@ from tactgen.validation.scene.variation import with_values
 #: Values of the unknowns by name (SI).
 Values = Mapping[str, float]
 
-#: Samples of a figure, a power of two; of one with two unknowns.
+#: Samples of a figure, a power of two; of one with few unknowns.
 SAMPLES, _FEW = 128, 32
 #: Ranges by which shares of a band's variance are told.
 _BINS = 8
@@ -378,7 +378,7 @@ def figures() -> tuple[Figure, ...]:
              Published("lateral stiffness of the support, as fitted", 2.5e6, 3.5e6, "N/m"),
              Published("voltage up to which it works", 230.0, 230.0, "V")),
             (_PRELOAD, _LOWEST, *_assumed(pad, "contact.decay_length", "contact.tangential_ratio",
-                                          "limits.depoling_field")), _on_stop, _FEW,
+                                          "limits.depoling_field")), _on_stop, 2 * _FEW,
         ),
         Figure(
             "The rod at 120 mA", "paper section 6, Fig 16",
@@ -416,7 +416,9 @@ def compared(figure: Figure) -> Comparison:
         predictions.append(Prediction(
             published, float(at_usual[k]), _range(every[:, k]),
             {name: _range(np.append(ends[:, k], at_usual[k])) for name, ends in alone.items()},
-            {name: _share(shares[:, n], found[:, k]) for n, name in enumerate(names)},
+            # few samples may resemble a place in a range that does nothing
+            {name: _share(shares[:, n], found[:, k]) if np.ptp(alone[name][:, k]) else 0.0
+             for n, name in enumerate(names)},
             {level: _range(found[setting == n, k]) for n, level in enumerate(PRELOADS)},
         ))  # fmt: skip
     off = np.array([p.off(found[:, k]) for k, p in enumerate(figure.numbers)]).max(axis=0)
