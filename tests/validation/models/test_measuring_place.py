@@ -95,10 +95,12 @@ def test_the_solid_reads_its_own_field(below, coarse_bricks):
 @pytest.mark.parametrize("overrides", [(), ("bimorph.tab_length=3 mm",), CLAMPED])
 @pytest.mark.parametrize("below", [0.3, 5.0, 15.0])
 def test_bricks_and_tetrahedra_agree(overrides, below):
-    scene = scene_of(below, *overrides, "frequency=20 Hz,500 Hz,1.5 kHz", models="solid,cad")
+    """Within their bars, as their own field at the place is no more certain than at the tip."""
+    asked = (*overrides, "accuracy=1%", "frequency=20 Hz,500 Hz,1.5 kHz")
+    scene = scene_of(below, *asked, models="solid,cad")
     solid, cad = answers(scene).values()
     assert (np.abs(solid.value - cad.value) <= solid.error + cad.error).all()
-    assert (solid.error + cad.error < 2e-2 * np.abs(solid.value)).all()
+    assert (solid.error + cad.error < 5e-2 * np.abs(solid.value)).all()
 
 
 def test_studies_read_the_same_place():
