@@ -325,12 +325,15 @@ class Contact(Parameters):
     )
     board_mass: u.Mass = field(
         5.1e-3,
-        "tactgen bill: the upper board of the display",
+        "assumed: that of the upper board in the bill of parts",
         "of the upper board, where springs hold it",
         (4e-3, 8e-3, "assumed: boards of 0.8 to 1.6 mm"),
     )
     board_loss_factor: u.LossTangent = field(
-        0.02, "assumed: loss factor of glass-fibre epoxy", "of the springs that hold the board"
+        0.02,
+        "assumed: loss factor of glass-fibre epoxy",
+        "of the springs that hold the board",
+        (0.01, 0.04, "assumed: laminates"),
     )
     friction: u.PositiveNumber = field(
         0.2,
