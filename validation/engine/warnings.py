@@ -198,6 +198,12 @@ def check_held(scene: Scene, quantities: Sequence[str]) -> None:
             f'support.kind = "pinned" lets the actuator turn as a rigid body, {free}; set '
             'load.kind = "pinned" as well or ask for frequencies above 0 Hz'
         )
+    if scene.support.kind == "table":
+        table = support_table(scene.support)
+        raise InputError(
+            f"{table.source} has no positive real part at its lowest frequency of "
+            f"{table.band[0]:g} Hz, {free}; remove the line or ask for responses above 0 Hz"
+        )
     springs = ("rotational_stiffness", "lateral_stiffness")
     loose = next(name for name in springs if getattr(scene.held, name) == 0.0)
     group = "support" if scene.support.kind == "spring" else "guide"

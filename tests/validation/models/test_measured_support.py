@@ -114,6 +114,18 @@ def test_a_table_that_cannot_be_used_is_refused(tmp_path, text, message):
         load_scene("paper", ["support.kind=table", *file])
 
 
+def test_a_table_that_does_not_hold_at_its_lowest_frequency_has_no_statics(tmp_path):
+    """Nor is it a failure; responses are as ever."""
+    path = tmp_path / "s.csv"
+    rows = ("1,-0.1,0", "2,0.1,0.01", "5,0.2,0.01", "100,0.2,0.01", "500,0.2,0.02", "1e3,0.2,0.03")
+    head = "frequency (Hz),rotational_stiffness_re (N m/rad),rotational_stiffness_im (N m/rad)"
+    path.write_text("\n".join((head, *rows)), encoding="utf-8")
+    scene, _ = load_scene("paper", ["support.kind=table", f"support.file={path}"])
+    with pytest.raises(InputError, match=r"no positive real part at its lowest frequency of 1 Hz"):
+        request_warnings(scene, ("tmm",), ("static_tip_displacement",))
+    assert request_warnings(scene, ("tmm",), ("tip_displacement",)) == ()
+
+
 def test_a_support_that_gives_energy_away_and_frequencies_outside_are_refused(tmp_path):
     at = [10, 20, 100, 300, 500, 1000]
     with pytest.raises(InputError, match=r"line 2: at 10 Hz the imaginary part .* gives? energy"):
