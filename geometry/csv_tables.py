@@ -10,9 +10,10 @@ import csv
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -23,6 +24,8 @@ from tactgen.geometry.units import Unit, quoted
 
 #: Line number in the file, and the cells of that line.
 Row: TypeAlias = tuple[int, list[str]]
+
+T = TypeVar("T")
 
 #: A number as other programs write it; Python's float also takes 1_0, nan and other digits.
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?", re.IGNORECASE | re.ASCII)
@@ -194,6 +197,22 @@ def _cell(row: Row, column: Column, names: list[str], source: str) -> float:
             f"{unit.show(high)}); check the value and the unit in the header"
         )
     return value
+
+
+def remembered(read: Callable[[Path], T], file: str) -> T:
+    """What a reader makes of a file, read again only when it has changed; refused as by it."""
+    path = Path(file)
+    try:
+        state = path.stat()
+    except (OSError, ValueError):
+        return read(path)  # which says what is wrong
+    found: T = _read(read, path, state.st_mtime_ns, state.st_size)
+    return found
+
+
+@lru_cache(maxsize=32)
+def _read(read: Callable[[Path], Any], path: Path, _changed: int, _size: int) -> Any:
+    return read(path)
 
 
 def check_ascending(frequencies: Floats, lines: list[int], source: str) -> None:

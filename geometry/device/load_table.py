@@ -6,13 +6,12 @@ Read and refused here; what a model makes of it is in ``tmm/ports/loads``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.geometry.csv_tables import Table, read_table
+from tactgen.geometry.csv_tables import Table, read_table, remembered
 from tactgen.geometry.device.parameters import Load
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import DYNAMIC_STIFFNESS, FREQUENCY, IMPEDANCE, PHASE, Unit, quoted
@@ -57,17 +56,7 @@ def load_table(load: Load) -> LoadTable:
             'load.kind = "table" needs load.file, the path of a CSV file with the columns '
             f"{_EXAMPLE}"
         )
-    path = Path(load.file)
-    try:
-        state = path.stat()
-    except (OSError, ValueError):
-        return read_load_table(path)  # which says what is wrong
-    return _remembered(path, state.st_mtime_ns, state.st_size)
-
-
-@lru_cache(maxsize=16)
-def _remembered(path: Path, _changed: int, _size: int) -> LoadTable:
-    return read_load_table(path)
+    return remembered(read_load_table, load.file)
 
 
 def read_load_table(path: Path) -> LoadTable:

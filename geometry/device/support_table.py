@@ -6,13 +6,12 @@ Read and refused here; what models make of it is in ``tmm/ports/loads``.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.geometry.csv_tables import read_table
+from tactgen.geometry.csv_tables import read_table, remembered
 from tactgen.geometry.device.load_table import check_count, complex_column
 from tactgen.geometry.device.parameters import Support
 from tactgen.geometry.errors import InputError
@@ -58,17 +57,7 @@ def support_table(support: Support) -> SupportTable:
             'support.kind = "table" needs support.file, the path of a CSV file with the columns '
             f"{_EXAMPLE}"
         )
-    path = Path(support.file)
-    try:
-        state = path.stat()
-    except (OSError, ValueError):
-        return read_support_table(path)  # which says what is wrong
-    return _remembered(path, state.st_mtime_ns, state.st_size)
-
-
-@lru_cache(maxsize=16)
-def _remembered(path: Path, _changed: int, _size: int) -> SupportTable:
-    return read_support_table(path)
+    return remembered(read_support_table, support.file)
 
 
 def read_support_table(path: Path) -> SupportTable:

@@ -19,13 +19,13 @@ No friction, no adhesion; nothing is said about speed but the relaxation time.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.parts import MM, Ring, moving_rings
 from tactgen.geometry.errors import InputError
@@ -304,6 +304,29 @@ def stops_of(device: Device) -> Stops:
             f"{device.gap * 1e3:g} mm; use a smaller one"
         )
     return Stops(contact_of(device, "upper"), contact_of(device, "lower"), stroke)
+
+
+def sprung_board(device: Device, lift: float, load: float) -> Callable[[Floats], Complex] | None:
+    """Lateral dynamic stiffness (n,) in N/m over frequency (Hz) of contact and upper board.
+
+    Contact and board in series, the board a mass on its springs.  None where the board is rigid, or
+    the rod at a lift (m) where the lower stop holds it, whose sleeve stands in the lower board; the
+    stop carries `load` (N).
+    """
+    contact, stops = device.contact, stops_of(device)
+    if not contact.board_stiffness or stops.is_below(lift):
+        return None
+    law = stops.holding(lift)
+    along = float(law.tangential_stiffness(load))
+
+    def stiffness(frequencies: Floats) -> Complex:
+        omega = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
+        held = along * (1.0 + 1j * omega * law.relaxation_time)
+        board = contact.board_stiffness * (1.0 + 1j * contact.board_loss_factor)
+        board = board - omega**2 * contact.board_mass
+        return np.asarray(held * board / (held + board))
+
+    return stiffness
 
 
 def contact_of(device: Device, stop: Literal["upper", "lower"]) -> RoughContact:

@@ -7,7 +7,6 @@ as in tmm.generator.contact: 0 at the upper stop, negative downwards.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
@@ -22,6 +21,7 @@ from tactgen.tmm.generator.contact import (
     Stops,
     lateral_guide,
     moving_rod,
+    sprung_board,
     stops_of,
     tilt_guide,
 )
@@ -268,28 +268,6 @@ def resting_tilt(device: Device, place: RestingPlace) -> float:
     return float(np.copysign(brentq(left, 0.0, most, xtol=1e-18), moment))
 
 
-def sprung_board(device: Device, place: RestingPlace) -> Callable[[Floats], Complex] | None:
-    """Lateral dynamic stiffness (n,) in N/m over frequency (Hz) of contact and upper board.
-
-    Contact and board in series, the board a mass on its springs.  None where the board is rigid, or
-    the rod on the lower stop, whose sleeve stands in the lower board.
-    """
-    contact, stops = device.contact, stops_of(device)
-    if not contact.board_stiffness or stops.is_below(place.lift):
-        return None
-    law = stops.holding(place.lift)
-    along = float(law.tangential_stiffness(place.contact_force))
-
-    def stiffness(frequencies: Floats) -> Complex:
-        omega = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
-        held = along * (1.0 + 1j * omega * law.relaxation_time)
-        board = contact.board_stiffness * (1.0 + 1j * contact.board_loss_factor)
-        board = board - omega**2 * contact.board_mass
-        return np.asarray(held * board / (held + board))
-
-    return stiffness
-
-
 def pressed_support(
     device: Device, contact: RoughContact, load: float, tilt: float = 0.0
 ) -> Support:
@@ -338,7 +316,10 @@ def on_board(base: Springs, device: Device, place: RestingPlace) -> Springs:
 
     Statics and undamped modes have the board at rest on its springs.
     """
-    board, guide = sprung_board(device, place), lateral_guide(device).at_rest
+    board, guide = (
+        sprung_board(device, place.lift, place.contact_force),
+        lateral_guide(device).at_rest,
+    )
     if board is None:
         return base
 

@@ -34,6 +34,7 @@ from tactgen.tmm.generator.contact import (
     Stops,
     lateral_guide,
     moving_rod,
+    sprung_board,
     stops_of,
     tilt_guide,
 )
@@ -42,7 +43,6 @@ from tactgen.tmm.generator.equilibrium import (
     RestingPlace,
     pressed_support,
     resting_tilt,
-    sprung_board,
 )
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.steady import Tabulated
@@ -128,7 +128,10 @@ def linearised(
 
 
 def _board(device: Device, place: RestingPlace) -> Callable[[Floats], Complex] | None:
-    sprung, law = sprung_board(device, place), stops_of(device).holding(place.lift)
+    sprung, law = (
+        sprung_board(device, place.lift, place.contact_force),
+        stops_of(device).holding(place.lift),
+    )
     if sprung is None:
         return None
     along = _along(law, place.contact_force)
@@ -317,7 +320,10 @@ def rocking_head(
     bore = tilt_guide(device)
     mass = body.mass + bimorph_mass
 
-    board, guide = sprung_board(device, place), lateral_guide(device).at_rest
+    board, guide = (
+        sprung_board(device, place.lift, place.contact_force),
+        lateral_guide(device).at_rest,
+    )
 
     def lateral(frequencies: Floats) -> Complex | float:
         return support.lateral_stiffness if board is None else board(frequencies) + guide

@@ -264,10 +264,11 @@ def held_head(scene: Scene, model: str = "tmm") -> RockingHead:
         )
     free = scene.support.model_copy(update={"kind": "spring"})
     tip = ends_of(free, scene.load).tip
-    return rocking_head(five_port(scene, model), tip, forces, place, current, _bimorph_mass(scene))
+    return rocking_head(five_port(scene, model), tip, forces, place, current, bimorph_mass(scene))
 
 
-def _bimorph_mass(scene: Scene) -> float:
+def bimorph_mass(scene: Scene) -> float:
+    """Mass of a scene's row of beams (kg)."""
     row = transfer_matrix.sections(scene.device, scene.support, scene.beam, lossy=False)
     return float(sum(getattr(section, "m", 0.0) * length for section, length in row))
 

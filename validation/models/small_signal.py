@@ -58,27 +58,32 @@ class MachineForce(Pull, Map, Protocol):
 
 
 @dataclass(frozen=True)
-class _Scaled:
-    """A map with all that it says a little larger, by its errors in force and flux linkage."""
+class ScaledMap:
+    """A map with its force times a factor, and its flux linkage times another."""
 
     map: CoenergyMap
     by: float
-    linkage_by: float
+    linkage_by: float = 1.0
 
     @property
     def gap_limits(self) -> tuple[float, float]:
+        """Gap limits of the map (m)."""
         return self.map.gap_limits
 
     def force(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """Pull (N)."""
         return self.by * self.map.force(current, gap)
 
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """∂F/∂g (N/m)."""
         return self.by * self.map.force_gradient(current, gap)
 
     def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """∂λ/∂g (V s/m)."""
         return self.by * self.map.motional_coefficient(current, gap)
 
     def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """∂λ/∂i (H)."""
         return self.linkage_by * self.map.incremental_inductance(current, gap)
 
 
@@ -176,7 +181,7 @@ def machine_of(scene: Scene, pull: CoenergyMap) -> RodWithError:
     sparse, remains = thinned(pull)
     own = _sample_error(pull, abs(scene.coil.current), place.lift + scene.gap)
     between = pull.interpolation_error
-    larger = _Scaled(pull, 1.0 + own + between.force, 1.0 + own + between.flux_linkage)
+    larger = ScaledMap(pull, 1.0 + own + between.force, 1.0 + own + between.flux_linkage)
     return RodWithError(
         rod_about(scene, pull),
         f"half the change with half the samples of the map by the model {pull.samples.model}, of "

@@ -127,11 +127,7 @@ def scene_machine(
 
     Raises InputError if it has an upper board on springs.
     """
-    if scene.contact.board_stiffness:
-        raise InputError(
-            f"contact.board_stiffness = {scene.contact.board_stiffness:g} N/m has no time "
-            "simulation yet; set 0 N/m"
-        )
+    check_rigid_board(scene, "time simulation")
     load = chain_of(scene.ends.tip)
     if pull is None:
         from tactgen.tmm.reluctance.map_range import network_map
@@ -139,6 +135,15 @@ def scene_machine(
         pull = network_map(scene.device)
     modes = scene_modes(scene)
     return machine(scene.device, modes, pull, load=load, source=coil, drive_scale=volts or 1.0)
+
+
+def check_rigid_board(scene: Scene, purpose: str) -> None:
+    """Refuse an upper board on springs, and say what does not know it."""
+    if scene.contact.board_stiffness:
+        raise InputError(
+            f"contact.board_stiffness = {scene.contact.board_stiffness:g} N/m has no {purpose} "
+            "yet; set 0 N/m"
+        )
 
 
 def scene_modes(scene: Scene) -> BimorphModes:

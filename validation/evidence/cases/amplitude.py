@@ -25,7 +25,7 @@ from tactgen.validation.models.backbone import (
 )
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.beside_measurements import PLACE
+from tactgen.validation.studies.published_measurements import PLACE
 
 
 def _cubic_frequency(amplitude: float) -> float:

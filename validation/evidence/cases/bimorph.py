@@ -17,7 +17,7 @@ from tactgen.validation.evidence.case import Case, Check, Null, case
 from tactgen.validation.evidence.mesh_levels import cached, level
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.beside_measurements import (
+from tactgen.validation.studies.published_measurements import (
     FIG_15,
     FIG_17,
     Comparison,

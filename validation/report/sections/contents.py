@@ -22,7 +22,7 @@ def sections(study: Study) -> tuple[Section, ...]:
 
         found += [s for s in NORMAL if not (study.lateral and s.id == "magnetic_field")]
     if study.lateral:
-        from tactgen.validation.report.sections.measurements import MEASUREMENTS
+        from tactgen.validation.report.sections.published_measurements import MEASUREMENTS
 
         found.append(MEASUREMENTS)
     if asks_display(study.scene.quantities):

@@ -8,8 +8,8 @@ import pytest
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.transient import phases, run_scene
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies import beside_measurements as beside
-from tactgen.validation.studies.beside_measurements import Figure, Published, Unknown
+from tactgen.validation.studies import published_measurements as beside
+from tactgen.validation.studies.published_measurements import Figure, Published, Unknown
 
 
 def test_a_prediction_is_the_answer_of_its_scene():

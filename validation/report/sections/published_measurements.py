@@ -10,7 +10,7 @@ from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.scene.variation import is_papers_generator
 from tactgen.validation.show.figures import BLUE, DARK, ORANGE, panels, svg
-from tactgen.validation.studies.beside_measurements import (
+from tactgen.validation.studies.published_measurements import (
     PRELOADS,
     Comparison,
     Unknown,

@@ -20,18 +20,17 @@ from tactgen.geometry.bimorph.boundary_conditions import TipLoad
 from tactgen.geometry.device.parameters import spreads
 from tactgen.geometry.units import Unit
 from tactgen.tmm.beam.modes import bending_frequencies
-from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.contact import moving_rod
 from tactgen.tmm.generator.equilibrium import AxialForces, axial_forces, resting_place
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
 from tactgen.tmm.ports.readout import measured
-from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.backbone import STATES, State, five_port
+from tactgen.validation.models.backbone import STATES, State, bimorph_mass, five_port
+from tactgen.validation.models.small_signal import ScaledMap
 from tactgen.validation.scene.scene import Scene, load_scene
 from tactgen.validation.scene.variation import with_values
 
@@ -261,31 +260,13 @@ def _pulls() -> tuple[float, float]:
     return (middle - error) / float(found.value), (middle + error) / float(found.value)
 
 
-@dataclass(frozen=True)
-class _Scaled:
-    """A map's pull times a factor."""
-
-    map: CoenergyMap
-    factor: float
-
-    @property
-    def gap_limits(self) -> tuple[float, float]:
-        return self.map.gap_limits
-
-    def force(self, current: Floats | float, gap: Floats | float) -> Floats:
-        return self.factor * self.map.force(current, gap)
-
-    def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        return self.factor * self.map.force_gradient(current, gap)
-
-
 def rod_times(values: Values) -> Floats:
     """Current (A) that pulls the rod in; times (s) in which 120 mA bring it down, the spring up.
 
     Along the axis alone, without the finger.  What is not pulled in never comes down.
     """
     device = with_values(Scene(), {_PRELOAD.name: values[_PRELOAD.name]}).device
-    forces = axial_forces(device, _Scaled(network_map(device), values[_PULL]))
+    forces = axial_forces(device, ScaledMap(network_map(device), values[_PULL]))
     stroke = device.gap - device.spring.stop_gap
     currents = np.linspace(0.5, 1.5, 201) * _CURRENT
     pulls_in = float(np.interp(0.0, -forces.finger_force(currents, 0.0), currents))
@@ -300,7 +281,7 @@ def _flight(forces: AxialForces, current: float, start: float, end: float) -> fl
     from scipy.integrate import solve_ivp  # slow to import
 
     device = forces.device
-    mass = moving_rod(device).mass + device.bimorph.height * _mass_per_length()
+    mass = moving_rod(device).mass + bimorph_mass(Scene())
     stroke = device.gap - device.spring.stop_gap
     near = np.linspace(-3e-6, 3e-6, 301)
     lifts = np.unique([*near, *(near - stroke), *np.linspace(-stroke, 0.0, 200)])
@@ -316,15 +297,6 @@ def _flight(forces: AxialForces, current: float, start: float, end: float) -> fl
     there.terminal = True  # type: ignore[attr-defined]
     found = solve_ivp(rate, (0.0, _LONGEST), [start, 0.0], events=there, rtol=1e-6, atol=1e-9)
     return float(found.t_events[0][0]) if found.t_events[0].size else float("inf")
-
-
-@cache
-def _mass_per_length() -> float:
-    """Mass of the bimorph per length (kg/m)."""
-    scene = Scene()
-    (section, _), *_ = sections(scene.device, scene.support, scene.beam, lossy=False)
-    assert isinstance(section, Section)
-    return float(section.m)
 
 
 def _printed(words: str, value: float, unit: str, digit: float) -> Published:
