@@ -374,6 +374,9 @@ DYNAMIC_ROTATION = Unit(
 #: Of a motion that is felt: from below what anyone feels to what hurts.
 AMPLITUDE = Unit("m", "displacement", "2 um", above=0.0, limits=(1e-12, 1.0))
 PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
+Angle = _quantity(
+    Unit("rad", "angle", "45 deg", limits=(1e-6, 7.0), shown="deg", per_si=180.0 / math.pi)
+)
 #: Up to where waves in the device are shorter than 0.1 mm.
 FREQUENCY = Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7))
 RelativePermittivity = _quantity(

@@ -295,3 +295,13 @@ def _check_joint(device: Device) -> None:
             f"bimorph.tab_length = {bimorph.tab_length * mm:g} mm is too short for the rod's slot; "
             f"it must be at least {(rod.slot_depth - glue.thickness) * mm:g} mm"
         )
+
+
+def check_one_plane(device: Device, purpose: str) -> None:
+    """Refuse a rod that rocks in both planes together, and say what does not know it."""
+    spring = device.spring
+    if spring.tilts_both_planes:
+        raise InputError(
+            f"spring.eccentricity_angle = {math.degrees(spring.eccentricity_angle):g} deg has no "
+            f"{purpose} yet; set 0 deg"
+        )

@@ -258,7 +258,16 @@ class Spring(Parameters):
         (20.0, 500.0, "assumed: the force over the stroke grows by 3 to 80 percent"),
     )
     eccentricity: u.Position = field(
-        0.0, "assumed: centred", "distance from the axis, towards +x, at which the spring presses"
+        0.0,
+        "assumed: centred",
+        "distance from the axis at which the spring presses; one that leans by an angle presses as "
+        "if it stood the rod's length times that angle off the axis",
+    )
+    eccentricity_angle: u.Angle = field(
+        0.0,
+        "assumed: in the plane of bending",
+        "direction in which it presses off the axis, from +x towards +y; between the axes the "
+        "rod rocks in both planes together, in small motions",
     )
     stop_gap: u.SmallLength = field(
         20e-6,
@@ -266,6 +275,11 @@ class Spring(Parameters):
         "gap left at the lower stop",
         (5e-6, 50e-6, "assumed: from a coating to a foil"),
     )
+
+    @property
+    def tilts_both_planes(self) -> bool:
+        """Whether it presses off the plane of bending."""
+        return bool(self.eccentricity and self.eccentricity_angle)
 
 
 class Contact(Parameters):

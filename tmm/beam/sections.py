@@ -57,6 +57,21 @@ def section(
     return _stacked(stack(piece, device, share), width, beam, lossy=lossy)
 
 
+def section_across(
+    piece: Piece, device: Device, beam: Beam, *, lossy: bool, share: float = 0.5
+) -> Section:
+    """Constants of a beam that bends across its width, where the voltage moves nothing."""
+    width = piece.layers(device.bimorph, share).width
+    bending = shearing = mass = inertia = 0.0
+    for layer in stack(piece, device, share):
+        area, wide = width * layer.thickness * layer.share, width * layer.share
+        young, shear = _moduli(layer.material, lossy=lossy)
+        bending, shearing = bending + young * area * wide**2 / 12.0, shearing + shear * area
+        mass = mass + layer.material.density * area
+        inertia = inertia + layer.material.density * area * wide**2 / 12.0
+    return Section(EI=bending, GA=beam.shear_correction * shearing, m=mass, rhoI=inertia)
+
+
 def without_electrode(active: Section) -> Section:
     """Section without electrodes: no charge on the ceramic's faces.
 

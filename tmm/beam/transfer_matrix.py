@@ -7,10 +7,10 @@ which is one change of variables away.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from tactgen.tmm.beam.scattering import Element, joined
 from tactgen.tmm.beam.sections import Constant, Joint, Section, section, segmented
 from tactgen.tmm.beam.span import dynamic_stiffness
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport, measured_between
+
+#: Section of a piece, such as :func:`tmm.beam.sections.section`.
+Cut: TypeAlias = Callable[..., Section]
 
 
 def bonded_tab(piece: Piece, device: Device, beam: Beam, *, lossy: bool = False) -> Joint:
@@ -71,6 +74,7 @@ def sections(
     lossy: bool,
     segments: int = SEGMENTS,
     measured: bool = False,
+    cut: Cut = section,
 ) -> list[Element]:
     """(section or joint, length) of every element from base to tip.
 
@@ -81,7 +85,7 @@ def sections(
     return [
         element
         for piece in (measured_pieces if measured else beam_pieces)(device, support)
-        for element in elements(piece, device, beam, lossy=lossy, segments=segments)
+        for element in elements(piece, device, beam, lossy=lossy, segments=segments, cut=cut)
     ]
 
 
@@ -91,19 +95,24 @@ def is_tapered(device: Device, support: Support) -> bool:
 
 
 def elements(
-    piece: Piece, device: Device, beam: Beam, *, lossy: bool, segments: int
+    piece: Piece, device: Device, beam: Beam, *, lossy: bool, segments: int, cut: Cut = section
 ) -> list[Element]:
-    """Elements of one piece: a joint, a prismatic beam or the segments of a taper."""
+    """Elements of one piece: a joint, a prismatic beam or the segments of a taper.
+
+    `cut` gives the section of a piece, in bending along x unless said otherwise.
+    """
     if piece.section == "bond":
         return [(bonded_tab(piece, device, beam, lossy=lossy), 0.0)]
     if piece.tapered:
-        along = partial(_section_at, piece, device, beam, lossy)
+        along = partial(_section_at, cut, piece, device, beam, lossy)
         return [*segmented(along, piece.length, segments)]
-    return [(section(piece, device, beam, lossy=lossy), piece.length)]
+    return [(cut(piece, device, beam, lossy=lossy), piece.length)]
 
 
-def _section_at(piece: Piece, device: Device, beam: Beam, lossy: bool, share: float) -> Section:
-    return section(piece, device, beam, lossy=lossy, share=share)
+def _section_at(
+    cut: Cut, piece: Piece, device: Device, beam: Beam, lossy: bool, share: float
+) -> Section:
+    return cut(piece, device, beam, lossy=lossy, share=share)
 
 
 def chain(

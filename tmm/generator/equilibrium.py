@@ -268,17 +268,51 @@ def resting_tilt(device: Device, place: RestingPlace) -> float:
     return float(np.copysign(brentq(left, 0.0, most, xtol=1e-18), moment))
 
 
+def spring_direction(device: Device) -> Floats:
+    """(2,) In which the spring presses off the axis, and towards which the head tilts."""
+    angle = device.spring.eccentricity_angle
+    return np.array([np.cos(angle), np.sin(angle)])
+
+
+def about_tilt(device: Device, along: float, beside: float) -> Floats:
+    """Stiffness (2, 2) over the turns [ψ_x, ψ_y] in the plane of bending and in the other one.
+
+    `along` against more of the tilt, `beside` against a turn at right angles to it.
+    """
+    towards = spring_direction(device)
+    return np.asarray(beside * np.eye(2) + (along - beside) * np.outer(towards, towards))
+
+
+def guide_stiffness(device: Device, tilt: float) -> Floats:
+    """Tilt guide's stiffness (2, 2) over the turns, about a tilt (rad)."""
+    guide = tilt_guide(device)
+    beside = float(guide.force(tilt)) / tilt if tilt else guide.at_rest
+    return about_tilt(device, float(guide.slope(tilt)), beside)
+
+
+def rocking_stiffness(
+    device: Device, contact: RoughContact, load: float, tilt: float
+) -> tuple[Floats, Floats]:
+    """Stiffness of contact and of guide (2, 2) over the turns, about a tilt (rad).
+
+    A tilted head that rocks moves along the axis, too: its load (N) stays.
+    """
+    along = float(contact.stiffness_under(load, tilt))
+    beside = float(contact.moment_under(load, tilt)) / tilt if tilt else along
+    return about_tilt(device, along, beside), guide_stiffness(device, tilt)
+
+
 def pressed_support(
     device: Device, contact: RoughContact, load: float, tilt: float = 0.0
 ) -> Support:
-    """Springs of a head that a stop carries with `load` (N), 0 or more, at a tilt (rad).
+    """Springs in the plane of bending of a head that a stop carries with `load` (N), 0 or more.
 
-    A tilted head that rocks moves along the axis, too: its load stays.
+    At a tilt (rad), and without turning in the other plane.
     """
-    rocking = float(contact.stiffness_under(load, tilt))
+    rocking, guide = (float(part[0, 0]) for part in rocking_stiffness(device, contact, load, tilt))
     return Support(
         kind="spring",
-        rotational_stiffness=rocking + float(tilt_guide(device).slope(tilt)),
+        rotational_stiffness=rocking + guide,
         rotational_damping=contact.relaxation_time * rocking,
         lateral_stiffness=float(contact.tangential_stiffness(load)) + lateral_guide(device).at_rest,
         rotational_inertia=moving_rod(device).inertia_about(0.0),

@@ -29,6 +29,7 @@ from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.device.winding import winding
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.transfer_matrix import sections
+from tactgen.tmm.generator.both_planes import turn_across
 from tactgen.tmm.generator.contact import (
     RoughContact,
     Stops,
@@ -41,8 +42,11 @@ from tactgen.tmm.generator.contact import (
 from tactgen.tmm.generator.equilibrium import (
     AxialForces,
     RestingPlace,
+    about_tilt,
+    guide_stiffness,
     pressed_support,
     resting_tilt,
+    spring_direction,
 )
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.steady import Tabulated
@@ -73,6 +77,9 @@ ROD = (
 MACHINE = ("w_tip", "psi_tip", "u", "voltage", "current")
 
 
+_FREE_TIP = TipLoad()
+
+
 class Map(Protocol):
     """Slopes of the magnetic circuit, such as a CoenergyMap's: arrays of current and gap."""
 
@@ -98,32 +105,56 @@ class Linearised:
     inductance: float = 0.0  #: L = ∂λ/∂i (H), the rod held
     resistance: float = 0.0  #: Of wire, leads and supply (Ω)
     tilt: float = 0.0  #: Of the head at rest (rad)
-    #: What an upper board on springs adds to the lateral stiffness (n,) in N/m over frequency (Hz)
-    board: Callable[[Floats], Complex] | None = None
+    #: Dynamic stiffness (n, 3, 3) over frequency (Hz) that an upper board on springs and the plane
+    #: across the width add
+    added: Callable[[Floats], Complex] | None = None
 
 
 def linearised(
-    device: Device, beam: Beam, place: RestingPlace, current: float, magnetic: Map
+    device: Device,
+    beam: Beam,
+    place: RestingPlace,
+    current: float,
+    magnetic: Map,
+    tip: TipLoad | TipLaw = _FREE_TIP,
 ) -> Linearised:
     """Rod about the place where it rests at a current (A).
+
+    What loads the `tip` counts where the rod rocks in both planes together.
 
     Raises InputError if the spring presses so far off the axis that the head tips.
     """
     tilt = resting_tilt(device, place)
     stiffness, damping = _contact(device, place, tilt)
     stiffness = stiffness + _spring_and_guide(device, tilt)
-    damping = damping + np.diag([0.0, 0.0, device.guide.axial_damping])
+    damping[2, 2] += device.guide.axial_damping
     gap = device.gap + place.lift
     stiffness[2, 2] += float(magnetic.force_gradient(current, gap))
+    mass, board = _mass(device, beam), _board(device, place)
+
+    def added(frequencies: Floats) -> Complex:
+        found = np.zeros((frequencies.size, 3, 3), dtype=complex)
+        sprung = np.zeros(1, dtype=complex) if board is None else board(frequencies)
+        found[:, 0, 0] = sprung
+        omega = 2.0 * np.pi * frequencies[:, None, None]
+        whole: Complex = stiffness + 1j * omega * damping
+        ties = whole[:, :3, 4]
+        if ties.any():
+            base: Complex = whole[:, 3:, 3:] - omega**2 * mass[:2, :2]
+            base[:, 0, 0] += sprung
+            turn = turn_across(device, beam, tip, base, frequencies)
+            found -= turn[:, None, None] * ties[:, :, None] * ties[:, None, :]
+        return found
+
     return Linearised(
-        mass=_mass(device, beam),
-        damping=damping,
-        stiffness=stiffness,
+        mass=mass,
+        damping=damping[:3, :3],
+        stiffness=stiffness[:3, :3],
         motional=float(magnetic.motional_coefficient(current, gap)),
         inductance=float(magnetic.incremental_inductance(current, gap)),
         resistance=winding(device.coil).resistance + device.coil.source_resistance,
         tilt=tilt,
-        board=_board(device, place),
+        added=added if board or device.spring.tilts_both_planes else None,
     )
 
 
@@ -149,8 +180,8 @@ def rod_ports(linear: Linearised, frequencies: Floats) -> Multiport:
     omega = 2.0 * np.pi * f[:, None, None]
     d = np.zeros((f.size, 4, 4), dtype=complex)
     d[:, :3, :3] = linear.stiffness + 1j * omega * linear.damping - omega**2 * linear.mass
-    if linear.board is not None:
-        d[:, 0, 0] += linear.board(f)
+    if linear.added is not None:
+        d[:, :3, :3] += linear.added(f)
     d[:, 2, 3], d[:, 3, 2] = -linear.motional, linear.motional
     d[:, 3, 3] = linear.inductance
     return Multiport(f, d, ROD)
@@ -213,19 +244,29 @@ def _mass(device: Device, beam: Beam) -> Floats:
 
 
 def _contact(device: Device, place: RestingPlace, tilt: float) -> tuple[Floats, Floats]:
-    """Stiffness and damping (3, 3) of the stop that holds the rod."""
+    """Stiffness and damping (5, 5) of the stop that holds the rod.
+
+    Over (w, ψ, u) and (w, ψ) in the plane across the width.
+    """
     stops = stops_of(device)
     law, below = stops.holding(place.lift), stops.is_below(place.lift)
     # a tilted head carries the same load closer to or farther from its stop
     approach = float(law.approach(max(place.contact_force, 1e-300), tilt))
-    rocking = law.tangent(approach, tilt)  # over (δ, ψ), δ = u above and −u below
-    if below:
-        rocking = rocking * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    (pressing, both), (_, along) = law.tangent(approach, tilt)  # over (δ, ψ)
+    beside = float(law.moment(approach, tilt)) / tilt if tilt else along
     height = -device.rod.head_thickness if below else 0.0
-    lever = np.array([1.0, -height, 0.0])
-    stiffness = _along(law, place.contact_force) * np.outer(lever, lever)
-    stiffness[1:, 1:] += rocking[::-1, ::-1]
+    lever = np.array([[1.0, -height, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, -height]])
+    stiffness = _along(law, place.contact_force) * (lever.T @ lever)
+    stiffness[np.ix_(_TURNS, _TURNS)] += about_tilt(device, along, beside)
+    stiffness[2, 2] += pressing
+    # δ = u above and −u below
+    stiffness[2, _TURNS] += (-both if below else both) * spring_direction(device)
+    stiffness[_TURNS, 2] = stiffness[2, _TURNS]
     return stiffness, law.relaxation_time * stiffness
+
+
+#: The turns of the head in both planes, among its motions.
+_TURNS = np.array([1, 4])
 
 
 def _along(law: RoughContact, load: float) -> float:
@@ -234,9 +275,12 @@ def _along(law: RoughContact, load: float) -> float:
 
 def _spring_and_guide(device: Device, tilt: float) -> Floats:
     spring = device.spring
-    lever = np.array([0.0, spring.eccentricity, 1.0])
-    held = np.diag([lateral_guide(device).at_rest, float(tilt_guide(device).slope(tilt)), 0.0])
-    return np.asarray(held + spring.stiffness * np.outer(lever, lever))
+    lever = np.array([0.0, 0.0, 1.0, 0.0, 0.0])
+    lever[_TURNS] = spring.eccentricity * spring_direction(device)
+    held = spring.stiffness * np.outer(lever, lever)
+    held[np.ix_(_TURNS, _TURNS)] += guide_stiffness(device, tilt)
+    held[[0, 3], [0, 3]] += lateral_guide(device).at_rest
+    return np.asarray(held)
 
 
 #: What is given, and what follows, of the bimorph's ports; the last only if it is one.

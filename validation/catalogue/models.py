@@ -15,6 +15,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES, Actuator, Need, 
 #: Conditions of keys, whichever analysis reads them.
 CONDITIONS: Mapping[str, str] = {
     "load.stiffness": "load.kind=spring_damper",
+    "spring.eccentricity_angle": "spring.eccentricity",
     "load.damping": "load.kind=spring_damper",
     "load.mass": "load.kind=mass",
     "load.offset": "load.kind=mass",
@@ -90,7 +91,7 @@ SLOT = (
 #: The machine in small motions about its equilibrium; `models` stands for the map's inputs.
 MACHINE = (
     "models", "bimorph", "piezo", "shim", "glue", "beam", "rod", "coil", "sleeve", "steel", "gap",
-    "spring", "contact", "guide", "load.normal_force",
+    "spring", "contact", "guide", "load.normal_force", "load if spring.eccentricity",
 )  # fmt: skip
 #: One unit beside the others: its board and its skin; and units that differ.
 CROSSTALK = (*MACHINE, "measurement", "support.kind", "load", "frequency", "display", "skin")
@@ -101,7 +102,8 @@ SPREAD = (*MACHINE, "support", "load", "display", "scatter", "modes")
 HELD = (
     "support.kind", "contact", "guide.lateral_stiffness", "guide.rotational_stiffness",
     "guide.clearance", "guide.guided_length", "spring.preload", "spring.stiffness",
-    "spring.eccentricity", "coil.current", "load.normal_force", *_ROD, "rod.density",
+    "spring.eccentricity", "spring.eccentricity_angle", "coil.current", "load.normal_force", *_ROD,
+    "rod.density",
     "coil.fill_factor", "coil.inner_radius", "coil.outer_radius", "coil.length", "coil.position",
     "coil.copper_density",
 )  # fmt: skip

@@ -49,7 +49,7 @@ def request_warnings(
     scene = scene.asking(models)
     _check_base(scene, quantities)
     found = [*load_warnings(scene, quantities), *_of_threshold(scene, quantities)]
-    found += _of_measured_support(scene, quantities)
+    found += _of_support_over_frequency(scene, quantities)
     if not scene.awaits_map:
         found += held_warnings(scene, models, quantities)
     return (*found, *field_warnings(scene, quantities))
@@ -234,11 +234,19 @@ def _of_rest(scene: Scene, models: Sequence[str]) -> Iterator[str]:
         )
 
 
-def _of_measured_support(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
-    """Quantities that take a measured support at one frequency."""
+def _of_support_over_frequency(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
+    """Quantities that take a support that goes with frequency at one frequency."""
+    resonates = scene.contact.board_stiffness or scene.spring.tilts_both_planes
+    rows = [QUANTITIES[name] for name in quantities]
+    modal = [r.name for r in rows if isinstance(r.read, ModalReadout)]
+    if scene.support.kind == "contact" and resonates and modal:
+        yield (
+            f"{', '.join(modal[:3])}{', …' if modal[3:] else ''} leaves out what resonates with "
+            "the rod, the upper board on contact.board_stiffness or its turn across the width by "
+            "spring.eccentricity_angle; the peaks of a response over frequency have it"
+        )
     if scene.support.kind != "table":
         return
-    rows = [QUANTITIES[name] for name in quantities]
     constant = [r.name for r in rows if r.static or isinstance(r.read, ModalReadout)]
     if constant:
         lowest = support_table(scene.support).band[0]

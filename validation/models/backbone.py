@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats
+from tactgen.geometry.device.checks import check_one_plane
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import storable
@@ -254,6 +255,7 @@ def held_head(scene: Scene, model: str = "tmm") -> RockingHead:
             "on its stop"
         )
     device, current = scene.device, abs(scene.coil.current)
+    check_one_plane(device, "harmonic balance")
     pull = map_of(scene) if current else None
     forces = axial_forces(device, pull, scene.load.normal_force)
     place = resting_place(forces, current, scene.coil.history)

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.device.checks import check_one_plane
 from tactgen.geometry.device.parameters import Device, Display
 from tactgen.geometry.display.bill import bill_of_parts
 from tactgen.geometry.display.layout import drawn_units, unit_names
@@ -229,6 +230,7 @@ def display_ports(scene: Scene, bimorph: Multiport, *, bare: bool = False) -> Mu
     Skin lies on the tips where something loads them, unless they are to be `bare`.
     """
     device, display, f = scene.device, scene.display, bimorph.frequencies
+    check_one_plane(device, "display")
     if scene.bimorph.wiring == "series":
         bimorph = in_series(bimorph)
     assert scene.rest is not None, "units stand on their contacts"

@@ -209,7 +209,7 @@ def rod_by_network(scene: Scene, exact: DirectForce, near: RestingPlace) -> Line
     place = settled_place(forces, current, near)
     if place is None:
         place = resting_place(forces, current, scene.coil.history)
-    return linearised(scene.device, scene.beam, place, current, exact)
+    return linearised(scene.device, scene.beam, place, current, exact, scene.ends.tip)
 
 
 def of_rod(rod: RodWithError, of: Callable[[Linearised], float]) -> Estimate:
@@ -223,7 +223,7 @@ def rod_about(scene: Scene, pull: MachineForce) -> Linearised:
     Raises InputError as :func:`machine_of`.
     """
     current = abs(scene.coil.current)
-    return linearised(scene.device, scene.beam, _rest(scene, pull), current, pull)
+    return linearised(scene.device, scene.beam, _rest(scene, pull), current, pull, scene.ends.tip)
 
 
 def _rest(scene: Scene, pull: MachineForce) -> RestingPlace:

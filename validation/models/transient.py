@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.checks import check_one_plane
 from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.machine import (
@@ -125,9 +126,9 @@ def scene_machine(
 ) -> Machine:
     """Generator of a scene driven by `volts`.
 
-    Raises InputError if it has an upper board on springs.
+    Raises InputError if it has an upper board on springs, or rocks in both planes.
     """
-    check_rigid_board(scene, "time simulation")
+    check_plain_head(scene, "time simulation")
     load = chain_of(scene.ends.tip)
     if pull is None:
         from tactgen.tmm.reluctance.map_range import network_map
@@ -137,8 +138,9 @@ def scene_machine(
     return machine(scene.device, modes, pull, load=load, source=coil, drive_scale=volts or 1.0)
 
 
-def check_rigid_board(scene: Scene, purpose: str) -> None:
-    """Refuse an upper board on springs, and say what does not know it."""
+def check_plain_head(scene: Scene, purpose: str) -> None:
+    """Refuse an upper board on springs and a rod that rocks in both planes, for this purpose."""
+    check_one_plane(scene.device, purpose)
     if scene.contact.board_stiffness:
         raise InputError(
             f"contact.board_stiffness = {scene.contact.board_stiffness:g} N/m has no {purpose} "

@@ -145,6 +145,8 @@ def _values(scene: Scene, dump: dict[str, Any], entries: tuple[str, ...]) -> dic
         )  # fmt: skip
         if scene.contact.board_stiffness:
             values["board"] = dump["contact"]
+        if scene.spring.tilts_both_planes:
+            values["planes"] = _values(scene, dump, (*HELD_WITH_CURRENT, "beam"))
     return values
 
 

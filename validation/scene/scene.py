@@ -152,15 +152,18 @@ class Scene(p.Device):
     def ends(self) -> Ends:
         """Support and load as every model of the lateral actuator reads them.
 
-        A contact is alike in all directions; of other springs only those against bending are known.
+        An upright head's contact is alike in all directions; of other springs only those against
+        bending are known.
         """
         found = ends_of(self.held, self.load)
         if self.rest is None or found.base is None:
             return found
+        from tactgen.tmm.generator.both_planes import coupled
         from tactgen.tmm.generator.equilibrium import on_board
 
-        base = on_board(found.base, self.device, self.rest[0])
-        return replace(found, base=base, across=found.base)
+        place = self.rest[0]
+        ends = replace(found, base=on_board(found.base, self.device, place))
+        return coupled(replace(ends, across=found.base), self.device, self.beam, place)
 
     @property
     def held(self) -> p.Support:

@@ -175,7 +175,7 @@ def test_the_contacts_slopes_are_those_of_the_stops(lift):
     approach = float(law.approach(place.contact_force, tilt))
     u = approach if lift == "upper" else -stops.stroke - approach
     expected = stops.tangent(u, tilt)[::-1, ::-1]
-    found = _contact(device, place, tilt)[0][1:, 1:].copy()
+    found = _contact(device, place, tilt)[0][1:3, 1:3].copy()
     if lift == "lower":
         found[0, 0] -= law.tangential_stiffness(place.contact_force) * device.rod.head_thickness**2
     np.testing.assert_allclose(found, expected, rtol=1e-9)
