@@ -24,7 +24,7 @@ from tactgen.geometry.bimorph.segments import (
     measured_pieces,
     stack,
 )
-from tactgen.geometry.device.materials import EPS0, lossy_modulus
+from tactgen.geometry.device.materials import EPS0, lossy_coupling, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
@@ -100,7 +100,7 @@ def _integrate(
         # field along x per volt; T = E (S − d E_x), D = d E S + (ε − d² E) E_x
         field = np.zeros_like(strain)
         field[:, voltage] = -(layer.hot if layer.electrodes else 1.0) / (high - low)
-        d31 = layer.poling * of.d31
+        d31 = layer.poling * lossy_coupling(of.d31, of.coupling_loss, lossy=lossy)
         clamped = of.eps33 * EPS0 * (1.0 - 1j * of.loss_tangent if lossy else 1.0)
         clamped -= d31**2 * young
         crossed = strain[:, :, None] * field[:, None, :]

@@ -375,7 +375,7 @@ DYNAMIC_ROTATION = Unit(
 AMPLITUDE = Unit("m", "displacement", "2 um", above=0.0, limits=(1e-12, 1.0))
 PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
 Angle = _quantity(
-    Unit("rad", "angle", "45 deg", limits=(1e-6, 7.0), shown="deg", per_si=180.0 / math.pi)
+    Unit("rad", "angle", "45 deg", limits=(1e-6, 10.0), shown="deg", per_si=180.0 / math.pi)
 )
 #: Up to where waves in the device are shorter than 0.1 mm.
 FREQUENCY = Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7))
@@ -387,6 +387,11 @@ RelativePermeability = _quantity(
 )
 Turns = _quantity(Unit("", "number of turns", "560", at_least=1.0, limits=(1.0, 1e6)))
 QualityFactor = _quantity(Unit("", "quality factor", "60", above=0.0, limits=(0.1, 1e9)))
+#: Relative growth of a constant per amplitude of the electric field.
+FieldGrowth = _quantity(
+    Unit("m/V", "growth per electric field", "2 mm/kV", at_least=0.0, limits=(1e-12, 1e-3),
+         shown="mm/kV", per_si=1e6)
+)  # fmt: skip
 LossTangent = _quantity(Unit("", "loss tangent", "0.03", at_least=0.0, limits=(1e-12, 10.0)))
 LossFactor = _quantity(Unit("", "loss factor", "0.02", at_least=0.0, limits=(1e-9, 2.0)))
 PoissonRatio = _quantity(Unit("", "Poisson ratio", "0.3", above=-1.0, below=0.5))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from functools import cache
+from math import pi, sqrt
 from typing import Any, Literal
 
-from pydantic import model_validator
+from pydantic import PrivateAttr, model_validator
 
 from tactgen.geometry import units as u
 from tactgen.geometry.device.ceramic_constants import (
@@ -130,6 +131,11 @@ class Bimorph(Parameters):
         return 1.0 if self.poling == "+x" else -1.0
 
 
+#: How a constant grows, and the keys that say by how much.
+_RAYLEIGH = "per amplitude of the field at drive.voltage, by Rayleigh's law; 0 keeps it"
+GROWTHS = ("field_growth_d31", "field_growth_s11", "field_growth_eps33")
+
+
 class Piezo(Parameters):
     """The piezoceramic: a library material, any of whose values may be replaced."""
 
@@ -147,6 +153,20 @@ class Piezo(Parameters):
     density: u.Density = field(None, "", "mass density")
     quality_factor: u.QualityFactor = field(None, "", "mechanical quality factor Q")
     loss_tangent: u.LossTangent = field(None, "", "dielectric loss tangent")
+    coupling_loss: u.LossTangent = field(
+        0.0, "paper section 4: none", "loss tangent of the piezoelectric constants"
+    )
+    field_growth_d31: u.FieldGrowth = field(
+        0.0, "paper section 4: linear", f"relative growth of d31 and all d {_RAYLEIGH}"
+    )
+    field_growth_s11: u.FieldGrowth = field(
+        0.0, "paper section 4: linear", f"relative growth of all compliances {_RAYLEIGH}"
+    )
+    field_growth_eps33: u.FieldGrowth = field(
+        0.0, "paper section 4: linear", f"relative growth of the permittivity {_RAYLEIGH}"
+    )
+    #: Of k33 and k15, which no key has
+    _coupling_growth: float = PrivateAttr(default=1.0)
 
     @model_validator(mode="before")
     @classmethod
@@ -179,9 +199,42 @@ class Piezo(Parameters):
         return _completed(self.material, self.constants)
 
     def ceramic(self) -> Piezoceramic:
-        """Full material that these values stand for."""
-        values = self.model_dump(exclude={"material", "constants"})
-        return self.base.with_values(**values)
+        """Full material that these values stand for, in small fields."""
+        values = self.model_dump(exclude={"material", "constants", *GROWTHS})
+        return self.base.with_values(**values, coupling_growth=self._coupling_growth)
+
+    @property
+    def grows(self) -> bool:
+        """Whether any constant depends on the amplitude of the field."""
+        return any(getattr(self, name) for name in GROWTHS)
+
+    def at_field(self, amplitude: float) -> Piezo:
+        """Linear ceramic that answers a sinusoidal field of an amplitude (V/m) as this one does.
+
+        Rayleigh's law: a constant c grows to c + α E₀ and is c + α E₀ ± (α/2) (E₀² − E²)/E along
+        the loop, whose first harmonic lags by the loss 4 α E₀/(3π).  So each constant brings its
+        own loss; the loop's odd harmonics are left out.
+        """
+        d31, s11, eps33 = (amplitude * getattr(self, name) for name in GROWTHS)
+        found = self.model_copy(
+            update={
+                "d31": self.d31 * (1.0 + d31),
+                "s11": self.s11 * (1.0 + s11),
+                "s55": self.s55 * (1.0 + s11),
+                "eps33": self.eps33 * (1.0 + eps33),
+                "coupling_loss": _with_loop(self.coupling_loss, d31),
+                "quality_factor": 1.0 / _with_loop(1.0 / self.quality_factor, s11),
+                "loss_tangent": _with_loop(self.loss_tangent, eps33),
+                **dict.fromkeys(GROWTHS, 0.0),
+            }
+        )
+        found._coupling_growth = (1.0 + d31) / sqrt((1.0 + s11) * (1.0 + eps33))
+        return found
+
+
+def _with_loop(loss: float, growth: float) -> float:
+    """Loss tangent of a constant that has grown by a share."""
+    return (loss + 4.0 / (3.0 * pi) * growth) / (1.0 + growth)
 
 
 @cache

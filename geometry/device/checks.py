@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
+from tactgen.geometry.device.bimorph import GROWTHS
 from tactgen.geometry.device.laminate import Laminate, Layer
-from tactgen.geometry.device.parameters import NOMINAL_GAP, Bimorph, Device, Support
+from tactgen.geometry.device.parameters import NOMINAL_GAP, Bimorph, Device, Piezo, Support
 from tactgen.geometry.errors import InputError
 
 #: Rounding of sums of dimensions (m).
@@ -305,3 +306,12 @@ def check_one_plane(device: Device, purpose: str) -> None:
             f"spring.eccentricity_angle = {math.degrees(spring.eccentricity_angle):g} deg has no "
             f"{purpose} yet; set 0 deg"
         )
+
+
+def check_linear_ceramic(piezo: Piezo, purpose: str) -> None:
+    """Refuse a ceramic whose constants grow with the field, and say what does not know it."""
+    for name in GROWTHS:
+        if growth := getattr(piezo, name):
+            raise InputError(
+                f"piezo.{name} = {1e6 * growth:g} mm/kV has no {purpose} yet; set 0 mm/kV"
+            )

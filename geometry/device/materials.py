@@ -91,6 +91,11 @@ def lossy_modulus(modulus: Any, loss_factor: Any, *, lossy: bool) -> Any:
     return modulus * (1.0 + 1j * loss_factor) if lossy and np.any(loss_factor) else modulus
 
 
+def lossy_coupling(d: Any, loss_tangent: float, *, lossy: bool) -> Any:
+    """Piezoelectric constants d (1 − j tan θ) for e^{+jΩt}; as they are if lossless."""
+    return d * (1.0 - 1j * loss_tangent) if lossy and loss_tangent else d
+
+
 @dataclass(frozen=True)
 class PiezoTensors:
     """Constitutive tensors in the device's axes, poled along +x.
@@ -118,6 +123,7 @@ class Piezoceramic:
     origin: str
     stated: dict[str, str] = field(default_factory=dict)
     spreads: dict[str, Spread] = field(default_factory=dict)
+    coupling_loss: float = 0.0  #: Loss tangent of d
 
     def reduced(self) -> dict[str, float]:
         """Constants that a one-dimensional model uses (SI, eps33 relative)."""
@@ -153,13 +159,15 @@ class Piezoceramic:
         density: float,
         quality_factor: float,
         loss_tangent: float,
+        coupling_loss: float = 0.0,
+        coupling_growth: float = 1.0,
     ) -> Piezoceramic:
         """The ceramic with the reduced constants replaced exactly.
 
         The constants that a reduced set does not contain follow from this ceramic's by
         ratio: compliances with s11, s44 with s55, eps11 with eps33, d32 with d31, d33 and d15
-        so that the coupling factors k33 and k15 stay.  With unchanged values the tensors are
-        unchanged; with d31 = 0 the ceramic is passive.
+        so that the coupling factors k33 and k15 stay, or become `coupling_growth` times as large.
+        With unchanged values the tensors are unchanged; with d31 = 0 the ceramic is passive.
         """
         s = self.s * (s11 / self.s[0, 0])
         s[3, 3], s[4, 4] = s55 * (self.s[3, 3] / self.s[4, 4]), s55
@@ -167,7 +175,7 @@ class Piezoceramic:
         d = np.zeros((3, 6))
         d[2, 0] = d31
         d[2, 1] = d31 * (self.d[2, 1] / self.d[2, 0] if self.d[2, 0] else 1.0)
-        kept = self.d if d31 != 0.0 else d
+        kept = coupling_growth * self.d if d31 != 0.0 else d
         stiffer = np.sqrt(s[2, 2] / self.s[2, 2] * eps_t[2, 2] / self.eps_t[2, 2])
         d[2, 2] = kept[2, 2] * stiffer
         shear = np.sqrt(s55 / self.s[4, 4] * eps_t[0, 0] / self.eps_t[0, 0])
@@ -180,22 +188,24 @@ class Piezoceramic:
             density=density,
             quality_factor=quality_factor,
             loss_tangent=loss_tangent,
+            coupling_loss=coupling_loss,
         )
 
     def tensors(self, *, lossy: bool = False) -> PiezoTensors:
         """Stiffness-form tensors in the device's axes, poled along +x.
 
         Losses (time factor e^{+jΩt}): all compliances divided by (1 + j/Q), permittivity
-        at constant stress times (1 − j tan δ), d real.
+        at constant stress times (1 − j tan δ), d times one minus j its own loss tangent.
 
         Raises InputError if stiffness or clamped permittivity is not positive definite.
         """
         self.check_admissible()
         stiffening = 1.0 + 1j / self.quality_factor if lossy else 1.0
         permittivity = 1.0 - 1j * self.loss_tangent if lossy else 1.0
+        d = lossy_coupling(self.d, self.coupling_loss, lossy=lossy)
         c = np.linalg.inv(self.s) * stiffening
-        e = self.d @ c
-        eps = self.eps_t * permittivity - self.d @ c @ self.d.T
+        e = d @ c
+        eps = self.eps_t * permittivity - d @ c @ d.T
         c, e, eps = (
             np.asarray(turned)
             for turned in (c[np.ix_(_VOIGT, _VOIGT)], e[np.ix_(_AXES, _VOIGT)], eps[::-1, ::-1])

@@ -14,7 +14,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import Piece, StackLayer, stack
-from tactgen.geometry.device.materials import EPS0, lossy_modulus
+from tactgen.geometry.device.materials import EPS0, lossy_coupling, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim
 from tactgen.geometry.errors import InputError
 
@@ -141,8 +141,9 @@ def _add(s: _Sums, layer: StackLayer, *, lossy: bool) -> None:
         return
     permittivity = 1.0 - 1j * of.loss_tangent if lossy else 1.0
     # of 1 V on the upper face: stress −E d E_x, and charge per strain and per volt
-    stress = -layer.poling * of.d31 * young
-    capacitance = (wide * of.eps33 * EPS0 * permittivity - of.d31**2 * young) / t
+    d31 = lossy_coupling(of.d31, of.coupling_loss, lossy=lossy)
+    stress = -layer.poling * d31 * young
+    capacitance = (wide * of.eps33 * EPS0 * permittivity - d31**2 * young) / t
     if not layer.electrodes:
         # without charge its mean strain raises a voltage, which stiffens
         mean = first / t
@@ -221,6 +222,7 @@ def laminate_section(
     )
     permittivity = ceramic.eps_t[2, 2] * (1.0 - 1j * piezo.loss_tangent if lossy else 1.0)
     d = np.array([piezo.d31, ceramic.d[2, 1] if d32 else 0.0])
+    d = lossy_coupling(d, piezo.coupling_loss, lossy=lossy)
     coupling = plane @ d
     clamped = permittivity - d @ coupling
     across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus

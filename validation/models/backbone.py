@@ -269,6 +269,17 @@ def held_head(scene: Scene, model: str = "tmm") -> RockingHead:
     return rocking_head(five_port(scene, model), tip, forces, place, current, bimorph_mass(scene))
 
 
+def check_one_field(scene: Scene, voltages: Sequence[float]) -> None:
+    """Refuse voltages (V) at which the ceramic of a scene would be another one."""
+    others = [v for v in voltages if v != abs(scene.drive.voltage)]
+    if scene.piezo.grows and others:
+        raise InputError(
+            f"{others[0]:g} V is another field than that of drive.voltage = "
+            f"{scene.drive.voltage:g} V, with which piezo.field_growth_d31 and its like change the "
+            "ceramic; ask for one voltage, that of drive.voltage"
+        )
+
+
 def bimorph_mass(scene: Scene) -> float:
     """Mass of a scene's row of beams (kg)."""
     row = transfer_matrix.sections(scene.device, scene.support, scene.beam, lossy=False)
@@ -414,6 +425,7 @@ def _state(
     try:
         head = held_head(free)
         force = head.place.contact_force
+        check_one_field(scene, voltages)
         announce(f"amplitude, {state}")
         curves = backbone(head, voltages, _band(scene), announce).curves
         if scene.load.kind != "none":

@@ -256,7 +256,7 @@ _, FIELD, POLING, D32, POISSON = BEAM_ASSUMPTIONS = (
 def without(scene: Scene, given_up: Sequence[Assumption], level: int = 1) -> SolidCase:
     """Solid that still makes the beam's assumptions but those given up."""
     poisson = POISSON in given_up
-    ceramic = scene.piezo.ceramic()
+    ceramic = scene.device.piezo.ceramic()
     d = np.zeros((3, 6))
     d[2, 0] = ceramic.d[2, 0]
     if D32 in given_up:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.checks import check_one_plane
+from tactgen.geometry.device.checks import check_linear_ceramic, check_one_plane
 from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.machine import (
@@ -126,9 +126,9 @@ def scene_machine(
 ) -> Machine:
     """Generator of a scene driven by `volts`.
 
-    Raises InputError if it has an upper board on springs, or rocks in both planes.
+    Raises InputError if something of it is known at one frequency only.
     """
-    check_plain_head(scene, "time simulation")
+    check_in_time(scene, "time simulation")
     load = chain_of(scene.ends.tip)
     if pull is None:
         from tactgen.tmm.reluctance.map_range import network_map
@@ -138,8 +138,12 @@ def scene_machine(
     return machine(scene.device, modes, pull, load=load, source=coil, drive_scale=volts or 1.0)
 
 
-def check_plain_head(scene: Scene, purpose: str) -> None:
-    """Refuse an upper board on springs and a rod that rocks in both planes, for this purpose."""
+def check_in_time(scene: Scene, purpose: str) -> None:
+    """Refuse what is known over frequency only.
+
+    An upper board on springs, a rod that rocks in both planes, a ceramic that grows with the field.
+    """
+    check_linear_ceramic(scene.piezo, purpose)
     check_one_plane(scene.device, purpose)
     if scene.contact.board_stiffness:
         raise InputError(

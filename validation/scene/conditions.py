@@ -35,6 +35,8 @@ def conditions(scene: Scene) -> str:
             f"{scene.bimorph.wiring} wiring",
             *_driven(scene.drive, scene.circuit),
         ]
+        if scene.piezo.grows:
+            parts.append(f"ceramic at {engineering(scene.field, 'V/m')}")
         if scene.measurement.below_tip:
             parts.append(f"motion measured {scene.measurement.place}")
     if not bimorph or scene.support.kind == "contact":

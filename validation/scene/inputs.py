@@ -133,6 +133,8 @@ def _values(scene: Scene, dump: dict[str, Any], entries: tuple[str, ...]) -> dic
     if "threshold.file" in values:
         points = threshold_of(scene.threshold).points
         values["threshold.file"] = [[point.frequency, point.amplitude] for point in points]
+    if scene.piezo.grows and "piezo.d31" in values:
+        values["field"] = scene.field
     if "models" in entries:  # what counts is whose map pulls at the rod, and that map's inputs
         stage = f"{scene.map_model}.map"
         values["models"] = [stage, _values(scene, dump, stage_reads()[stage])]

@@ -24,6 +24,7 @@ from pydantic import (
 from tactgen.geometry import units as u
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device import parameters as p
+from tactgen.geometry.device.bimorph import GROWTHS
 from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.material_library import steel_name
@@ -145,8 +146,17 @@ class Scene(p.Device):
 
     @property
     def device(self) -> p.Device:
-        """The device alone."""
-        return p.Device(**{name: getattr(self, name) for name in p.Device.model_fields})
+        """The device alone, its ceramic that at the field of the drive voltage."""
+        groups = {name: getattr(self, name) for name in p.Device.model_fields}
+        if self.piezo.grows:
+            groups["piezo"] = self.piezo.at_field(self.field)
+        return p.Device(**groups)
+
+    @property
+    def field(self) -> float:
+        """Amplitude of the field (V/m) that the drive voltage makes in plain layers."""
+        across = 2.0 if self.bimorph.wiring == "series" else 1.0
+        return float(abs(self.drive.voltage) / (across * self.bimorph.piezo_thickness))
 
     @property
     def ends(self) -> Ends:
@@ -360,16 +370,20 @@ def checked_scene(values: dict[str, Any]) -> Scene:
 
 def _check_together(scene: Scene) -> None:
     """Refuse values that do not fit together; InputError."""
-    ceramic = scene.piezo.ceramic()
+    if scene.piezo.grows:
+        _check_field(scene)
+    ceramic = scene.device.piezo.ceramic()
     try:
         if _reads_tensors(scene):
             ceramic.check_admissible()
         else:
             ceramic.check_lengthwise()
-    except InputError:  # where one constant has a wrong unit, that is the cause
+    except InputError as error:  # where one constant has a wrong unit, that is the cause
         slips = unusual_values(scene, [f"piezo.{name}" for name in p.Piezo.model_fields])
         if slips:
             raise InputError(slips[0]) from None
+        if scene.piezo.grows:
+            raise InputError(f"at the field of drive.voltage, {error}") from None
         raise
     device = scene.device
     if set(scene.models) & set(models_of("bimorph")) or scene.support.kind == "rod":
@@ -381,6 +395,25 @@ def _check_together(scene: Scene) -> None:
         support_table(scene.support)
     if scene.threshold.kind == "table":
         threshold_of(scene.threshold)
+
+
+def _check_field(scene: Scene) -> None:
+    """Refuse a ceramic that grows with the field where the field is not known beforehand."""
+    circuit, bimorph = scene.circuit, scene.bimorph
+    growth = next(f"piezo.{name}" for name in GROWTHS if getattr(scene.piezo, name))
+    known = circuit.kind == "source" and not scene.drive.base_acceleration
+    if not known or circuit.resistance or circuit.inductance or circuit.capacitance:
+        raise InputError(
+            f"{growth} needs the voltage across the electrodes, which follows from circuit and "
+            "base motion here; drive them by circuit.kind = source without an impedance, or set "
+            f"{growth} = 0 mm/kV"
+        )
+    for key in ("layers", "piezo_thickness_profile"):
+        if getattr(bimorph, key):
+            raise InputError(
+                f"{growth} needs the same field in all ceramic, and bimorph.{key} varies it; leave "
+                f"that out, or set {growth} = 0 mm/kV"
+            )
 
 
 def _reads_tensors(scene: Scene) -> bool:

@@ -28,7 +28,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.models.held_bimorph import check_base_held
 from tactgen.validation.models.small_signal import rod_of
-from tactgen.validation.models.transient import check_plain_head, scene_modes
+from tactgen.validation.models.transient import check_in_time, scene_modes
 
 if TYPE_CHECKING:
     from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
@@ -107,7 +107,7 @@ def scene_state_space(scene: Scene) -> MachineStateSpace:
     Raises InputError if the rod rests nowhere.
     """
     check_machine(scene, "machine")
-    check_plain_head(scene, "state space")
+    check_in_time(scene, "state space")
     rod = rod_of(scene, map_of(scene))
     return machine_state_space(rod, scene_modes(scene), supply=scene.coil.supply)
 

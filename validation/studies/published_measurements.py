@@ -164,14 +164,14 @@ _SHARE = Unknown(
 _FIELD = Unknown(
     "field in the ceramic", 0.0, 1.0, "1",
     "assumed: at 192 V/mm a soft ceramic has up to 1.4 times the d31 and 1.08 times the s11 of "
-    "small signals, and a Q down to 20", 0.0,
+    "small signals, with the losses of Rayleigh's law", 0.0,
 )  # fmt: skip
 _LOWEST = Unknown(
     "lowest setting of the spring", 5e-3, 40e-3, "N",
     "section 6: adjusted by its screw, no setting is printed; assumed", 20e-3, logarithmic=True,
 )  # fmt: skip
-_AT_HIGH_FIELD = {"piezo.d31": 1.4, "piezo.s11": 1.08}
-_LEAST_Q = 20.0
+#: Growth (m/V) of the constants at the end of that way.
+_GROWTHS = {"piezo.field_growth_d31": 0.4 / 192e3, "piezo.field_growth_s11": 0.08 / 192e3}
 _FINGER = Unknown(
     "stiffness of the finger", 1.0, 4.0, "1",
     "over that of 2.5 g: on the display it was pressed with 50 g; assumed: up to four times", 1.0,
@@ -200,15 +200,11 @@ def _scene(state: State, load: str) -> Scene:
 
 
 def deflection(state: State, load: str, values: Values, frequencies: Floats) -> Floats:
-    """Displacement per volt (n,) in m/V where it is measured, the contact linear."""
+    """Displacement per volt (n,) in m/V at 50 V where it is measured, the contact linear."""
     keys = {key: value for key, value in values.items() if "." in key}
-    field = values.get(_FIELD.name, 0.0)
-    scene = _scene(state, load)
-    for key, most in _AT_HIGH_FIELD.items():
-        keys[key] = getattr(scene.piezo, key.split(".")[1]) * (1.0 + field * (most - 1.0))
-    quality = scene.piezo.quality_factor
-    keys["piezo.quality_factor"] = quality * (_LEAST_Q / quality) ** field
-    scene = with_values(scene, keys)
+    if field := values.get(_FIELD.name, 0.0):
+        keys |= {key: field * growth for key, growth in _GROWTHS.items()}
+    scene = with_values(_scene(state, load), keys)
     ends, stiffer = scene.ends, values.get(_FINGER.name, 1.0)
     law = ends.tip
     if stiffer != 1.0 and not isinstance(law, TipLoad):
@@ -228,9 +224,17 @@ def _spans(values: Values) -> Floats:
 
 
 def _felt(values: Values) -> Floats:
-    """Voltages (V) at which the threshold is reached."""
+    """Voltages (V) at which the threshold is reached.
+
+    What a volt moves grows in proportion to the voltage: V (small + (large − small) V/50) = level.
+    """
     level = DISPLAY_THRESHOLD.at(_FELT)
-    return np.asarray(level / deflection("not activated", "finger", values, _FELT))
+    small = deflection("not activated", "finger", {**values, _FIELD.name: 0.0}, _FELT)
+    if not values[_FIELD.name]:
+        return np.asarray(level / small)
+    large = deflection("not activated", "finger", values, _FELT)
+    growth = 4.0 * level * (large - small) / _VOLTS
+    return np.asarray(2.0 * level / (small + np.sqrt(np.maximum(small**2 + growth, 0.0))))
 
 
 def _on_stop(values: Values) -> Floats:
@@ -343,7 +347,7 @@ def figures() -> tuple[Figure, ...]:
                    "of the network's: its modelling error beside the field", 1.0)  # fmt: skip
     return (
         Figure(*FIG_15, on_skin, _spans),
-        Figure(*FIG_17, (*loaded, _FINGER), _felt),
+        Figure(*FIG_17, (*loaded, _FINGER, _FIELD), _felt),
         Figure(
             "Support and limits", "paper sections 4, 6 and 7",
             (Published("resonance adjusted by the spring, about 300 Hz", 250.0, 350.0, "Hz"),

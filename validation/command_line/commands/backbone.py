@@ -52,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.geometry.units import VOLTAGE
     from tactgen.validation.command_line.streams import announcer
-    from tactgen.validation.models.backbone import backbone, held_head
+    from tactgen.validation.models.backbone import backbone, check_one_field, held_head
     from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.inputs import scene_warnings
 
@@ -65,6 +65,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             f'--plot "{options.plot}" is not an SVG file; write for example --plot backbone.svg'
         )
+    check_one_field(scene, voltages)
     warn(scene_warnings(scene, origins))
     with announcer() as announce:
         announce("backbone")
