@@ -301,9 +301,9 @@ class Contact(Parameters):
         f"assumed: calibrated to c_s of {PAPER_4} at a preload of 110 mN (a disc needs half)",
         "approach of the surfaces over which their pressure grows by e",
         (
-            0.25e-6,
+            0.24e-6,
             0.37e-6,
-            "assumed: the preload at which the paper fitted c_s, a tenth either way",
+            "assumed: from c_s taken at 1 V, as the paper fitted it, to a preload a fifth higher",
         ),
     )
     relaxation_time: u.RelaxationTime = field(

@@ -166,6 +166,10 @@ _FIELD = Unknown(
     "assumed: at 192 V/mm a soft ceramic has up to 1.4 times the d31 and 1.08 times the s11 of "
     "small signals, with the losses of Rayleigh's law", 0.0,
 )  # fmt: skip
+_FRICTION = Unknown(
+    "guide.friction", 0.0, 3e-3, "N", "assumed: up to a share of the rod's weight and the finger's "
+    "side force in a dry bore", 0.0,
+)  # fmt: skip
 _LOWEST = Unknown(
     "lowest setting of the spring", 5e-3, 40e-3, "N",
     "section 6: adjusted by its screw, no setting is printed; assumed", 20e-3, logarithmic=True,
@@ -267,20 +271,24 @@ def _pulls() -> tuple[float, float]:
 def rod_times(values: Values) -> Floats:
     """Current (A) that pulls the rod in; times (s) in which 120 mA bring it down, the spring up.
 
-    Along the axis alone, without the finger.  What is not pulled in never comes down.
+    Along the axis alone, without the finger, against friction in the bore.  What is not pulled in
+    never comes down.
     """
+    friction = values.get(_FRICTION.name, 0.0)
     device = with_values(Scene(), {_PRELOAD.name: values[_PRELOAD.name]}).device
     forces = axial_forces(device, ScaledMap(network_map(device), values[_PULL]))
     stroke = device.gap - device.spring.stop_gap
     currents = np.linspace(0.5, 1.5, 201) * _CURRENT
-    pulls_in = float(np.interp(0.0, -forces.finger_force(currents, 0.0), currents))
+    pulls_in = float(np.interp(friction, -forces.finger_force(currents, 0.0), currents))
     top = resting_place(forces, 0.0, "rising").lift
-    down = _flight(forces, _CURRENT, top, _NEAR - stroke)
+    down = _flight(forces, _CURRENT, top, _NEAR - stroke, friction)
     bottom = resting_place(forces, 1.5 * _CURRENT, "rising").lift
-    return np.array([pulls_in, down, _flight(forces, 0.0, bottom, -_NEAR)])
+    return np.array([pulls_in, down, _flight(forces, 0.0, bottom, -_NEAR, friction)])
 
 
-def _flight(forces: AxialForces, current: float, start: float, end: float) -> float:
+def _flight(
+    forces: AxialForces, current: float, start: float, end: float, friction: float
+) -> float:
     """Time (s) from rest at one lift (m) to another at a current (A); inf if it stays."""
     from scipy.integrate import solve_ivp  # slow to import
 
@@ -289,7 +297,8 @@ def _flight(forces: AxialForces, current: float, start: float, end: float) -> fl
     stroke = device.gap - device.spring.stop_gap
     near = np.linspace(-3e-6, 3e-6, 301)
     lifts = np.unique([*near, *(near - stroke), *np.linspace(-stroke, 0.0, 200)])
-    total = forces.total(current, lifts)
+    # friction acts against the one way that it flies
+    total = forces.total(current, lifts) - np.sign(end - start) * friction
 
     def rate(_: float, state: Floats) -> list[float]:
         force = float(np.interp(state[0], lifts, total))
@@ -361,7 +370,7 @@ def figures() -> tuple[Figure, ...]:
             (Published("current that pulls it in", 0.0, _CURRENT, "A"),
              Published("time down", 1.5e-3, 2.5e-3, "s"),
              Published("time up", 0.5e-3, 1.5e-3, "s")),
-            (_PRELOAD, pull), rod_times, _FEW,
+            (_PRELOAD, pull, _FRICTION), rod_times, _FEW,
         ),
     )  # fmt: skip
 

@@ -78,6 +78,17 @@ def test_a_rod_that_is_not_pulled_in_never_comes_down():
     assert 0.5e-3 < up < 1.5e-3
 
 
+def test_friction_holds_the_rod_back():
+    """It is one more force against either way, and the coil has to pull it, too."""
+    free, rubbed = (
+        beside.rod_times({"spring.preload": 80e-3, "magnetic pull": 1.0, "guide.friction": f})
+        for f in (0.0, 3e-3)
+    )
+    assert (rubbed > free).all()
+    # of 80 mN against which the pull, with its square of the current, has to act
+    assert rubbed[0] / free[0] - 1.0 == pytest.approx(0.5 * 3.0 / 80.0, rel=0.5)
+
+
 def made_up(predict):
     preload = beside._PRELOAD
     other = Unknown("other", 1.0, 100.0, "1", "for a test", 10.0, logarithmic=True)

@@ -258,8 +258,8 @@ _PAPER = case(
                         lambda: float(_finger(0)[-1]))),
         Check("The finger's damping starts at about 0.7 N s/m.", 0.7, "N s/m",
               lambda: float(_finger(1)[0]), 0.05, _PRINT, "paper section 7", known=0.170,
-              explained="the fit gives 0.82 N s/m at 10 Hz and passes 0.7 N s/m near 30 Hz; the "
-              "text speaks of low frequencies in general"),
+              explained="taken is the fit's value at the lowest frequency; it falls from there, "
+              "and the text speaks of low frequencies in general"),
     ],
     model="model tmm on the linear support", tier="validation", scene="paper",
 )  # fmt: skip

@@ -132,7 +132,7 @@ def _flight_to_contact(load: str) -> float:
     return largest["falling"] / min(largest["held"], largest["pressed"])
 
 
-def _held_to_pressed(load: str) -> float:
+def _held_to_pressed(load: str, friction: float = 0.0) -> float:
     """Tip's amplitude at the drive's frequency on the lower stop over the upper one's.
 
     By what two runs have in common whose drives are a quarter of a period apart: the smallest of
@@ -141,7 +141,7 @@ def _held_to_pressed(load: str) -> float:
     from tactgen.validation.models.transient import common_oscillation, phases
 
     angles = (0.0, 0.5 * math.pi)
-    runs = [_run_of_fig_16(load, angle) for angle in angles]
+    runs = [_run_of_fig_16(load, angle, friction) for angle in angles]
     sizes: dict[str, list[float]] = {}
     for name in ("held", "pressed"):
         # not the rest at the start
@@ -174,22 +174,26 @@ def small_tip(scene: Scene, current: float) -> complex:
 
 
 @lru_cache(maxsize=4)
-def _run_of_fig_16(load: str, angle: float = 0.0) -> Simulation:
-    """Run of Fig 16 by the field's map, with the drive's phase (rad) at the start."""
+def _run_of_fig_16(load: str, angle: float = 0.0, friction: float = 0.0) -> Simulation:
+    """Run of Fig 16 by the field's map, with the drive's phase (rad) at the start.
+
+    And friction (N) in the bore.
+    """
     sources = Sources(replace(DRIVE, phase=angle), SQUARE)
     # a free tip rings for long, and steps that follow it closely take minutes
     accuracy = 0.02 if load == "finger" else 0.05
-    return _scene_run(sources, _PERIOD_AND_HALF, accuracy, "generator", load, field_map())
+    return _scene_run(sources, _PERIOD_AND_HALF, accuracy, "generator", load, field_map(), friction)
 
 
 def _scene_run(
     sources: Sources, until: float, accuracy: float, name: str = "paper", load: str = "none",
-    pull: CoenergyMap | None = None,
+    pull: CoenergyMap | None = None, friction: float = 0.0,
 ) -> Simulation:  # fmt: skip
     from tactgen.validation.models.transient import run_scene
     from tactgen.validation.scene.scene import load_scene
 
-    scene, _ = load_scene(name, [f"load.kind={load}", *([_SET] if pull else [])])
+    own = [f"load.kind={load}", f"guide.friction={friction!r} N", *([_SET] if pull else [])]
+    scene, _ = load_scene(name, own)
     return run_scene(scene, sources, until, coil="current", accuracy=accuracy, pull=pull)
 
 
@@ -277,6 +281,10 @@ _FIG_16 = (
               known=known, explained=why, null=_ROD_IGNORED, heavy=True)
         for load, words, known, why in _TIPS[1]
     ),
+    Check("Free, with 1 mN of friction in the bore it does so, too.", (1.0, 10.0), "1",
+          partial(_held_to_pressed, "none", 1e-3), 0.0,
+          "an order; more friction than the pull exceeds the spring by keeps the rod up",
+          null=_ROD_IGNORED, heavy=True),
     *(
         Check(f"{words} it does so in small motions about both places of rest.", (1.0, 10.0), "1",
               partial(_small_held_to_pressed, load), 0.0,

@@ -362,8 +362,8 @@ def _machine(number: Callable[[Linearised], float], history: str) -> float:
 
 _NO_LEAKAGE = (
     "the network has no field outside the sleeve, below the flange and from the shaft above the "
-    "coil, so it misses flux that links the winding: with unsaturated iron (µr = 1000) its flux "
-    "linkage is 5 to 17 % too small while its force is right (NET-F0)"
+    "coil, so it misses flux that links the winding, in unsaturated iron as well, where its "
+    "force is right (NET-F0)"
 )
 _SATURATED = (
     "only the saturated steel differs (NET-F0): the leakage that the network leaves out would "
@@ -371,8 +371,8 @@ _SATURATED = (
 )
 _MACHINE: tuple[tuple[str, Callable[[Linearised], float], str, str, float], ...] = (
     ("rocking stiffness", lambda rod: float(rod.stiffness[1, 1]),
-     ("the contact carries the pull less the spring: a pull some 5 % larger in the closed gap "
-     "leaves more than that"), "falling", 0.065),
+     ("the contact carries the pull less the spring: a pull that is larger by a share leaves more "
+     "than that share"), "falling", 0.065),
     ("pull per current", lambda rod: -rod.motional,
      ("a mixed derivative of the field's map where it is steepest: its bar, which the report "
       "shows, is twice as wide as the difference"), "falling", 0.054),
@@ -461,7 +461,7 @@ _PAPER = case(
               "in still air of 20 °C with 25 W/(m² K), the most of free convection", _LATERAL, "13",
               known=-0.010,
               explained="the reconstruction was searched for least heat, and still air alone "
-              "carries away that of 49.5 mA, one percent less; the circuit board, in which the "
+              "carries away that of a little less current; the circuit board, in which the "
               "sleeve is fixed, is left out and carries the rest many times over"),
         Check("Lateral and normal actuator together are 41 mm high, from the tip to the sleeve's "
               "lower end.", 41e-3, "m",
