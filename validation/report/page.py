@@ -36,7 +36,8 @@ def write_report(
     writable_folder(out)
     started = time.perf_counter()
     study = Study(scene, origins, announce, quick=quick)
-    page = _page(study, started)
+    with study.ahead():
+        page = _page(study, started)
     unseal(out)
     written = write_text(out / PAGE, page)
     seal(out, recorded(study.solution), (PAGE,))

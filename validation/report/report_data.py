@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,11 +13,13 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.operating_system import core_count
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
-from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.comparison import ComparedRow, compare
+from tactgen.validation.engine.processes import Processes
 from tactgen.validation.engine.solve import Solution, asks_display, solve
 from tactgen.validation.evidence.case import Outcome, run_check
 from tactgen.validation.evidence.verification import group_rows
@@ -25,6 +30,7 @@ from tactgen.validation.report.request import prepared, quantities_of, shown_mod
 from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.variation import is_papers_generator
 
 if TYPE_CHECKING:
     from tactgen.geometry.bimorph.bricks import Bricks
@@ -53,6 +59,42 @@ class Study:
         self.origins, self.announce, self.quick = origins, announce, quick
         #: What the sections before show, by their ids.
         self.shown: dict[str, dict[str, Any]] = {}
+        self._begun: Mapping[str, Future[Any]] = {}
+
+    @contextmanager
+    def ahead(self) -> Iterator[None]:
+        """Begin in another process what sections show of the scene alone, by their ids."""
+        jobs = self._ahead()
+        if not jobs or core_count() < 2:
+            yield
+            return
+        with Processes(1) as processes:
+            self._begun = {name: processes.submit(*job) for name, job in jobs.items()}
+            yield
+
+    def _ahead(self) -> dict[str, tuple[Any, ...]]:
+        """Functions with what they are given."""
+        scene, found = self.scene, dict[str, tuple[Any, ...]]()
+        if self.quick or not set(scene.models) & set(models_of("bimorph")):
+            return found
+        if scene.support.kind == "contact":
+            from tactgen.validation.models.backbone import rocking_states
+            from tactgen.validation.report.sections.large_motion import VOLTAGES
+
+            found["amplitude"] = rocking_states, scene, VOLTAGES
+        if is_papers_generator(scene):
+            from tactgen.validation.studies.published_measurements import all_compared
+
+            found["measurements"] = (all_compared,)
+        return found
+
+    def begun(self, name: str, work: Callable[[], Any]) -> Any:
+        """Result of a section's work, which another process may have begun."""
+        future = self._begun.get(name)
+        if future is not None:
+            with suppress(BrokenProcessPool):  # it was ended from outside
+                return future.result()
+        return work()
 
     @cached_property
     def solution(self) -> Solution:

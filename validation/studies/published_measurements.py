@@ -375,6 +375,11 @@ def figures() -> tuple[Figure, ...]:
     )  # fmt: skip
 
 
+def all_compared() -> list[Comparison]:
+    """All figures beside their predictions."""
+    return [compared(figure) for figure in figures()]
+
+
 def compared(figure: Figure) -> Comparison:
     """Predictions of a figure's numbers over all its unknowns."""
     from scipy.stats.qmc import Sobol  # slow to import

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -119,7 +120,7 @@ def deflection_plot(
 
 
 #: Voltages of the free tip's curves (V); the last is that of the paper's Fig 14.
-_VOLTAGES = (0.1, 0.3, 1.0)
+VOLTAGES = (0.1, 0.3, 1.0)
 #: End of the run in time (s): a whole period of the paper's current and the start of the next.
 _UNTIL = 12.5e-3
 _ACCURACY, _QUICK_ACCURACY = 0.05, 0.2
@@ -142,7 +143,8 @@ def _amplitude(study: Study) -> Context | None:
     scene = study.scene
     if study.quick or len([f for f in scene.frequency if f > 0.0]) < 2:
         return {"states": ()} if study.quick else None
-    states = rocking_states(scene, _VOLTAGES, study.announce)
+    announced = partial(rocking_states, scene, VOLTAGES, study.announce)
+    states: tuple[RockingState, ...] = study.begun("amplitude", announced)
     band, linear = _linear(study)
     loaded = [state for state in states if state.deflection is not None]
     return {

@@ -14,8 +14,7 @@ from tactgen.validation.studies.published_measurements import (
     PRELOADS,
     Comparison,
     Unknown,
-    compared,
-    figures,
+    all_compared,
 )
 
 #: How far the picture reaches, over the printed value.
@@ -62,7 +61,7 @@ def _measurements(study: Study) -> Context | None:
     if study.quick:
         return {"comparisons": ()}
     study.announce("the paper's measurements beside their predictions")
-    comparisons = [compared(figure) for figure in figures()]
+    comparisons: list[Comparison] = study.begun("measurements", all_compared)
     unknowns = {u.name: u for found in comparisons for u in found.figure.unknowns}
     return {
         "comparisons": comparisons,

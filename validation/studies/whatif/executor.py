@@ -13,7 +13,7 @@ import re
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -25,11 +25,10 @@ from tactgen.geometry.store.store import library_versions
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.answers import Answer
+from tactgen.validation.engine.processes import Processes
 from tactgen.validation.studies.whatif.point_answers import Question, code_of, keep, solved
 
 if TYPE_CHECKING:
-    from multiprocessing.connection import Connection
-
     from tactgen.validation.engine.solve import Solution
 
 #: Most questions of one batch: few enough for progress to be seen.
@@ -179,10 +178,7 @@ def _pooled(batches: Sequence[Batch], pool: Any) -> Iterator[tuple[int, Answer]]
 
 
 class _Processes:
-    """Processes that keep their answers, and end when this one does or an error leaves the block.
-
-    When one dies the others are started anew.
-    """
+    """Processes that keep their answers; when one dies the others are started anew."""
 
     death = (
         "the process that solved it was ended from outside, which is what happens when memory runs "
@@ -190,24 +186,14 @@ class _Processes:
     )
 
     def __init__(self, processes: int, retry: bool) -> None:
-        self.most, self._processes, self._retry = 2 * processes, processes, retry
+        self.most, self._retry, self._pool = 2 * processes, retry, Processes(processes)
 
     def __enter__(self) -> _Processes:
-        import multiprocessing
-
-        context = multiprocessing.get_context("spawn")
-        self._theirs, self._mine = context.Pipe(duplex=False)
-        self._pool = ProcessPoolExecutor(
-            self._processes, context, initializer=_begin, initargs=(self._theirs, os.getpid())
-        )
+        self._pool.__enter__()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is not None:
-            self._mine.close()  # the processes see it, and end amid their work
-        self._pool.shutdown(wait=True, cancel_futures=True)
-        self._mine.close()
-        self._theirs.close()
+        self._pool.__exit__(kind)
 
     def submit(self, jobs: Sequence[Job]) -> Future[list[Answer]]:
         try:
@@ -225,24 +211,6 @@ class _Processes:
             return future.result()
         except BrokenProcessPool:
             return None
-
-
-def _begin(line: Connection, parent: int) -> None:
-    """Prepare a worker: one solver thread, and an end when the line to the parent is cut."""
-    import signal
-
-    os.environ["TACTGEN_THREADS"] = "1"
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent is told as well, and ends this one
-
-    def watch() -> None:
-        try:
-            line.recv()
-        except (EOFError, OSError):
-            os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
-    if os.getppid() != parent:  # it died before the watch began
-        os._exit(1)
 
 
 def _in_process(jobs: Sequence[Job], retry: bool) -> list[Answer]:
