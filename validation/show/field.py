@@ -77,6 +77,7 @@ class State:
     tip: complex = 0.0  #: Mean of u_x over the tip face, or the section where it is measured (m)
     charge: complex = 0.0  #: On the outer electrodes (C), layers in parallel
     motion: str = ""  #: Class of a mode, as the quantities name it
+    modelling: str = ""  #: Modelling error of a mode's frequency in words; empty if there is none
     #: Coupling factor √(1 − (f_short / f_open)²) of a mode that bends in x; nan of others
     coupling: float = float("nan")
     #: (float, float) Of a magnetic state the force that closes the gap, and its error bar (N)
@@ -277,7 +278,8 @@ def words_of(result: FieldResult, state: State) -> Words:
         coupling = "" if math.isnan(state.coupling) else f" · k = {state.coupling:.3g}"
         short = state.name.split(",")[0]
         number = with_error(state.frequency, state.error, "Hz")
-        detail = MOTIONS[state.motion] + coupling
+        modelling = f" · modelling error {state.modelling}" if state.modelling else ""
+        detail = MOTIONS[state.motion] + coupling + modelling
         return Words(short, number, detail, name, "at a largest displacement of 1 µm")
     if "displacement" not in state.fields:
         pull = "" if state.pull is None else f"pull {with_error(*state.pull, 'N')}"

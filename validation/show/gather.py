@@ -15,6 +15,7 @@ from tactgen.validation.catalogue.quantities import (
     OPEN_CIRCUIT_FREQUENCIES,
     SHORT_CIRCUIT_FREQUENCIES,
 )
+from tactgen.validation.engine.answers import NONE, modelling_at
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.model import Model, Quantity
 from tactgen.validation.models.transient import Simulation, scene_beam
@@ -171,6 +172,7 @@ def _modes(solution: Solution, name: str, fields: Fields) -> list[State]:
                     tip=tip,
                     charge=charge,
                     motion=quantity.classes[number],
+                    modelling=modelling_at(quantity, number).removeprefix(NONE),
                     coupling=_coupling(by_circuit, circuit, number),
                 )
             )

@@ -14,8 +14,8 @@ import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
-from tactgen.geometry.formats import engineering, percent, prefixed, with_error
-from tactgen.validation.engine.answers import COLUMNS, quantity_rows
+from tactgen.geometry.formats import engineering, percent, prefixed, share, with_error
+from tactgen.validation.engine.answers import COLUMNS, NOT_KNOWN, bracketed, quantity_rows
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene, checked_scene, load_scene, scene_values
 from tactgen.validation.show.figures import BLUE, ORANGE, panels, plain_numbers, svg
@@ -50,6 +50,7 @@ class Number:
     value: complex
     error: float
     unit: str
+    modelling: float = 0.0  #: Modelling error, absolute; nan where it is not known
 
 
 @dataclass(frozen=True)
@@ -156,7 +157,8 @@ def _numbered(rows: Iterable[tuple[Point, Sequence[str]]]) -> tuple[dict[Key, Nu
             continue
         key = Key(point, cells["quantity"], cells["model"], cells["frequency"], cells["index"])
         value = complex(float(cells["value"]), float(cells["value_im"] or 0.0))
-        numbers[key] = Number(value, float(cells["uncertainty"] or "nan"), cells["unit"])
+        error, modelling = (float(cells[of] or "nan") for of in ("uncertainty", "modelling_error"))
+        numbers[key] = Number(value, error, cells["unit"], modelling)
     return numbers, missing
 
 
@@ -306,11 +308,18 @@ def _axis_words(point: Iterable[tuple[str, str]]) -> list[str]:
 
 
 def _shown(number: Number) -> str:
-    """Number with its bar, unless that is beyond the digits; of complex ones the magnitude."""
+    """Number with its bars, numerical unless that is beyond the digits; of complex ones the size.
+
+    The modelling error, which both sides mostly share, stands in brackets.
+    """
     value = number.value.real if number.value.imag == 0.0 else abs(number.value)
+    beside = bracketed(NOT_KNOWN)
+    if not math.isnan(number.modelling):
+        off = number.modelling / abs(value) if value else 0.0
+        beside = f" (± {share(off)})" if off else ""
     if 0.0 < number.error < _UNSEEN * abs(value):
-        return engineering(value, number.unit, 7)
-    return with_error(value, number.error, number.unit)
+        return engineering(value, number.unit, 7) + beside
+    return with_error(value, number.error, number.unit) + beside
 
 
 def as_values(
@@ -325,6 +334,8 @@ def as_values(
              "beyond_bars": d.beyond, "only": list(d.only), "at": place(d.key),
              "a": _pair(d.first.value), "b": _pair(d.second.value),
              "uncertainty_a": _known(d.first.error), "uncertainty_b": _known(d.second.error),
+             "modelling_error_a": _known(d.first.modelling),
+             "modelling_error_b": _known(d.second.modelling),
              "unit": d.first.unit, "change": _known(d.relative), "verdict": d.verdict}
             for d in answers
         ],

@@ -45,6 +45,17 @@ def test_bars_cover_what_they_add_up_to(bars, beyond):
     assert found.relative == pytest.approx(0.1)
 
 
+@pytest.mark.parametrize(
+    ("modelling", "shown"), [(0.0, ""), (0.02, " (± 2 %)"), (float("nan"), " (?)")]
+)
+def test_the_modelling_error_stands_beside_the_bar(modelling, shown):
+    """It is no part of the verdict: one model's error is mostly the same on both sides."""
+    a, b = (Number(v, 0.01, "F", modelling) for v in (1.0, 1.1))
+    (found,) = answer_differences(side("a", x=a), side("b", x=b))
+    assert found.cells[3].endswith("F" + shown) or found.cells[3].endswith("%" + shown)
+    assert found.beyond == 1
+
+
 def test_the_largest_change_beyond_the_bars_is_shown():
     """Not the largest of all, if its bars cover it; what only one has is counted."""
     wide = Number(1.0, 1.0, "F"), Number(1.9, 1.0, "F")
