@@ -58,7 +58,7 @@ def derivatives(
 
     Raises InputError if the model cannot take the scene, or one next to it.
     """
-    base = solve(scene, (model,), quantities, announce, modelling=False)
+    base = solve(scene, (model,), quantities, announce)
     start = [base.get(name, model) for name in quantities]
     slopes: list[dict[str, Numbers]] = [{} for _ in start]
     bars: list[dict[str, Floats]] = [{} for _ in start]

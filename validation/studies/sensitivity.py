@@ -18,6 +18,7 @@ from tactgen.geometry.names import nearest
 from tactgen.geometry.units import SI, quoted
 from tactgen.validation.catalogue.models import MODELS, gives, reading
 from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.answers import modelling_at
 from tactgen.validation.engine.derivatives import NEAREST, Changed, Derivatives, derivatives, misfit
 from tactgen.validation.engine.solve import check_models, check_request
 from tactgen.validation.engine.warnings import check_held
@@ -50,6 +51,9 @@ class SensitivityColumn:
     model: str
     bars: dict[str, float]
     method: str  #: How derivatives and errors come about
+    #: Modelling error of the value, in words and absolute; nan where it is not known
+    modelling: str
+    modelling_error: float
 
     @property
     def label(self) -> str:
@@ -153,6 +157,8 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
                 model=q.model,
                 bars={k: float(bar) * abs(scales[k]) for k, bar in here(result.bars).items()},
                 method=result.method,
+                modelling=modelling_at(q, i if np.ndim(q.value) else ()),
+                modelling_error=float(np.atleast_1d(q.modelling_error)[i]),
             )
         )
     return columns

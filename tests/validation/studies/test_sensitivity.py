@@ -214,10 +214,12 @@ def test_tables_for_people_and_json(capsys):
     out, err = capsys.readouterr()
     assert max(map(len, out.splitlines())) < 160
     assert "1000 Hz" in out
+    assert "modelling" in out
     assert "8 of 51 columns are shown" in err
     assert main([*arguments, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert len(found["sensitivities"]) == 51
+    assert all(column["modelling_error"] > 0.0 for column in found["sensitivities"])
     last, key = found["sensitivities"][-1], "piezo.density"
     assert last["derivatives"][key] * 7900.0 / last["value"] == pytest.approx(
         last["logarithmic"][key]

@@ -173,6 +173,7 @@ def _as_json(
     uncertain: Sequence[Uncertainty],
     known: dict[str, KnownRange],
 ) -> dict[str, Any]:
+    from tactgen.validation.engine.answers import plain
     from tactgen.validation.scene.conditions import answer_head
 
     return {
@@ -189,6 +190,7 @@ def _as_json(
                 "unit": column.unit,
                 "frequency": column.frequency,
                 "value": column.value,
+                "modelling_error": plain(column.modelling_error),
                 "derivatives": column.derivatives,
                 "logarithmic": column.logarithmic,
                 "uncertainty": column.bars,
@@ -247,7 +249,9 @@ def _print_sensitivities(
     for column in columns:
         label = f"{column.label}\n{column.model}" if several else column.label
         table.add_column(label, justify="right")
-    table.add_row("value", "", *(column.text for column in columns), end_section=True)
+    table.add_row("value", "", *(column.text for column in columns))
+    modelling = (column.modelling.replace(" ± ", "±") for column in columns)  # columns are narrow
+    table.add_row("modelling\nerror", "", *modelling, end_section=True)
     for key, may_lie in known.items():
         if any(key in column.logarithmic for column in columns):
             table.add_row(key, _may_lie(may_lie), *(entry(column, key) for column in columns))
