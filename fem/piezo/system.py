@@ -16,7 +16,7 @@ from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.symmetry import PORTS, Bordered
 from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse
-from tactgen.geometry.bimorph.segments import material_of, region_of
+from tactgen.geometry.bimorph.segments import material_of
 from tactgen.geometry.device.materials import (
     Piezoceramic,
     PiezoTensors,
@@ -195,11 +195,11 @@ def materials(
     }  # fmt: skip
     poled = dict.fromkeys(("piezo", "piezo_top", "piezo_bottom"), (ceramic, sign))
     for number, layer in enumerate(device.bimorph.layers):
-        of = material_of(device, layer)
+        of, region = material_of(device, layer), device.bimorph.layers.region(number)
         if isinstance(of, Piezo):
-            poled[region_of(number, layer)] = of.ceramic(), float(layer.poling)
+            poled[region] = of.ceramic(), float(layer.poling)
         else:
-            known[region_of(number, layer)] = of
+            known[region] = of
     return {
         region: _poled(*poled[region], lossy=lossy)
         if region in poled

@@ -169,18 +169,12 @@ def _stated(device: Device, *, active: bool, electrodes: bool) -> list[StackLaye
         high = low + layer.thickness
         if active or goes_on:
             at = electrodes and layer.electrodes != "bare"
-            region, of = region_of(number, layer), material_of(device, layer)
+            region, of = layers.region(number), material_of(device, layer)
             hot = layers.hot(number)
             share = layer.width / device.bimorph.width if layer.width else 1.0
             found.append(StackLayer(region, of, low, high, layer.poling, hot, at, share))
         low = high
     return found
-
-
-def region_of(number: int, layer: Layer) -> str:
-    """Name of a listed layer's part of the body: what it is, and its number from 1 at −x."""
-    kind = "piezo" if layer.is_ceramic else "glue" if layer.material == "glue" else "shim"
-    return f"{kind}_{number + 1}"
 
 
 def material_of(device: Device, layer: Layer) -> Piezo | Shim | Glue:

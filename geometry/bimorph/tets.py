@@ -15,7 +15,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.cad.solids import build_solids, fuse, quartered, thinnest_feature
 from tactgen.geometry.cad.tessellation import Plane, Tessellation, tessellate
-from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.device.parts import (
     BIMORPH,
     MM,
@@ -191,6 +191,8 @@ def _named_faces(
 ) -> dict[str, NamedFace]:
     """Where the named faces of the chosen regions are."""
     b = device.bimorph
+    if b.layers:
+        return _faces_of_layers(b, regions)
     inner, outer = b.shim_thickness / 2 * MM, b.thickness / 2 * MM
     named = {}
     for region, side, sign in (("piezo_top", "top", 1.0), ("piezo_bottom", "bottom", -1.0)):
@@ -200,11 +202,29 @@ def _named_faces(
     layers = tuple(name for name in regions if name in BIMORPH)
     ceramic = ceramic_base(device, standing)
     if layers:
-        named["tip"] = NamedFace(_plane(2, (ceramic + b.length) * MM), layers)
+        named["tip"] = NamedFace(_plane(2, (ceramic + b.length + b.tip_extension) * MM), layers)
         lowest = shim_base(device, standing) if "shim" in layers else ceramic
         named["base"] = NamedFace(_plane(2, lowest * MM), layers)
     if "rod" in regions:
         named["base"] = NamedFace(_plane(2, rod_base(device) * MM), ("rod",))
+    return named
+
+
+def _faces_of_layers(bimorph: Bimorph, regions: tuple[str, ...]) -> dict[str, NamedFace]:
+    """The same of a bimorph alone whose layers are listed; those at the voltage are outer."""
+    layers, x = bimorph.layers, -0.5 * bimorph.thickness
+    named = {
+        "base": NamedFace(_plane(2, 0.0), regions),
+        "tip": NamedFace(_plane(2, bimorph.height * MM), regions),
+    }
+    for number, layer in enumerate(layers):
+        region = layers.region(number)
+        for side, sign, at in (("lower", -1, x), ("upper", 1, x + layer.thickness)):
+            if layer.is_ceramic and layer.electrodes != "bare" and region in regions:
+                kind = "outer" if layers.hot(number) == sign else "inner"
+                face = NamedFace(_plane(0, at * MM), (region,))
+                named[f"electrode_{region}_{side}_{kind}"] = face
+        x += layer.thickness
     return named
 
 

@@ -215,19 +215,28 @@ def beyond_plain_layers(bimorph: Bimorph) -> str:
     return found[0] if found else ""
 
 
-def check_plain_layers(device: Device) -> None:
+def beyond_boxes(bimorph: Bimorph, *, on_rod: bool) -> str:
+    """Key that makes a bimorph more than the fully electroded boxes of the CAD parts, or ""."""
+    others = ["bare_below", "bare_above", "glue_thickness"]
+    if on_rod:
+        others += ["layers", "tip_extension"]
+    found = [*bimorph.profiles, *(name for name in others if getattr(bimorph, name))]
+    return found[0] if found else ""
+
+
+def check_boxes(device: Device, *, on_rod: bool) -> None:
     """Refuse a bimorph that the CAD parts do not know.
 
     Raises InputError in one sentence that names the models that can.
     """
-    key = beyond_plain_layers(device.bimorph)
+    key = beyond_boxes(device.bimorph, on_rod=on_rod)
     if key in device.bimorph.profiles:
         check_constant_section(device)
     if key:
         raise InputError(
-            f"bimorph.{key} is not in the CAD parts and their tetrahedra (three plain layers with "
-            f"electrodes all over) and so not in the model cad; ask for models=lumped,tmm,beam, on "
-            f'a support other than "rod" also solid, or leave bimorph.{key} out'
+            f"bimorph.{key} is not in the CAD parts and their tetrahedra (layers with electrodes "
+            f"all over) and so not in the model cad; ask for models=lumped,tmm,beam, on a support "
+            f'other than "rod" also solid, or leave bimorph.{key} out'
         )
 
 
@@ -256,8 +265,8 @@ def check_constant_section(device: Device) -> None:
     if device.bimorph.layers.stepped:
         raise InputError(
             f'bimorph.layers = "{device.bimorph.layers}" has layers of different widths, which the '
-            "models lumped, tmm and beam only know; ask for models=lumped,tmm,beam or leave out "
-            "the widths"
+            "bricks of the model solid do not know; ask for models=lumped,tmm,beam,cad or leave "
+            "out the widths"
         )
     if device.bimorph.profiles:
         key = next(iter(device.bimorph.profiles))

@@ -82,6 +82,12 @@ class Laminate(tuple[Layer, ...]):
         """Whether each layer goes on where the ceramic ends: all but ceramics and glue."""
         return tuple(not layer.is_ceramic and layer.material != "glue" for layer in self)
 
+    def region(self, number: int) -> str:
+        """Name of a layer's part of the body: what it is, and its number from 1 at −x."""
+        layer = self[number]
+        kind = "piezo" if layer.is_ceramic else "glue" if layer.material == "glue" else "shim"
+        return f"{kind}_{number + 1}"
+
     def hot(self, number: int) -> int:
         """Face (along x) of a layer at the drive voltage, 0 if none is."""
         layer = self[number]

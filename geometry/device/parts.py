@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from tactgen.geometry.device.checks import check_fit, check_plain_layers
+from tactgen.geometry.device.checks import check_boxes, check_fit
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Device, Support
 from tactgen.geometry.errors import InputError
 
@@ -79,7 +79,7 @@ def layout(
 
     Raises InputError if a name is unknown or the parts cannot be put together.
     """
-    known = BIMORPH if standing == "alone" else GENERATOR
+    known = bimorph_parts(device) if standing == "alone" else GENERATOR
     wanted = known if names is None else names
     for name in wanted:
         if name not in known:
@@ -89,7 +89,7 @@ def layout(
             )
     if not wanted:
         raise InputError(f"no region is chosen; use some of {', '.join(known)}")
-    check_plain_layers(device)
+    check_boxes(device, on_rod=standing == "rod")
     parts = _bimorph(device, standing)
     if standing == "rod":
         check_fit(device, Support(kind="rod"))
@@ -100,6 +100,12 @@ def layout(
             "sleeve": _sleeve(device),
         }
     return {name: parts[name] for name in known if name in wanted}
+
+
+def bimorph_parts(device: Device) -> tuple[str, ...]:
+    """Names of the bimorph's parts: the layers that it lists, or its three."""
+    layers = device.bimorph.layers
+    return tuple(layers.region(number) for number in range(len(layers))) or BIMORPH
 
 
 def shim_base(device: Device, standing: Standing) -> float:
@@ -154,11 +160,20 @@ def _bimorph(device: Device, standing: Standing) -> dict[str, Part]:
     b = device.bimorph
     base = ceramic_base(device, standing)
     top = base + b.length
+    lowest, highest = shim_base(device, standing), top + b.tip_extension
+    if b.layers:
+        parts, x = {}, -b.thickness / 2
+        for number, (layer, goes_on) in enumerate(zip(b.layers, b.layers.continues, strict=True)):
+            ends = (lowest, highest) if goes_on else (base, top)
+            box = _box((x, x + layer.thickness), layer.width or b.width, ends)
+            parts[b.layers.region(number)] = Part(box)
+            x += layer.thickness
+        return parts
     inner, outer = b.shim_thickness / 2, b.thickness / 2
     return {
         "piezo_top": Part(_box((inner, outer), b.width, (base, top))),
         "piezo_bottom": Part(_box((-outer, -inner), b.width, (base, top))),
-        "shim": Part(_box((-inner, inner), b.width, (shim_base(device, standing), top))),
+        "shim": Part(_box((-inner, inner), b.width, (lowest, highest))),
     }
 
 
@@ -274,7 +289,7 @@ def closed_form_volumes(device: Device, standing: Standing = "rod") -> dict[str,
     volumes = {
         "piezo_top": layer,
         "piezo_bottom": layer,
-        "shim": (b.length + b.tab_length) * b.width * b.shim_thickness,
+        "shim": b.height * b.width * b.shim_thickness,
         "glue": slot - embedded * b.width * b.shim_thickness,
         "rod": math.pi
         * (

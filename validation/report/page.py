@@ -12,7 +12,7 @@ from tactgen.geometry.files import writable_folder, write_text, written_whole
 from tactgen.validation.report.provenance import FILE, read_record, recorded, seal, unseal
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.request import check_report
-from tactgen.validation.report.sections.contents import sections
+from tactgen.validation.report.sections.contents import sections, work_ahead
 from tactgen.validation.report.summary import counted, summary
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.browser import anchor_pages, print_pdf
@@ -36,7 +36,7 @@ def write_report(
     writable_folder(out)
     started = time.perf_counter()
     study = Study(scene, origins, announce, quick=quick)
-    with study.ahead():
+    with study.ahead(work_ahead(study)):
         page = _page(study, started)
     unseal(out)
     written = write_text(out / PAGE, page)

@@ -16,7 +16,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.operating_system import core_count
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
-from tactgen.validation.catalogue.models import MODELS, models_of
+from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.comparison import ComparedRow, compare
 from tactgen.validation.engine.processes import Processes
@@ -30,7 +30,6 @@ from tactgen.validation.report.request import prepared, quantities_of, shown_mod
 from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.scene.variation import is_papers_generator
 
 if TYPE_CHECKING:
     from tactgen.geometry.bimorph.bricks import Bricks
@@ -62,31 +61,14 @@ class Study:
         self._begun: Mapping[str, Future[Any]] = {}
 
     @contextmanager
-    def ahead(self) -> Iterator[None]:
-        """Begin in another process what sections show of the scene alone, by their ids."""
-        jobs = self._ahead()
+    def ahead(self, jobs: Mapping[str, tuple[Any, ...]]) -> Iterator[None]:
+        """Begin functions with what they are given in another process, by their section's id."""
         if not jobs or core_count() < 2:
             yield
             return
         with Processes(1) as processes:
             self._begun = {name: processes.submit(*job) for name, job in jobs.items()}
             yield
-
-    def _ahead(self) -> dict[str, tuple[Any, ...]]:
-        """Functions with what they are given."""
-        scene, found = self.scene, dict[str, tuple[Any, ...]]()
-        if self.quick or not set(scene.models) & set(models_of("bimorph")):
-            return found
-        if scene.support.kind == "contact":
-            from tactgen.validation.models.backbone import rocking_states
-            from tactgen.validation.report.sections.large_motion import VOLTAGES
-
-            found["amplitude"] = rocking_states, scene, VOLTAGES
-        if is_papers_generator(scene):
-            from tactgen.validation.studies.published_measurements import all_compared
-
-            found["measurements"] = (all_compared,)
-        return found
 
     def begun(self, name: str, work: Callable[[], Any]) -> Any:
         """Result of a section's work, which another process may have begun."""

@@ -25,7 +25,7 @@ from tactgen.geometry import units as u
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.bimorph import GROWTHS
-from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
+from tactgen.geometry.device.checks import beyond_boxes, check_actuator, check_bimorph
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.material_library import steel_name
 from tactgen.geometry.device.plausibility import clamped_for_free, slip
@@ -466,7 +466,7 @@ def _able_models(scene: Scene) -> tuple[str, ...]:
     unable = set()
     if bimorph.profiles or bimorph.layers.stepped or scene.support.kind == "rod":
         unable.add("solid")
-    if beyond_plain_layers(bimorph):
+    if beyond_boxes(bimorph, on_rod=scene.support.kind == "rod"):
         unable.add("cad")
     if scene.measurement.below_tip:
         unable.add("lumped")

@@ -324,13 +324,13 @@ def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
 def scene_solids(scene: Scene) -> dict[str, Any]:
     """CAD solids of a scene (mm): the whole generator, or the actuator asked about."""
     from tactgen.geometry.cad.solids import build_solids
-    from tactgen.geometry.device.parts import BIMORPH
+    from tactgen.geometry.device.parts import bimorph_parts
 
     if scene.support.kind == "rod":
         return build_solids(scene.device, None, "rod")
     if set(scene.models) <= set(models_of("reluctance")):
         return normal_actuator_solids(scene.device)
-    return build_solids(scene.device, BIMORPH, "alone")
+    return build_solids(scene.device, bimorph_parts(scene.device), "alone")
 
 
 def normal_actuator_solids(device: Device) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from concurrent.futures.process import BrokenProcessPool
 import pytest
 
 from tactgen.validation.report.report_data import Study
+from tactgen.validation.report.sections.contents import work_ahead
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -21,7 +22,7 @@ def study(name, *, quick=False):
 ])  # fmt: skip
 def test_only_what_follows_from_the_scene_alone_is_begun(name, quick, begun):
     """And it can be sent: functions of modules, and scenes."""
-    jobs = study(name, quick=quick)._ahead()
+    jobs = work_ahead(study(name, quick=quick))
     assert set(jobs) == begun
     for work, *given in jobs.values():
         assert pickle.loads(pickle.dumps(work)) is work

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactgen.geometry.device.parts import Standing
+from tactgen.geometry.device.parameters import Bimorph
+from tactgen.geometry.device.parts import Standing, bimorph_parts
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.tetwild.mesher import Mesher, Sizing, sizing_for
 from tactgen.validation.models.bimorph.mesh_pair import MeshPair
@@ -241,8 +242,7 @@ def _finer(
     share = float(np.clip(_AIM * allowed, _LEAST_SHARE, _MOST_SHARE))
     wanted = share * last.error * spread
     seen = replace(last.mesh, points=squeezed(scene.device, _standing(scene), last.mesh.points))
-    layers = scene.bimorph.shim_thickness, scene.bimorph.piezo_thickness
-    shortest = _SHORTEST * min(*layers, scene.bimorph.width)
+    shortest = _SHORTEST * min(*_thicknesses(scene.bimorph), scene.bimorph.width)
     sizing = sizing_for(seen, shares, wanted, shortest=shortest, most=most_elements)
     return _solved(scene, _meshed(scene, mesher, sizing, most_elements))
 
@@ -264,11 +264,13 @@ def _meshed(scene: Scene, mesher: Mesher, sizing: Sizing | None, most_elements: 
     """
     from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 
-    regions: tuple[str, ...] = ("piezo_top", "piezo_bottom", "shim")
+    regions = bimorph_parts(scene.device)
     if _standing(scene) == "rod":
         regions += ("glue", "rod")
     options = TetMeshing(
-        edge_length=_first_edge(scene), quarter=True, time_limit=scene.mesh.time_limit
+        edge_length=_first_edge(scene),
+        quarter=not scene.bimorph.layers,
+        time_limit=scene.mesh.time_limit,
     )
     before = np.inf
     while True:
@@ -286,7 +288,13 @@ def _first_edge(scene: Scene) -> float:
     volume = b.width * b.thickness * b.length
     # a tetrahedron of edge a has the volume a³ / 8.5
     few = (8.5 * volume / _FIRST_ELEMENTS) ** (1.0 / 3.0)
-    return float(max(_START * b.shim_thickness, few))
+    return float(max(_START * min(_thicknesses(b)) if b.layers else _START * b.shim_thickness, few))
+
+
+def _thicknesses(bimorph: Bimorph) -> list[float]:
+    """Of the layers (m)."""
+    listed = [layer.thickness for layer in bimorph.layers]
+    return listed or [bimorph.shim_thickness, bimorph.piezo_thickness]
 
 
 def _standing(scene: Scene) -> Standing:

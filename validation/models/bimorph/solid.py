@@ -8,7 +8,7 @@ from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING
 
 from tactgen.geometry.bimorph.bricks import LEVELS, Bricks, bimorph_bricks
-from tactgen.geometry.device.checks import check_bonded, check_constant_section, check_plain_layers
+from tactgen.geometry.device.checks import check_bonded, check_boxes, check_constant_section
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
@@ -129,8 +129,8 @@ class CadModel(TwoMeshModel):
 
     @classmethod
     def check(cls, scene: Scene) -> None:
-        """Refuse scenes beyond the CAD solids: profiles, bare ends, glue between layers."""
-        check_plain_layers(scene.device)
+        """Refuse scenes beyond the CAD solids: profiles, bare ends, glue between plain layers."""
+        check_boxes(scene.device, on_rod=scene.support.kind == "rod")
 
     def make_pair(self) -> MeshPair:
         """Last mesh of the refinement, and an earlier one to judge it by."""

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
+from tactgen.validation.catalogue.models import models_of
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.report.report_data import INVARIANT_TOLERANCE, Study
 from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.scene.variation import is_papers_generator
 
 
 def sections(study: Study) -> tuple[Section, ...]:
@@ -34,6 +37,26 @@ def sections(study: Study) -> tuple[Section, ...]:
         Section("checks", "Checks of this scene", _checks),
         Section("parameters", "Parameters and assumptions", _parameters),
     )
+
+
+def work_ahead(study: Study) -> dict[str, tuple[Any, ...]]:
+    """What sections show that follows from the scene alone, by their ids.
+
+    Each is a function of a module and what it is given, so that another process may do it.
+    """
+    scene, found = study.scene, dict[str, tuple[Any, ...]]()
+    if study.quick or not set(scene.models) & set(models_of("bimorph")):
+        return found
+    if scene.support.kind == "contact":
+        from tactgen.validation.models.backbone import rocking_states
+        from tactgen.validation.report.sections.large_motion import VOLTAGES
+
+        found["amplitude"] = rocking_states, scene, VOLTAGES
+    if is_papers_generator(scene):
+        from tactgen.validation.studies.published_measurements import all_compared
+
+        found["measurements"] = (all_compared,)
+    return found
 
 
 def _machine(lateral: tuple[Section, ...]) -> list[Section]:
