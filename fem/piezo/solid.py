@@ -22,7 +22,7 @@ from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.structured_tets import is_quarter
+from tactgen.geometry.meshing.structured_tets import mirror_axes
 
 
 def assemble(
@@ -44,8 +44,8 @@ def assemble(
         Materials and poling.
     mesh : Mesh or Bricks
         Regions among piezo_top, piezo_bottom, shim, glue, rod; faces as named there.  A mesh
-        with the faces `MIRRORS` is a quarter: the system is then that of the bending in x that
-        the ports move, the other classes of motion are ``related`` to it.
+        with the faces `MIRRORS` is a quarter, with the second of them half of it: the system is
+        then that of the bending in x that the ports move, the others are ``related`` to it.
     lossy : bool
         Take the ceramic's Q and tan δ into account (complex matrices).
     ceramic : Piezoceramic, optional
@@ -61,4 +61,4 @@ def assemble(
     unit = volts_per_unit(known)
     uniform, below = device.bimorph if uniform_field else None, device.measurement.below_tip
     body = SkfemBody(mesh, known, unit, uniform, below)
-    return body.system("bending_x" if is_quarter(mesh) else "all")
+    return body.system("bending_x" if mirror_axes(mesh) else "all")

@@ -22,13 +22,18 @@ from tactgen.fem.solvers.pardiso import nested_dissection
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
 from tactgen.geometry.device.parameters import Bimorph
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.structured_tets import MIRRORS, is_quarter, mirrored_points
+from tactgen.geometry.meshing.structured_tets import MIRRORS, mirror_axes, mirrored_points
 
 #: Cells worked on at a time: bounds the memory.
 _CHUNK = 4000
 #: Points along each side of the section over which a mean displacement is taken: Gauss's, more
 #: than the cells are across.
 _POINTS = 12
+
+
+#: Classes of motion in which the ports take no part, by how many planes of symmetry there are.  Of
+#: half a body bending in x includes axial motion, and bending in y torsion.
+_OTHERS: tuple[tuple[Motion, ...], ...] = ((), ("bending_y",), ("bending_y", "torsion", "axial"))
 
 
 @dataclass(frozen=True)
@@ -78,7 +83,7 @@ class SkfemBody:
                 place = pattern.places(some)
                 stiffness += place @ self._stiffness(some, tensor)
                 mass += place @ (material.density * self._mass(some))
-        copies = 4.0 if is_quarter(self.mesh) else 1.0
+        copies = 2.0 ** len(mirror_axes(self.mesh))
         scalar = pattern.matrix(copies * mass)
         moving = sparse.csr_matrix(np.diag([1.0, 1.0, 1.0, 0.0]))
         return pattern.matrix(copies * stiffness), sparse.kron(scalar, moving, format="csr")
@@ -144,7 +149,7 @@ class SkfemBody:
         source: Ints = np.arange(len(nodes))
         sign: Floats = np.ones((len(nodes), 4))
         if motion != "all":
-            whole = mirrored_points(nodes)
+            whole = mirrored_points(nodes, mirror_axes(self.mesh))
             nodes, source, sign = whole.points, whole.source, mirror_signs(motion, whole.turned)
         return SolidSystem(
             stiffness=unknowns.bordered(stiffness),
@@ -158,7 +163,7 @@ class SkfemBody:
             volts_per_unit=self.unit,
             motion=motion,
             related=None if motion == "all" else self.system,
-            others=() if motion == "all" else ("bending_y", "torsion", "axial"),
+            others=_OTHERS[len(mirror_axes(self.mesh))],
             elimination=self._elimination(unknowns),
             translation=unknowns.translation(np.ones(len(nodal))),
         )
@@ -184,8 +189,8 @@ class SkfemBody:
         field = piezo & ~outer & ~inner & (self.uniform is None)
         free = np.stack([~base, ~base, ~base, field], axis=-1)
         if motion != "all":
-            for name, signs in zip(MIRRORS, SIGNS[motion], strict=True):
-                free[self._on_faces(name)] &= np.array(signs) > 0
+            for axis in mirror_axes(self.mesh):
+                free[self._on_faces(MIRRORS[axis])] &= np.array(SIGNS[motion][axis]) > 0
         ports = np.zeros((*free.shape, 3))
         if motion in ("all", "bending_x"):
             ports[base, 0, 0] = 1.0

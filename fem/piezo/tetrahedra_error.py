@@ -21,7 +21,7 @@ from tactgen.fem.solvers.linear_solver import refined_solution
 from tactgen.geometry.arrays import Floats, Ints, Sparse
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.structured_tets import MIRRORS, is_quarter
+from tactgen.geometry.meshing.structured_tets import MIRRORS, mirror_axes
 
 #: Elements worked on at a time: bounds the memory.
 _CHUNK = 4000
@@ -74,7 +74,7 @@ def cubic_surplus(
     nodal = (system.expand @ fields).reshape(4, -1, fields.shape[1]) * scale[:, None, None]
     nodal = nodal[:, : domain.p.shape[1] + n_edges]  # of a whole body, those of its quarter
     # of a quarter the integrals count four times, but that of the force, spread over all
-    copies = 4.0 if is_quarter(mesh) else 1.0
+    copies = 2.0 ** len(mirror_axes(mesh))
     shape = (n_edges + domain.facets.shape[1], 4)
     residual, diagonal = np.zeros((*shape, fields.shape[1])), np.zeros((*shape, 4))
     functions = np.concatenate([domain.t2e, n_edges + domain.t2f])

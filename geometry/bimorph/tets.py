@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.cad.solids import build_solids, fuse, quartered, thinnest_feature
+from tactgen.geometry.cad.solids import build_solids, cut_open, fuse, thinnest_feature
 from tactgen.geometry.cad.tessellation import Plane, Tessellation, tessellate
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.device.parts import (
@@ -27,7 +27,7 @@ from tactgen.geometry.device.parts import (
 )
 from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.structured_tets import MIRRORS
+from tactgen.geometry.meshing.structured_tets import MIRRORS, MirrorAxes
 from tactgen.geometry.meshing.tetwild.conform import NamedFace, conform
 from tactgen.geometry.meshing.tetwild.mesher import (
     Mesher,
@@ -99,9 +99,9 @@ class TetMeshing:
     #: Give curved boundaries curved elements (ten nodes).  If False, elements are straight and the
     #: regions lose what lies between chord and arc
     curved: bool = True
-    #: Mesh what lies at x ≥ 0 and y ≥ 0 only; its cuts are named as
-    #: :data:`geometry.meshing.structured_tets.MIRRORS`
-    quarter: bool = False
+    #: Axes along which the mesh is to be mirrored: (0, 1) meshes what lies at x ≥ 0 and y ≥ 0, (1,)
+    #: what lies at y ≥ 0; the cuts are named as :data:`geometry.meshing.structured_tets.MIRRORS`
+    mirrors: MirrorAxes = ()
     time_limit: float = 300.0  #: Processor time for the mesher, all attempts together (s)
 
     def __post_init__(self) -> None:
@@ -163,9 +163,9 @@ def tetrahedralise(
     """
     parts = layout(device, standing, regions)
     named = _named_faces(device, standing, tuple(parts))
-    if options.quarter:
+    if 0 in options.mirrors:
         named = {name: face for name, face in named.items() if "bottom" not in name}
-        named |= {name: NamedFace(_plane(i, 0.0), tuple(parts)) for i, name in enumerate(MIRRORS)}
+    named |= {MIRRORS[i]: NamedFace(_plane(i, 0.0), tuple(parts)) for i in options.mirrors}
     # from the tab's lower end to the ceramic's lower edge: where the bending begins
     root = (shim_base(device, standing) * MM, ceramic_base(device, standing) * MM)
     shape: tuple[object, ...] = (
@@ -179,11 +179,11 @@ def tetrahedralise(
             process = mesher or stack.enter_context(Mesher())
             process.start()  # loads its libraries while the CAD kernel loads here
             built = build_solids(device, tuple(parts), standing)
-            solids = fuse(quartered(built) if options.quarter else built)
+            solids = fuse(cut_open(built, options.mirrors) if options.mirrors else built)
             stretching = _stretching(device, standing)
             return _first_good_mesh(solids, named, root, options, sizing, stretching, process)
 
-    return cached_result("mesh", (parts, named, shape, options.quarter, root), _MADE_OF, made)
+    return cached_result("mesh", (parts, named, shape, options.mirrors, root), _MADE_OF, made)
 
 
 def _named_faces(

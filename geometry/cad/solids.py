@@ -34,10 +34,10 @@ __all__ = [
     "build_solids",
     "closed_form_volumes",
     "colour_of",
+    "cut_open",
     "export_glb",
     "export_step",
     "fuse",
-    "quartered",
     "solid_of",
     "thinnest_feature",
     "write_glb",
@@ -166,15 +166,16 @@ def fuse(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
     return fused
 
 
-def quartered(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
-    """Quarter of each solid at x ≥ 0 and y ≥ 0; empty ones are left out."""
+def cut_open(solids: dict[str, cq.Solid], axes: tuple[int, ...]) -> dict[str, cq.Solid]:
+    """Part of each solid at x ≥ 0 and y ≥ 0, or on one of these; empty ones are left out."""
     import cadquery as cq
 
     boxes = [solid.BoundingBox() for solid in solids.values()]
     low = min(box.zmin for box in boxes)
     size = 2.0 * max(box.DiagonalLength for box in boxes)
-    quarter = cq.Solid.makeBox(size, size, 2.0 * size, cq.Vector(0.0, 0.0, low - 0.5 * size))
-    cut = {name: solid.intersect(quarter) for name, solid in solids.items()}
+    x, y = (0.0 if axis in axes else -size for axis in range(2))
+    kept = cq.Solid.makeBox(size - x, size - y, 2.0 * size, cq.Vector(x, y, low - 0.5 * size))
+    cut = {name: solid.intersect(kept) for name, solid in solids.items()}
     return {name: _only_solid(shape) for name, shape in cut.items() if shape.Solids()}
 
 

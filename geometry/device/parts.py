@@ -277,6 +277,10 @@ def closed_form_volumes(device: Device, standing: Standing = "rod") -> dict[str,
     """
     names = tuple(layout(device, standing))
     b, rod, coil, sleeve = device.bimorph, device.rod, device.coil, device.sleeve
+    if b.layers:
+        high = [b.height if goes_on else b.length for goes_on in b.layers.continues]
+        sizes = [layer.thickness * (layer.width or b.width) for layer in b.layers]
+        return {name: s * h for name, s, h in zip(names, sizes, high, strict=True)}
     layer = b.length * b.width * b.piezo_thickness
     embedded = rod.slot_depth - device.glue.thickness
     slot = (

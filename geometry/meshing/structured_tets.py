@@ -11,6 +11,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -196,13 +197,13 @@ def _cartesian(polar: Floats) -> Floats:
     return np.stack([r * np.cos(angle), r * np.sin(angle), z], axis=1)
 
 
-#: Named faces of a quarter: on x = 0 and on y = 0.
+#: Named faces of a quarter: on x = 0 and on y = 0; half of a body has the latter only.
 MIRRORS = ("mirror_x", "mirror_y")
 
 #: Distance (m) up to which a point lies on a plane of symmetry.
 _ON_PLANE = 1e-10
 
-#: The four quarters: which of x and y are turned round.  The first is the one that was meshed.
+#: The parts: which of x and y are turned round.  The first is the one that was meshed.
 _TURNS = ((False, False), (True, False), (False, True), (True, True))
 
 #: Nodes of a cell or triangle seen in the mirror, so that it is not inside out, by their number.
@@ -211,27 +212,36 @@ _REFLECTED = {3: [1, 0, 2], 4: [1, 0, 2, 3], 10: [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]}
 
 @dataclass(frozen=True)
 class MirroredPoints:
-    """The points of the whole body, those of the quarter first and in their order."""
+    """The points of the whole body, those that were meshed first and in their order."""
 
     points: Floats  #: (n_whole, 3) Coordinates (m)
-    source: Ints  #: (n_whole,) The point of the quarter that each is or mirrors
+    source: Ints  #: (n_whole,) The meshed point that each is or mirrors
     turned: Bools  #: (n_whole, 2) Whether it lies beyond x = 0, and beyond y = 0
-    #: (4, n) The points that stand for those of the quarter in each of the four quarters
+    #: (2 or 4, n) The points that stand for those that were meshed in each of the parts
     images: Ints
 
 
-def is_quarter(mesh: Mesh) -> bool:
-    """Whether a mesh stands for a body of which it is a quarter."""
-    return all(name in mesh.faces for name in MIRRORS)
+#: Axes along which a mesh is mirrored: of a quarter, of half a body, of a whole one.
+MirrorAxes: TypeAlias = tuple[int, ...]
 
 
-def mirrored_points(points: Floats) -> MirroredPoints:
-    """Points (n, 3) of a quarter in m with their images; those on a plane are their own."""
-    n = len(points)
+def mirror_axes(mesh: Mesh) -> MirrorAxes:
+    """Axes along which a mesh is mirrored to give the whole body: (0, 1), (1,) or ()."""
+    there = tuple(axis for axis, name in enumerate(MIRRORS) if name in mesh.faces)
+    return there if 1 in there else ()
+
+
+def _turns(axes: MirrorAxes) -> list[tuple[bool, bool]]:
+    return [t for t in _TURNS if all(axis in axes for axis in range(2) if t[axis])]
+
+
+def mirrored_points(points: Floats, axes: MirrorAxes = (0, 1)) -> MirroredPoints:
+    """Points (n, 3) in m with their images along some axes; those on a plane are their own."""
+    n, turns = len(points), _turns(axes)
     on_plane = np.abs(points[:, :2]) <= _ON_PLANE
-    images = np.empty((4, n), dtype=np.int64)
+    images = np.empty((len(turns), n), dtype=np.int64)
     source, turned, count = [], [], 0
-    for k, turn in enumerate(_TURNS):
+    for k, turn in enumerate(turns):
         new = np.flatnonzero(~(on_plane & np.array(turn)).any(axis=1))
         images[k, new] = count + np.arange(new.size)
         count += new.size
@@ -239,12 +249,12 @@ def mirrored_points(points: Floats) -> MirroredPoints:
         turned.append(np.tile(np.array(turn), (new.size, 1)))
         for axis in range(2):  # a point on a plane is where the unturned one is
             if turn[axis]:
-                unturned = k - (1 << axis)
-                images[k, on_plane[:, axis]] = images[unturned, on_plane[:, axis]]
-    sources, turns = np.concatenate(source), np.concatenate(turned)
+                other = turns.index((turn[0] and axis != 0, turn[1] and axis != 1))
+                images[k, on_plane[:, axis]] = images[other, on_plane[:, axis]]
+    sources, beyond = np.concatenate(source), np.concatenate(turned)
     whole = points[sources].copy()
-    whole[:, :2] *= np.where(turns, -1.0, 1.0)
-    return MirroredPoints(whole, sources, turns, images)
+    whole[:, :2] *= np.where(beyond, -1.0, 1.0)
+    return MirroredPoints(whole, sources, beyond, images)
 
 
 def whole_mesh(mesh: Mesh) -> Mesh:
@@ -252,14 +262,15 @@ def whole_mesh(mesh: Mesh) -> Mesh:
 
     What is ``top`` in the name of a region or face lies at x > 0; beyond, it is ``bottom``.
     """
-    if not is_quarter(mesh):
+    axes = mirror_axes(mesh)
+    if not axes:
         return mesh
-    mirrored = mirrored_points(mesh.points)
-    names = [[_seen(name, turn) for name in mesh.regions] for turn, _ in _TURNS]
+    mirrored, turns = mirrored_points(mesh.points, axes), _turns(axes)
+    names = [[_seen(name, turn) for name in mesh.regions] for turn, _ in turns]
     regions = tuple(dict.fromkeys(name for row in names for name in row))
     cells, labels = [], []
     faces: dict[str, list[Ints]] = {}
-    for image, turn, row in zip(mirrored.images, _TURNS, names, strict=True):
+    for image, turn, row in zip(mirrored.images, turns, names, strict=True):
         odd = turn[0] != turn[1]
         cells.append(_turned(image[mesh.cells], reflect=odd))
         labels.append(np.array([regions.index(name) for name in row])[mesh.region_of_cell])

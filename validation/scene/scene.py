@@ -123,7 +123,8 @@ class Scene(p.Device):
     )
     models: tuple[str, ...] = Field(
         default_factory=lambda: tuple(m for m in models_of("bimorph") if m in WITNESSES),
-        description="models to solve; by default all of the bimorph's that apply",
+        description="models to solve; by default all of the bimorph's that apply, without cad for "
+        "listed layers, which takes a minute",
     )
     quantities: tuple[str, ...] = Field(
         default_factory=lambda known: _usual_quantities(known.get("models", ())),
@@ -466,7 +467,7 @@ def _able_models(scene: Scene) -> tuple[str, ...]:
     unable = set()
     if bimorph.profiles or bimorph.layers.stepped or scene.support.kind == "rod":
         unable.add("solid")
-    if beyond_boxes(bimorph, on_rod=scene.support.kind == "rod"):
+    if bimorph.layers or beyond_boxes(bimorph, on_rod=scene.support.kind == "rod"):
         unable.add("cad")
     if scene.measurement.below_tip:
         unable.add("lumped")

@@ -19,7 +19,7 @@ from tactgen.fem.piezo.tetrahedra_error import goal_errors
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
-from tactgen.geometry.meshing.structured_tets import box_tetrahedra, whole_mesh
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra, mirror_axes, whole_mesh
 from tactgen.geometry.meshing.tetwild.conform import TET_FACES
 from tactgen.validation.evidence.cases.manufactured import cells_space, ceramic, manufactured_errors
 
@@ -58,7 +58,9 @@ def tetwild(tmp_path_factory):
     """A quarter of the CAD solids by fTetWild, meshed anew."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("meshes")))
-        return tetrahedralise(SHORT, "alone", options=TetMeshing(edge_length=0.4e-3, quarter=True))
+        return tetrahedralise(
+            SHORT, "alone", options=TetMeshing(edge_length=0.4e-3, mirrors=(0, 1))
+        )
 
 
 @pytest.fixture(params=["structured", "tetwild"])
@@ -230,6 +232,38 @@ def test_quarter_and_whole_are_one_body(mesh):
     modes = natural_modes(whole, ends, 6)
     assert [kind for _, kind in found] == [mode.kind for mode in modes]
     assert [f for f, _ in found] == pytest.approx([m.frequency for m in modes], rel=1e-7)
+
+
+def test_half_and_whole_are_one_body_of_unequal_layers():
+    """Ports, goals and all modes; of half a body bending takes axial motion and torsion along."""
+    device = Device(bimorph=Bimorph(length=6e-3, layers="brass 0.3 mm; PZT-5A 0.26 mm +x"))
+    x = 1e-3 * np.array([-0.28, 0.02, 0.28])
+    z, y = np.linspace(0.0, 6e-3, 7), np.linspace(0.0, 0.5 * device.bimorph.width, 3)
+    regions = np.broadcast_to(np.array([0, 1])[:, None, None], (2, 2, 6))
+    box = box_tetrahedra(x, y, z, regions, ("shim_1", "piezo_2"))
+    inner = box.faces["x_low"] + y.size * z.size  # the next plane along x
+    half = replace(box, faces={
+        "base": box.faces["z_low"], "tip": box.faces["z_high"], "mirror_y": box.faces["y_low"],
+        "electrode_piezo_2_upper_outer": box.faces["x_high"],
+        "electrode_piezo_2_lower_inner": inner,
+    })  # fmt: skip
+    whole = whole_mesh(half)
+    assert len(whole.cells) == 2 * len(half.cells)
+    assert mirror_axes(half) == (1,)
+    one, other = (assemble(device, m, lossy=False) for m in (half, whole))
+    assert (one.others, other.others) == (("bending_y",), ())
+    first, second = (static_multiport(s).stiffness[0].real for s in (one, other))
+    size = np.sqrt(np.abs(np.diag(second)))
+    assert np.abs((first - second) / np.outer(size, size)).max() < 1e-8
+    found = sorted(
+        mode.frequency
+        for motion in ("bending_x", "bending_y")
+        for mode in natural_modes(one.related(motion), Ends(), 6)
+    )[:6]
+    assert found == pytest.approx([m.frequency for m in natural_modes(other, Ends(), 6)], rel=1e-7)
+    goals = [goal_errors(device, m, s) for m, s in ((half, one), (whole, other))]
+    for name, goal in goals[0].items():
+        assert goal.error == pytest.approx(goals[1][name].error, rel=1e-5), name
 
 
 @few_and_many

@@ -15,7 +15,7 @@ from tactgen.geometry.meshing.mesh import (
 from tactgen.geometry.meshing.structured_tets import (
     MIRRORS,
     box_tetrahedra,
-    is_quarter,
+    mirror_axes,
     mirrored_points,
     whole_mesh,
 )
@@ -47,9 +47,9 @@ def with_middles(mesh):
 def test_a_mesh_without_cuts_is_the_whole():
     """Named faces tell a quarter; anything else comes back as it is."""
     mesh = quarter()
-    assert is_quarter(mesh)
+    assert mirror_axes(mesh) == (0, 1)
     cut_once = replace(mesh, faces={"mirror_x": mesh.faces["mirror_x"]})
-    assert not is_quarter(cut_once)
+    assert not mirror_axes(cut_once)
     assert whole_mesh(cut_once) is cut_once
 
 

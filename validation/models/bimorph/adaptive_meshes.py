@@ -269,7 +269,7 @@ def _meshed(scene: Scene, mesher: Mesher, sizing: Sizing | None, most_elements: 
         regions += ("glue", "rod")
     options = TetMeshing(
         edge_length=_first_edge(scene),
-        quarter=not scene.bimorph.layers,
+        mirrors=(1,) if scene.bimorph.layers else (0, 1),
         time_limit=scene.mesh.time_limit,
     )
     before = np.inf
