@@ -211,9 +211,9 @@ class Piezo(Parameters):
     def at_field(self, amplitude: float) -> Piezo:
         """Linear ceramic that answers a sinusoidal field of an amplitude (V/m) as this one does.
 
-        Rayleigh's law: a constant c grows to c + α E₀ and is c + α E₀ ± (α/2) (E₀² − E²)/E along
-        the loop, whose first harmonic lags by the loss 4 α E₀/(3π).  So each constant brings its
-        own loss; the loop's odd harmonics are left out.
+        Rayleigh's law: what a constant c makes of a field E follows the loop
+        (c + α E₀) E ± (α/2) (E₀² − E²).  Its first harmonic has c + α E₀ in phase and
+        4 α E₀/(3π) lagging, so each constant brings its own loss; the other harmonics are left out.
         """
         d31, s11, eps33 = (amplitude * getattr(self, name) for name in GROWTHS)
         found = self.model_copy(

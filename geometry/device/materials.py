@@ -91,9 +91,9 @@ def lossy_modulus(modulus: Any, loss_factor: Any, *, lossy: bool) -> Any:
     return modulus * (1.0 + 1j * loss_factor) if lossy and np.any(loss_factor) else modulus
 
 
-def lossy_coupling(d: Any, loss_tangent: float, *, lossy: bool) -> Any:
+def lossy_coupling(d: Any, loss_tangent: Any, *, lossy: bool) -> Any:
     """Piezoelectric constants d (1 − j tan θ) for e^{+jΩt}; as they are if lossless."""
-    return d * (1.0 - 1j * loss_tangent) if lossy and loss_tangent else d
+    return d * (1.0 - 1j * loss_tangent) if lossy and np.any(loss_tangent) else d
 
 
 @dataclass(frozen=True)
