@@ -30,11 +30,22 @@ class Judged:
     number: int
     models: str
     margins: tuple[tuple[float, float], ...]
+    #: Modelling error of each margin; nan where it is not known, empty where it was not asked for
+    modelling: tuple[float, ...] = ()
 
     @property
-    def values(self) -> dict[str, list[float]]:
-        """Margins and bars as plain JSON values."""
-        return {"margins": [m for m, _ in self.margins], "bars": [bar for _, bar in self.margins]}
+    def values(self) -> dict[str, Any]:
+        """Margins, bars and modelling errors as plain JSON values."""
+        found = {"margins": [m for m, _ in self.margins], "bars": [bar for _, bar in self.margins]}
+        if not self.modelling:
+            return found
+        known = [None if math.isnan(error) else error for error in self.modelling]
+        return {**found, "modelling_errors": known}
+
+    def near(self, n: int) -> bool:
+        """Whether a margin is less than its modelling error, and more than its bar."""
+        margin, bar = self.margins[n]
+        return bool(self.modelling) and bar < abs(margin) <= self.modelling[n]
 
 
 @dataclass(frozen=True)
@@ -90,7 +101,8 @@ def judged(
         needed = at_threshold({name: given[name] for name in wanted}, felt)
         margins = tuple(aim.margin_with_bar(needed) for aim in aims)
         if all(math.isfinite(margin) for margin, _ in margins):
-            found.append(Judged(number, models, margins))
+            modelling = tuple(aim.modelling_error(needed) for aim in aims)
+            found.append(Judged(number, models, margins, modelling))
     return found
 
 
@@ -191,6 +203,12 @@ def _sentences(study: Study, found: Verdict) -> list[str]:
                 f"{len(found.undecided)} of them all are nearer to the edge than the numerical "
                 "error bar, so either may be true of them"
             )
+        asked = [n for n, aim in enumerate(found.aims) if aim.kind == "condition"]
+        if near := sum(any(one.near(n) for n in asked) for one in found.judged):
+            lines.append(
+                f"{near} of them all are nearer to the edge than the modelling error, so the most "
+                "detailed model may say otherwise"
+            )
     if not found.best:
         return lines
     goals = [aim for aim in found.aims if aim.kind == "goal"]
@@ -206,9 +224,18 @@ def _sentences(study: Study, found: Verdict) -> list[str]:
 
 
 def _line(study: Study, found: Verdict, one: Judged) -> str:
-    each = zip(found.aims, one.margins, strict=True)
-    margins = ", ".join(shown(aim, *margin) for aim, margin in each)
+    modelling = one.modelling or (0.0,) * len(one.margins)
+    each = zip(found.aims, one.margins, modelling, strict=True)
+    margins = ", ".join(shown(aim, *margin) + _beside(aim, error) for aim, margin, error in each)
     return f"{shown_point(study.points[one.number])}: {margins}"
+
+
+def _beside(aim: Aim, modelling: float) -> str:
+    """Modelling error behind a margin."""
+    if not modelling:
+        return ""
+    unit = aim.unit if takes_prefix(aim) else "1"
+    return " (?)" if math.isnan(modelling) else f" (± {engineering(modelling, unit, 2)})"
 
 
 def takes_prefix(aim: Aim) -> bool:

@@ -122,18 +122,34 @@ class Aim:
 
     def margin_with_bar(self, known: dict[str, Quantity]) -> tuple[float, float]:
         """Margin and its numerical error bar: each quantity moved by its own, added."""
-        margin, bar = self.margin(known), 0.0
+        return self.margin(known), self._moved(known, lambda q: (q.error, q.extreme_error))
+
+    def modelling_error(self, known: dict[str, Quantity]) -> float:
+        """Margin's distance from that by the most detailed models that is possible.
+
+        nan where the modelling error of a quantity is not known.
+        """
+        return self._moved(known, lambda q: (q.modelling_error, q.extreme_modelling_error))
+
+    def _moved(
+        self, known: dict[str, Quantity], by: Callable[[Quantity], tuple[Any, float]]
+    ) -> float:
+        """How far errors of all values and their extremes move the margin, added."""
+        margin, found = self.margin(known), 0.0
         for name in self.quantities:
-            q = known[name]
-            moved = [self.margin({**known, name: _moved(q, sign)}) - margin for sign in (1.0, -1.0)]
-            bar += max(abs(change) for change in moved)
-        return margin, bar
+            q, (error, of_extreme) = known[name], by(known[name])
+            moved = [
+                self.margin({**known, name: _moved(q, s * error, s * of_extreme)}) - margin
+                for s in (1.0, -1.0)
+            ]
+            found += max(abs(change) for change in moved)
+        return found
 
 
-def _moved(q: Quantity, sign: float) -> Quantity:
+def _moved(q: Quantity, by: Any, extreme_by: float) -> Quantity:
     size = np.abs(q.value) if np.iscomplexobj(q.value) else q.value
-    peak = q.extreme and replace(q.extreme, value=q.extreme.value + sign * q.extreme.error)
-    return replace(q, value=np.asarray(size + sign * q.error), extreme=peak)
+    peak = q.extreme and replace(q.extreme, value=q.extreme.value + extreme_by)
+    return replace(q, value=np.asarray(size + by), extreme=peak)
 
 
 def parse_aim(text: str) -> Aim:

@@ -164,6 +164,21 @@ def test_conditions_and_goals_pick_points():
         parse_aims([goal, goal, goal])
 
 
+def test_a_margin_within_the_modelling_error_is_said():
+    """5 % too much by beam theory: what lies that close to the edge the solid may see otherwise."""
+    found = study("bimorph.length=18mm,22mm")
+    (met,) = verdicts(found, parse_aims(["static_tip_displacement >= 0.78 um"]))
+    assert [one.near(0) for one in met.judged] == [True, False]
+    for one, at in zip(met.judged, found.answers, strict=True):
+        assert one.modelling == pytest.approx([at["tmm"].quantities[0].modelling_error], rel=1e-6)
+        assert one.values["modelling_errors"] == list(one.modelling)
+    said = sentences(found, [met])
+    assert any(
+        line.startswith("1 of them all are nearer to the edge than the mod") for line in said
+    )
+    assert "(± 68 nm)" in said[-2]
+
+
 def test_each_model_has_a_verdict_of_its_own():
     """The limit lies between the first frequencies of two models: the one meets it, the other not.
 
