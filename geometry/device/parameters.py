@@ -15,16 +15,14 @@ from tactgen.geometry.device.material_library import CERAMICS, SHIMS
 from tactgen.geometry.device.materials import Own, Spread
 from tactgen.geometry.device.parameter_group import PAPER_5, Parameters, field
 from tactgen.geometry.device.reluctance import NOMINAL_GAP, Coil, Rod, Sleeve, Steel
+from tactgen.geometry.device.spring_contact_guide import Contact, Guide, Spring
 from tactgen.geometry.device.support_load_drive import (
     Beam,
     Circuit,
-    Contact,
     Drive,
-    Guide,
     Limits,
     Load,
     Measurement,
-    Spring,
     Support,
     Threshold,
 )

@@ -166,10 +166,6 @@ _FIELD = Unknown(
     "assumed: at 192 V/mm a soft ceramic has up to 1.4 times the d31 and 1.08 times the s11 of "
     "small signals, with the losses of Rayleigh's law", 0.0,
 )  # fmt: skip
-_FRICTION = Unknown(
-    "guide.friction", 0.0, 3e-3, "N", "assumed: up to a share of the rod's weight and the finger's "
-    "side force in a dry bore", 0.0,
-)  # fmt: skip
 _LOWEST = Unknown(
     "lowest setting of the spring", 5e-3, 40e-3, "N",
     "section 6: adjusted by its screw, no setting is printed; assumed", 20e-3, logarithmic=True,
@@ -189,7 +185,7 @@ def _assumed(scene: Scene, *keys: str) -> tuple[Unknown, ...]:
     for key in keys:
         group, name = key.split(".")
         spread = spreads(getattr(scene, group))[name]
-        usual, wide = float(getattr(getattr(scene, group), name)), spread.high > 4.0 * spread.low
+        usual, wide = float(getattr(getattr(scene, group), name)), 0.0 < 4.0 * spread.low < spread.high
         metadata = type(getattr(scene, group)).model_fields[name].metadata
         unit = next((m.si for m in metadata if isinstance(m, Unit)), "") or "1"
         found.append(Unknown(key, spread.low, spread.high, unit, spread.reason, usual, wide))
@@ -274,7 +270,7 @@ def rod_times(values: Values) -> Floats:
     Along the axis alone, without the finger, against friction in the bore.  What is not pulled in
     never comes down.
     """
-    friction = values.get(_FRICTION.name, 0.0)
+    friction = values.get("guide.friction", 0.0)
     device = with_values(Scene(), {_PRELOAD.name: values[_PRELOAD.name]}).device
     forces = axial_forces(device, ScaledMap(network_map(device), values[_PULL]))
     stroke = device.gap - device.spring.stop_gap
@@ -370,7 +366,7 @@ def figures() -> tuple[Figure, ...]:
             (Published("current that pulls it in", 0.0, _CURRENT, "A"),
              Published("time down", 1.5e-3, 2.5e-3, "s"),
              Published("time up", 0.5e-3, 1.5e-3, "s")),
-            (_PRELOAD, pull, _FRICTION), rod_times, _FEW,
+            (_PRELOAD, pull, *_assumed(pad, "guide.friction")), rod_times, _FEW,
         ),
     )  # fmt: skip
 

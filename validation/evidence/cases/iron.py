@@ -18,7 +18,7 @@ from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, sam
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.magnetisation import MU0, linear
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.device.support_load_drive import Spring
+from tactgen.geometry.device.spring_contact_guide import Spring
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.reluctance.section_grid import Region
