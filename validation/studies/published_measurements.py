@@ -185,7 +185,10 @@ def _assumed(scene: Scene, *keys: str) -> tuple[Unknown, ...]:
     for key in keys:
         group, name = key.split(".")
         spread = spreads(getattr(scene, group))[name]
-        usual, wide = float(getattr(getattr(scene, group), name)), 0.0 < 4.0 * spread.low < spread.high
+        usual, wide = (
+            float(getattr(getattr(scene, group), name)),
+            0.0 < 4.0 * spread.low < spread.high,
+        )
         metadata = type(getattr(scene, group)).model_fields[name].metadata
         unit = next((m.si for m in metadata if isinstance(m, Unit)), "") or "1"
         found.append(Unknown(key, spread.low, spread.high, unit, spread.reason, usual, wide))

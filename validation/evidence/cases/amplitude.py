@@ -261,8 +261,8 @@ _HEAD = case(
               "measurement has it.", 781.609, "Hz", _prototype_peak, 0.02,
               "curves that are nearly the same to the eye", _FIG_8, known=-0.0870,
               explained="the inertia of rod and coil about the head, which the paper's fit has "
-              "1e-12 kg m2 for, and the softening at 1 V lower it by about as much each (the last "
-              "rows of this case). The contact's length was calibrated to c_s at small motions "
+              "1e-12 kg m2 for, and the softening at 1 V lower it by about as much each (ROCK-19, "
+              "ROCK-20). The contact's length was calibrated to c_s at small motions "
               "although the paper fitted c_s at 1 V, and the preload of that prototype is not "
               "stated"),
         Check("Its response at 1 V does not hang over: a linear model could be fitted to it.", 0.0,
@@ -283,8 +283,8 @@ _HEAD = case(
               heavy=True, known=-0.5,
               explained="a spring that presses on the axis leaves the lateral actuator's peak "
               "alone. The paper ascribes the other to the combination with the normal actuator and "
-              "sees it vanish where the magnet holds the rod: the last two rows of this case have "
-              "both states from one offset of the spring. An upper board on springs "
+              "sees it vanish where the magnet holds the rod: rows ROCK-22 and ROCK-23 have both "
+              "states from one offset of the spring. An upper board on springs "
               "(contact.board_stiffness) would have a second peak, too"),
         *(
             Check(f"Under load at 50 V, {state}: the line fitted to the deflection from 10 to 1000 "

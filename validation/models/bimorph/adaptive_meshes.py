@@ -288,7 +288,8 @@ def _first_edge(scene: Scene) -> float:
     volume = b.width * b.thickness * b.length
     # a tetrahedron of edge a has the volume a³ / 8.5
     few = (8.5 * volume / _FIRST_ELEMENTS) ** (1.0 / 3.0)
-    return float(max(_START * min(_thicknesses(b)) if b.layers else _START * b.shim_thickness, few))
+    thin = min(_thicknesses(b)) if b.layers else b.shim_thickness
+    return float(max(_START * thin, few))
 
 
 def _thicknesses(bimorph: Bimorph) -> list[float]:
