@@ -226,6 +226,22 @@ class Piezoceramic:
                 "them"
             )
 
+    def check_passive(self) -> None:
+        """Refuse a loss of d that would give energy to a bender.
+
+        Raises InputError if the losses of s11, d31 and eps33 together are negative for some motion.
+        """
+        squared = self.d[2, 0] ** 2 / (self.s[0, 0] * self.eps_t[2, 2])
+        others = self.loss_tangent / self.quality_factor
+        if self.coupling_loss**2 * squared > others * (1.0 + 1e-9):
+            raise InputError(
+                f"piezo.coupling_loss = {self.coupling_loss:.3g} is more than "
+                f"{np.sqrt(others / squared):.2g}, beyond which the ceramic would give energy, as "
+                f"piezo.loss_tangent = {self.loss_tangent:.3g} and piezo.quality_factor = "
+                f"{self.quality_factor:.3g} lose too little; make it smaller, or let s11 and eps33 "
+                "lose more (piezo.field_growth_s11, piezo.field_growth_eps33)"
+            )
+
     def check_admissible(self) -> None:
         """Refuse constants that no passive material has.
 

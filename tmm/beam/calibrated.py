@@ -48,10 +48,13 @@ from tactgen.tmm.ports.multiport import Multiport
 
 #: Coefficients, their ranges and their errors, as ``tactgen calibrate`` writes them.
 FILE = Path(__file__).with_name("calibration.json")
+_COUPLING = "coupling k31^2"
+#: Times the most of the fit up to which its widened errors hold.
+_COUPLES_MORE = 1.15
 #: Names of the groups in order, for people.
 GROUPS = (
     "width/thickness", "ceramic/shim thickness", "shim/ceramic modulus", "end zone/length",
-    "Poisson's ratio of the shim", "shear modulus of the shim", "coupling k31^2",
+    "Poisson's ratio of the shim", "shear modulus of the shim", _COUPLING,
     "shear compliance of the ceramic", "Poisson's ratio of the ceramic", "core shear",
 )  # fmt: skip
 #: What the six factors act on, in order; see :class:`SectionFactors`.
@@ -253,8 +256,21 @@ def clamped_guess(active: Section, length: float) -> Floats:
 def check_known(device: Device, support: Support) -> None:
     """Refuse what no calibration knows: a rod's joint, listed layers, a bare end at the tip.
 
+    And a ceramic that no solid has, or that couples far more than those of the fit.
+
     Raises InputError with the remedy.
     """
+    device.piezo.ceramic().check_admissible()
+    squared, most = (
+        float(at[GROUPS.index(_COUPLING)])
+        for at in (groups(plain(device)), calibration().stiff.products.high)
+    )
+    if squared > _COUPLES_MORE * most:
+        raise InputError(
+            f"piezo.d31 = {device.piezo.d31:.4g} m/V has a coupling factor squared of "
+            f"{squared:.2g}, far beyond the {most:.2g} that the model calibrated knows; ask for "
+            "--model solid"
+        )
     if support.kind == "rod":
         raise InputError(
             'support.kind = "rod": the model calibrated takes the bimorph without its rod; ask for '

@@ -34,6 +34,8 @@ _BETWEEN, _AT_STOP, _REACH = 401, 97, 12.0
 #: force and the contact's reference load.
 _TOUCHES = 0.01
 
+#: Decimals of a direction, so that one across an axis has nothing along it.
+_DIGITS = 15
 #: How far a place is looked for, of the way that its forces and their slope tell.
 _FURTHER = np.array([1.0 + 1e-6, 2.0, 5.0])
 
@@ -271,7 +273,7 @@ def resting_tilt(device: Device, place: RestingPlace) -> float:
 def spring_direction(device: Device) -> Floats:
     """(2,) In which the spring presses off the axis, and towards which the head tilts."""
     angle = device.spring.eccentricity_angle
-    return np.array([np.cos(angle), np.sin(angle)])
+    return np.round([np.cos(angle), np.sin(angle)], _DIGITS)
 
 
 def about_tilt(device: Device, along: float, beside: float) -> Floats:

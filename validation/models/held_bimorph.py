@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.geometry.arrays import Complex
+from tactgen.geometry.device.checks import check_linear_ceramic
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.machine import bimorph_modes
 from tactgen.tmm.generator.transient.system import Output, System
@@ -56,6 +57,7 @@ def run_held(
 
     Raises InputError if the scene has no time simulation, or the run fails.
     """
+    check_linear_ceramic(scene.piezo, "time simulation")
     announce("modes")
     load = chain_of(scene.ends.tip)
     system = held_system(scene, load, voltage.peak)

@@ -281,7 +281,7 @@ def _entries(models: Iterable[str], quantities: Iterable[str]) -> dict[str, None
 def _unmet(scene: Scene, key: str, models: Iterable[str], quantities: Iterable[str]) -> str:
     """Condition without which a key counts for none of the models, in words."""
     conditions = [CONDITIONS.get(key), CONDITIONS.get(key.partition(".")[0])]
-    if key.partition(".")[0] in ("contact", "guide"):
+    if key.partition(".")[0] in ("contact", "guide") or key.startswith("spring.eccentricity"):
         conditions.append("support.kind=contact")
     conditions += [
         condition

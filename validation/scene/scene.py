@@ -155,9 +155,9 @@ class Scene(p.Device):
 
     @property
     def field(self) -> float:
-        """Amplitude of the field (V/m) that the drive voltage makes in plain layers."""
+        """Amplitude of the field (V/m) that the drive voltage makes in the ceramic."""
         across = 2.0 if self.bimorph.wiring == "series" else 1.0
-        return float(abs(self.drive.voltage) / (across * self.bimorph.piezo_thickness))
+        return float(abs(self.drive.voltage) / (across * self.bimorph.thinnest_driven))
 
     @property
     def ends(self) -> Ends:
@@ -379,6 +379,7 @@ def _check_together(scene: Scene) -> None:
             ceramic.check_admissible()
         else:
             ceramic.check_lengthwise()
+        ceramic.check_passive()
     except InputError as error:  # where one constant has a wrong unit, that is the cause
         slips = unusual_values(scene, [f"piezo.{name}" for name in p.Piezo.model_fields])
         if slips:
@@ -409,12 +410,17 @@ def _check_field(scene: Scene) -> None:
             "base motion here; drive them by circuit.kind = source without an impedance, or set "
             f"{growth} = 0 mm/kV"
         )
-    for key in ("layers", "piezo_thickness_profile"):
-        if getattr(bimorph, key):
-            raise InputError(
-                f"{growth} needs the same field in all ceramic, and bimorph.{key} varies it; leave "
-                f"that out, or set {growth} = 0 mm/kV"
-            )
+    layers = bimorph.layers
+    own = [n for n, layer in enumerate(layers) if layer.material == "piezo"]
+    fields = {layers[n].thickness if layers.hot(n) else 0.0 for n in own}
+    varies = "piezo_thickness_profile" if bimorph.piezo_thickness_profile else ""
+    if layers and (len(fields) > 1 or fields == {0.0} or not own):
+        varies = "layers"
+    if varies:
+        raise InputError(
+            f"{growth} needs one field in all ceramic of the material piezo, and bimorph.{varies} "
+            f"does not give it; change that, or set {growth} = 0 mm/kV"
+        )
 
 
 def _reads_tensors(scene: Scene) -> bool:
@@ -428,7 +434,7 @@ def no_solid(scene: Scene) -> str:
     if _reads_tensors(scene):
         return ""
     try:
-        scene.piezo.ceramic().check_admissible()
+        scene.device.piezo.ceramic().check_admissible()
     except InputError as error:
         return f"a solid model would refuse this ceramic, and the models asked do not: {error}"
     return ""

@@ -163,15 +163,18 @@ _SHARE = Unknown(
 #: A share of the way from small signals (0) to the most that 192 V/mm is assumed to do (1).
 _FIELD = Unknown(
     "field in the ceramic", 0.0, 1.0, "1",
-    "assumed: at 192 V/mm a soft ceramic has up to 1.4 times the d31 and 1.08 times the s11 of "
-    "small signals, with the losses of Rayleigh's law", 0.0,
+    "assumed: at 192 V/mm a soft ceramic has up to 1.4 times the d31, 1.08 times the s11 and 1.5 "
+    "times the eps33 of small signals, with the losses of Rayleigh's law", 0.0,
 )  # fmt: skip
 _LOWEST = Unknown(
     "lowest setting of the spring", 5e-3, 40e-3, "N",
     "section 6: adjusted by its screw, no setting is printed; assumed", 20e-3, logarithmic=True,
 )  # fmt: skip
 #: Growth (m/V) of the constants at the end of that way.
-_GROWTHS = {"piezo.field_growth_d31": 0.4 / 192e3, "piezo.field_growth_s11": 0.08 / 192e3}
+_GROWTHS = {
+    "piezo.field_growth_d31": 0.4 / 192e3, "piezo.field_growth_s11": 0.08 / 192e3,
+    "piezo.field_growth_eps33": 0.5 / 192e3,
+}  # fmt: skip
 _FINGER = Unknown(
     "stiffness of the finger", 1.0, 4.0, "1",
     "over that of 2.5 g: on the display it was pressed with 50 g; assumed: up to four times", 1.0,

@@ -98,3 +98,14 @@ def test_the_screen_shows_both_errors(capsys):
     lines = capsys.readouterr().out.splitlines()
     rows = [line for line in lines if line.startswith(("static", "short"))]
     assert all("±" in row and row.endswith("%") for row in rows[:3])
+
+
+@pytest.mark.parametrize("constants", [
+    ("piezo.d31=-533 pm/V",),  # couples a third more than any ceramic of the fit
+    ("piezo.d31=-450 pm/V", "piezo.constants=d33 1200 pC/N"),  # no solid has it
+])  # fmt: skip
+def test_of_a_ceramic_far_from_the_fit_it_is_not_known(constants):
+    """Where the solid refuses, or the fit would have to be continued far, nothing is claimed."""
+    scene, _ = load_scene("prototype", ["models=tmm", *constants])
+    found = solve(scene, ["tmm"], ["static_tip_displacement"]).quantities[0]
+    assert np.isnan(found.modelling_error)

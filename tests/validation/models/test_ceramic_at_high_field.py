@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
+from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.generator.transient.waveform import Step
 from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.backbone import check_one_field
+from tactgen.validation.models.held_bimorph import run_held
 from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.conditions import conditions
 from tactgen.validation.scene.scene import load_scene
@@ -14,8 +17,12 @@ from tactgen.validation.scene.scene import load_scene
 GROWTH = "piezo.field_growth_d31=2 mm/kV"
 
 
+#: Losses under which a d31 that grows alone gives no energy.
+LOSSY = ("piezo.loss_tangent=0.5", "piezo.quality_factor=5")
+
+
 def scene_of(*overrides):
-    return load_scene("paper", ["load.kind=none", "support.kind=clamped", *overrides])[0]
+    return load_scene("paper", ["load.kind=none", "support.kind=clamped", *LOSSY, *overrides])[0]
 
 
 def test_the_linear_constants_are_the_first_harmonic_of_rayleighs_loop():
@@ -58,7 +65,7 @@ def test_a_compliance_that_grows_softens_and_damps():
     growth = 1e-6 * 50.0 / 0.26e-3
     assert (plain / soft) ** 2 == pytest.approx(1.0 + growth, rel=5e-3)  # the shim's own share
     grown = scene_of("piezo.field_growth_s11=1 mm/kV").device.piezo
-    loss = (1.0 / Piezo().quality_factor + 4.0 / (3.0 * np.pi) * growth) / (1.0 + growth)
+    loss = (0.2 + 4.0 / (3.0 * np.pi) * growth) / (1.0 + growth)
     assert 1.0 / grown.quality_factor == pytest.approx(loss, rel=1e-12)
 
 
@@ -95,7 +102,7 @@ def test_only_the_field_counts():
     (("circuit.resistance=1 kohm",), "needs the voltage across the electrodes"),
     (("circuit.kind=open",), "needs the voltage across the electrodes"),
     (("drive.base_acceleration=1 g", "circuit.kind=load"), "needs the voltage across"),
-    (("bimorph.piezo_thickness_profile=0 mm: 0.2 mm, 20 mm: 0.3 mm",), "needs the same field"),
+    (("bimorph.piezo_thickness_profile=0 mm: 0.2 mm, 20 mm: 0.3 mm",), "needs one field in all"),
 ])  # fmt: skip
 def test_an_unknown_field_is_refused(overrides, words):
     with pytest.raises(InputError, match=rf"piezo\.field_growth_d31 {words}"):
@@ -103,9 +110,32 @@ def test_an_unknown_field_is_refused(overrides, words):
 
 
 def test_what_runs_over_other_fields_says_so():
-    scene, _ = load_scene("generator", [GROWTH, "load.kind=none", "models=tmm"])
+    scene, _ = load_scene("generator", [GROWTH, *LOSSY, "load.kind=none", "models=tmm"])
     with pytest.raises(InputError, match="field_growth_d31 = 2 mm/kV has no time simulation yet"):
         scene_machine(scene, coil="current", volts=1.0)
+    held = scene_of("models=tmm", GROWTH)
+    with pytest.raises(InputError, match="has no time simulation yet"):
+        run_held(held, Step(10.0), 1e-3, accuracy=0.1)
     check_one_field(scene, [50.0])
     with pytest.raises(InputError, match=r"10 V is another field than that of drive\.voltage"):
         check_one_field(scene, [10.0, 50.0])
+
+
+@pytest.mark.parametrize("model", ["tmm", "beam"])
+def test_at_most_the_loss_that_gives_no_energy(model):
+    """On its edge the conductance far below resonance is still positive; beyond it is refused."""
+    squared = Piezo().d31 ** 2 / (Piezo().s11 * Piezo().eps33 * EPS0)
+    most = float(np.sqrt(0.02 / 60.0 / squared))
+    own = ("piezo.loss_tangent=0.02", "piezo.quality_factor=60", f"models={model}")
+    edge = scene_of(*own, f"piezo.coupling_loss={0.999 * most}", "frequency=1,100")
+    assert (solve(edge, [model], ["admittance"]).quantities[0].value.real > 0.0).all()
+    with pytest.raises(InputError, match=r"piezo\.coupling_loss = .* would give energy"):
+        scene_of(*own, f"piezo.coupling_loss={1.001 * most}")
+
+
+def test_layers_of_one_field_take_it():
+    """One driven ceramic of the scene's own has one field; beside one at 0 V it has not."""
+    one = scene_of(GROWTH, "models=tmm", "bimorph.layers=brass 0.3 mm; piezo 0.2 mm +x")
+    assert one.field == pytest.approx(50.0 / 0.2e-3)
+    with pytest.raises(InputError, match=r"bimorph\.layers does not give it"):
+        scene_of(GROWTH, "models=tmm", "bimorph.layers=piezo 0.2 mm +x shorted; piezo 0.2 mm +x")

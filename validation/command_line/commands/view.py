@@ -76,7 +76,8 @@ def run(options: argparse.Namespace) -> int:
     asked = [] if options.frequency is None else [f"frequency={options.frequency}"]
     scene, origins = load_scene(options.scene, [*options.overrides, *asked])
     settle(scene)
-    warn(scene_warnings(scene, origins))
+    asking = {"models": tuple(options.model)} if options.model else {}
+    warn(scene_warnings(scene.model_copy(update=asking), origins))
     if beyond := beyond_voltage(scene):
         warn([f"{beyond} is not in the driven states, which show drive.voltage alone"])
     named = {kind: getattr(options, kind) for kind in ("out", "png", "gif", "mp4")}

@@ -146,7 +146,8 @@ def mesh_pair(scene: Scene) -> MeshPair:
     Raises InputError if neither bricks nor tetrahedra know the scene's bimorph.
     """
     on_rod = scene.support.kind == "rod"
-    by_cad = on_rod or ("cad" in scene.models and "solid" not in scene.models)
+    by_cad = on_rod or scene.bimorph.layers.stepped
+    by_cad |= "cad" in scene.models and "solid" not in scene.models
     model: type[TwoMeshModel] = CadModel if by_cad else SolidModel
     model.check(scene)
     return model(scene, Stages({})).make_pair()

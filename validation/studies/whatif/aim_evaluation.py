@@ -200,13 +200,13 @@ def _sentences(study: Study, found: Verdict) -> list[str]:
         lines.append(share)
         if found.undecided:
             lines.append(
-                f"{len(found.undecided)} of them all are nearer to the edge than the numerical "
-                "error bar, so either may be true of them"
+                f"nearer to the edge than the numerical error bar: {len(found.undecided)} of all, "
+                "of which either may be true"
             )
         asked = [n for n, aim in enumerate(found.aims) if aim.kind == "condition"]
         if near := sum(any(one.near(n) for n in asked) for one in found.judged):
             lines.append(
-                f"{near} of them all are nearer to the edge than the modelling error, so the most "
+                f"nearer to the edge than the modelling error: {near} of all, of which the most "
                 "detailed model may say otherwise"
             )
     if not found.best:
