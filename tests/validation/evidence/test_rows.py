@@ -181,7 +181,7 @@ def made_phases(monkeypatch):
         phases = tuple(Phase(*phase) for phase in phases)
         monkeypatch.setattr(transient, "phases", lambda run: phases)
         monkeypatch.setattr(motion, "_paper_run", lambda: "run")
-        monkeypatch.setattr(motion, "_run_of_fig_16", lambda load, angle=0.0: ("run", angle))
+        monkeypatch.setattr(motion, "_run_of_fig_16", lambda load, angle=0.0, _=0.0: ("run", angle))
 
     return put
 
