@@ -23,8 +23,8 @@ _REMEDY = f'write for example "{_EXAMPLE}"'
 _THICKNESS = Unit("m", "thickness", "0.2 mm", above=0.0, limits=(1e-9, 0.1), shown="mm", per_si=1e3)
 _WIDTH = Unit("m", "width", "5 mm", above=0.0, limits=(1e-6, 1.0), shown="mm", per_si=1e3)
 _LAYER = re.compile(
-    rf"(?P<material>\S.*?)\s+(?P<thickness>{NUMBER}\s*[^\s\d]+)"
-    rf"(?:\s+wide\s+(?P<width>{NUMBER}\s*[^\s\d]+))?"
+    rf"(?P<material>\S.*?)\s+(?P<thickness>{NUMBER}\s*[^\s\d+-]+)"
+    rf"(?:\s+wide\s+(?P<width>{NUMBER}\s*[^\s\d+-]+))?"
     r"(?:\s+(?P<poling>[+-]x))?(?:\s+(?P<electrodes>hot [+-]x|shorted|bare))?",
     re.IGNORECASE | re.ASCII,
 )
@@ -119,8 +119,9 @@ def _layer(text: str, info: ValidationInfo) -> Layer:
     found = _LAYER.fullmatch(text)
     if found is None:
         raise ValueError(
-            f"has the layer {quoted(text)}, which is not material, thickness, of a ceramic its "
-            f"poling, and at most its electrodes; {_REMEDY}"
+            f"has the layer {quoted(text)}, which is not a material, a thickness with its unit, at "
+            'most a width with its unit ("wide 3 mm"), and of a ceramic its poling and at most its '
+            f"electrodes; {_REMEDY}"
         )
     sizes = {"thickness": 0.0, "width": 0.0}
     for (name, of), stated in zip(

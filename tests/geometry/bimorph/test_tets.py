@@ -110,7 +110,7 @@ def test_listed_layers_are_boxes_of_their_own():
     assert list(expected) == ["shim_1", "glue_2", "piezo_3"]
     assert expected["shim_1"] == pytest.approx(0.3e-3 * 4e-3 * 9e-3)
     assert expected["piezo_3"] == pytest.approx(0.26e-3 * 3e-3 * 6e-3)
-    half = tetrahedralise(device, "alone", options=TetMeshing(edge_length=1e-3, mirrors=(1,)))
+    half = tetrahedralise(device, "alone", options=TetMeshing(edge_length=2e-3, mirrors=(1,)))
     halves = {name: 0.5 * volume for name, volume in expected.items()}
     assert region_volumes(half) == pytest.approx(halves, rel=1e-9)
     electrodes = {n for n in half.faces if n.startswith("electrode")}
