@@ -91,12 +91,18 @@ def _is_built_in(origin: str) -> bool:
 
 def show(value: Any, info: FieldInfo) -> str:
     """Value as a scene would write it, less the digits of a number that was derived."""
-    return _written(_readable(value) if isinstance(value, float) else value, info)
+    unit = _unit(info)
+    per_si = unit.per_si if unit is not None else 1.0
+    return _written(_readable(value * per_si) / per_si if isinstance(value, float) else value, info)
+
+
+def _unit(info: FieldInfo) -> Unit | None:
+    return next((m for m in info.metadata if isinstance(m, Unit)), None)
 
 
 def _written(value: Any, info: FieldInfo) -> str:
     """Value as a scene would write it, without quotes."""
-    unit = next((m for m in info.metadata if isinstance(m, Unit)), None)
+    unit = _unit(info)
     if value is None:
         return "derived"
     if unit is not None:
@@ -109,7 +115,7 @@ def _written(value: Any, info: FieldInfo) -> str:
 def _readable(value: float) -> float:
     """Number without the digits that nobody has written, such as those of 5/6."""
     written = float(f"{value:.{_WRITTEN}g}")
-    # of SI units: 0.26 mm is 2.6e-4 but for rounding
+    # 0.26 mm is 2.6e-4 m, and 45 deg so many rad, but for rounding
     return value if abs(written - value) <= 1e-14 * abs(value) else float(f"{value:.{_SHOWN}g}")
 
 
