@@ -208,18 +208,11 @@ def _mirrored(layers: Laminate) -> bool:
     return alike and len([sign for sign in hot if sign]) == 2
 
 
-def beyond_plain_layers(bimorph: Bimorph) -> str:
+def beyond_plain_layers(bimorph: Bimorph, *, any_boxes: bool = False) -> str:
     """Key that makes a bimorph more than three fully electroded boxes, or ""."""
-    others = ("layers", "bare_below", "bare_above", "tip_extension", "glue_thickness")
-    found = [*bimorph.profiles, *(name for name in others if getattr(bimorph, name))]
-    return found[0] if found else ""
-
-
-def beyond_boxes(bimorph: Bimorph, *, on_rod: bool) -> str:
-    """Key that makes a bimorph more than the fully electroded boxes of the CAD parts, or ""."""
     others = ["bare_below", "bare_above", "glue_thickness"]
-    if on_rod:
-        others += ["layers", "tip_extension"]
+    if not any_boxes:  # three, as the rod holds them
+        others = ["layers", *others, "tip_extension"]
     found = [*bimorph.profiles, *(name for name in others if getattr(bimorph, name))]
     return found[0] if found else ""
 
@@ -229,7 +222,7 @@ def check_boxes(device: Device, *, on_rod: bool) -> None:
 
     Raises InputError in one sentence that names the models that can.
     """
-    key = beyond_boxes(device.bimorph, on_rod=on_rod)
+    key = beyond_plain_layers(device.bimorph, any_boxes=not on_rod)
     if key in device.bimorph.profiles:
         check_constant_section(device)
     if key:

@@ -25,7 +25,7 @@ from tactgen.geometry import units as u
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.bimorph import GROWTHS
-from tactgen.geometry.device.checks import beyond_boxes, check_actuator, check_bimorph
+from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.material_library import steel_name
 from tactgen.geometry.device.plausibility import clamped_for_free, slip
@@ -124,7 +124,7 @@ class Scene(p.Device):
     models: tuple[str, ...] = Field(
         default_factory=lambda: tuple(m for m in models_of("bimorph") if m in WITNESSES),
         description="models to solve; by default all of the bimorph's that apply, without cad for "
-        "listed layers, which takes a minute",
+        "listed layers and a tip extension, which takes a minute",
     )
     quantities: tuple[str, ...] = Field(
         default_factory=lambda known: _usual_quantities(known.get("models", ())),
@@ -473,7 +473,7 @@ def _able_models(scene: Scene) -> tuple[str, ...]:
     unable = set()
     if bimorph.profiles or bimorph.layers.stepped or scene.support.kind == "rod":
         unable.add("solid")
-    if bimorph.layers or beyond_boxes(bimorph, on_rod=scene.support.kind == "rod"):
+    if beyond_plain_layers(bimorph):
         unable.add("cad")
     if scene.measurement.below_tip:
         unable.add("lumped")

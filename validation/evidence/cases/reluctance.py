@@ -375,7 +375,7 @@ _MACHINE: tuple[tuple[str, Callable[[Linearised], float], str, str, float], ...]
      "than that share"), "falling", 0.065),
     ("pull per current", lambda rod: -rod.motional,
      ("a mixed derivative of the field's map where it is steepest: its bar, which the report "
-      "shows, is twice as wide as the difference"), "falling", 0.054),
+      "shows, is wider than the difference"), "falling", 0.054),
     ("inductance", lambda rod: rod.inductance, _NO_LEAKAGE, "rising", -0.150),
 )  # fmt: skip
 _NETWORK = case(

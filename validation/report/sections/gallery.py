@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.bimorph.bricks import Bricks
-from tactgen.geometry.device.checks import beyond_boxes
+from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.request import shown_model
@@ -34,7 +34,7 @@ def pictures(study: Study) -> list[dict[str, str]]:
 
 def bimorph(study: Study) -> list[dict[str, str]]:
     """Picture of the bimorph; none of one that the CAD parts do not know."""
-    if beyond_boxes(study.scene.bimorph, on_rod=study.scene.support.kind == "rod"):
+    if beyond_plain_layers(study.scene.bimorph, any_boxes=study.scene.support.kind != "rod"):
         return []
     from tactgen.validation.show.export import scene_solids
     from tactgen.validation.show.pictures import solids_picture
