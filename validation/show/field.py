@@ -77,7 +77,8 @@ class State:
     tip: complex = 0.0  #: Mean of u_x over the tip face, or the section where it is measured (m)
     charge: complex = 0.0  #: On the outer electrodes (C), layers in parallel
     motion: str = ""  #: Class of a mode, as the quantities name it
-    modelling: str = ""  #: Modelling error of a mode's frequency in words; empty if there is none
+    #: Modelling error in words, of a mode's frequency or the tip's motion; empty if there is none
+    modelling: str = ""
     #: Coupling factor √(1 − (f_short / f_open)²) of a mode that bends in x; nan of others
     coupling: float = float("nan")
     #: (float, float) Of a magnetic state the force that closes the gap, and its error bar (N)
@@ -273,12 +274,12 @@ class Words:
 def words_of(result: FieldResult, state: State) -> Words:
     """Caption of a state; every number is the quantity's."""
     name = state.name[:1].upper() + state.name[1:]
+    modelling = f" · modelling error {state.modelling}" if state.modelling else ""
     driven = f"at {engineering(result.voltage, 'V', 3)} peak"
     if state.kind == "mode":
         coupling = "" if math.isnan(state.coupling) else f" · k = {state.coupling:.3g}"
         short = state.name.split(",")[0]
         number = with_error(state.frequency, state.error, "Hz")
-        modelling = f" · modelling error {state.modelling}" if state.modelling else ""
         detail = MOTIONS[state.motion] + coupling + modelling
         return Words(short, number, detail, name, "at a largest displacement of 1 µm")
     if "displacement" not in state.fields:
@@ -286,10 +287,11 @@ def words_of(result: FieldResult, state: State) -> Words:
         return Words("field", pull, state.name, name, "")
     tip = f"{result.place} {engineering(abs(state.tip), 'm', 4)}"
     if state.kind == "static":
-        return Words("static", tip, driven.removesuffix(" peak"), "Static", driven[:-5])
+        still = driven.removesuffix(" peak")
+        return Words("static", tip, still + modelling, "Static", still)
     degrees = math.degrees(math.atan2(state.tip.imag, state.tip.real))
     number = f"{tip}, {degrees:.0f}°".replace("-", "−")
-    return Words(state.name, number, driven, f"Driven at {state.name}", driven)
+    return Words(state.name, number, driven + modelling, f"Driven at {state.name}", driven)
 
 
 __all__ = ["MAGNITUDE", "SIGNED", "colour_of", "magnitude_stops", "signed_stops"]

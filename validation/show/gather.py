@@ -14,12 +14,14 @@ from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import (
     OPEN_CIRCUIT_FREQUENCIES,
     SHORT_CIRCUIT_FREQUENCIES,
+    STATIC_TIP_DISPLACEMENT,
+    TIP_DISPLACEMENT,
 )
 from tactgen.validation.engine.answers import NONE, modelling_at
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.model import Model, Quantity
 from tactgen.validation.models.transient import Simulation, scene_beam
-from tactgen.validation.scene.conditions import conditions
+from tactgen.validation.scene.conditions import beyond_voltage, conditions
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import Circuit, FieldResult, State
 from tactgen.validation.show.moving import MovingBody, moving_body
@@ -130,11 +132,14 @@ def gather_from(
     layer = 0.5 if scene.bimorph.wiring == "series" else 1.0
     voltage = layer * scene.drive.voltage
     states = _modes(solution, name, fields)
-    states.append(_state("static", "static", 0.0, fields.static(voltage), layer))
-    for frequency in _frequencies(scene, states, request):
+    frequencies = _frequencies(scene, states, request)
+    at_rest, *others = _modelling(scene, name, frequencies)
+    states.append(_state("static", "static", 0.0, fields.static(voltage), layer, at_rest))
+    for frequency, modelling in zip(frequencies, others, strict=True):
         announce(f"fields of {name} at {frequency:.5g} Hz")
         found = fields.harmonic(frequency, voltage)
-        states.append(_state(f"{frequency:.5g} Hz", "harmonic", frequency, found, layer))
+        called = f"{frequency:.5g} Hz"
+        states.append(_state(called, "harmonic", frequency, found, layer, modelling))
     return FieldResult(
         scene.name, name, fields.mesh, tuple(states), scene.drive.voltage, MODELS[name].theory,
         conditions=conditions(scene), place=scene.measurement.place,
@@ -194,7 +199,25 @@ def _coupling(by_circuit: dict[Circuit, Quantity], circuit: Circuit, number: int
     return float(np.sqrt(1.0 - (low / high) ** 2))
 
 
-def _state(name: str, kind: str, frequency: float, found: Found, layer: float) -> State:
+def _modelling(scene: Scene, name: str, frequencies: Sequence[float]) -> list[str]:
+    """Modelling error of the tip's motion at rest and at frequencies (Hz), in words."""
+    nothing = [""] * (1 + len(frequencies))
+    if MODELS[name].detailed or beyond_voltage(scene):
+        return nothing
+    rows = [STATIC_TIP_DISPLACEMENT.name, *([TIP_DISPLACEMENT.name] if frequencies else [])]
+    try:
+        asked = scene.model_copy(update={"frequency": tuple(frequencies) or scene.frequency})
+        still, *moving = solve(asked, (name,), rows).quantities
+    except InputError:  # such as a base that nothing holds at rest
+        return nothing
+    found = [modelling_at(still, ())]
+    found += [modelling_at(q, i) for q in moving for i in range(len(frequencies))]
+    return [text.removeprefix(NONE) for text in found]
+
+
+def _state(
+    name: str, kind: str, frequency: float, found: Found, layer: float, modelling: str
+) -> State:
     """Driven state; in series the terminals see half the charge of both layers."""
     values, tip, charge = found
     return State(
@@ -206,6 +229,7 @@ def _state(name: str, kind: str, frequency: float, found: Found, layer: float) -
         fields=values,
         tip=tip,
         charge=layer * charge,
+        modelling=modelling,
     )
 
 

@@ -79,8 +79,8 @@ def test_frequencies_shown_are_the_quantities(seen, data):
         for state, packed in zip(result.states, shown["states"], strict=True):
             if state.kind == "mode":
                 assert packed["text"] == with_error(state.frequency, state.error, "Hz")
-                # the most detailed model has no other beside it
-                assert ("modelling error" in packed["detail"]) is (result.model != "solid")
+            # the most detailed model has no other beside it
+            assert ("modelling error" in packed["detail"]) is (result.model != "solid")
 
 
 def test_a_travelling_part_is_in_the_page(data):
