@@ -260,6 +260,16 @@ def check_known(device: Device, support: Support) -> None:
 
     Raises InputError with the remedy.
     """
+    if support.kind == "rod":
+        raise InputError(
+            'support.kind = "rod": the model calibrated takes the bimorph without its rod; ask for '
+            "--model cad, which takes both"
+        )
+    for name in ("layers", "tip_extension"):
+        if getattr(device.bimorph, name):
+            raise InputError(
+                f"bimorph.{name} is not known to the model calibrated; ask for --model tmm or solid"
+            )
     device.piezo.ceramic().check_admissible()
     squared, most = (
         float(at[GROUPS.index(_COUPLING)])
@@ -271,16 +281,6 @@ def check_known(device: Device, support: Support) -> None:
             f"{squared:.2g}, far beyond the {most:.2g} that the model calibrated knows; ask for "
             "--model solid"
         )
-    if support.kind == "rod":
-        raise InputError(
-            'support.kind = "rod": the model calibrated takes the bimorph without its rod; ask for '
-            "--model cad, which takes both"
-        )
-    for name in ("layers", "tip_extension"):
-        if getattr(device.bimorph, name):
-            raise InputError(
-                f"bimorph.{name} is not known to the model calibrated; ask for --model tmm or solid"
-            )
 
 
 def section_factors(device: Device, beam: Beam, known: Calibration | None = None) -> SectionFactors:

@@ -24,8 +24,8 @@ from tactgen.tmm.beam.sections import Constant, Joint, Section, section, segment
 from tactgen.tmm.beam.span import dynamic_stiffness
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport, measured_between
 
-#: Section of a piece, such as :func:`tmm.beam.sections.section`.
-Cut: TypeAlias = Callable[..., Section]
+#: Gives the section of a piece, such as :func:`tmm.beam.sections.section`.
+SectionOf: TypeAlias = Callable[..., Section]
 
 
 def bonded_tab(piece: Piece, device: Device, beam: Beam, *, lossy: bool = False) -> Joint:
@@ -74,7 +74,7 @@ def sections(
     lossy: bool,
     segments: int = SEGMENTS,
     measured: bool = False,
-    cut: Cut = section,
+    section_of: SectionOf = section,
 ) -> list[Element]:
     """(section or joint, length) of every element from base to tip.
 
@@ -85,7 +85,9 @@ def sections(
     return [
         element
         for piece in (measured_pieces if measured else beam_pieces)(device, support)
-        for element in elements(piece, device, beam, lossy=lossy, segments=segments, cut=cut)
+        for element in elements(
+            piece, device, beam, lossy=lossy, segments=segments, section_of=section_of
+        )
     ]
 
 
@@ -95,24 +97,30 @@ def is_tapered(device: Device, support: Support) -> bool:
 
 
 def elements(
-    piece: Piece, device: Device, beam: Beam, *, lossy: bool, segments: int, cut: Cut = section
+    piece: Piece,
+    device: Device,
+    beam: Beam,
+    *,
+    lossy: bool,
+    segments: int,
+    section_of: SectionOf = section,
 ) -> list[Element]:
     """Elements of one piece: a joint, a prismatic beam or the segments of a taper.
 
-    `cut` gives the section of a piece, in bending along x unless said otherwise.
+    `section_of` gives the section of a piece, in bending along x unless said otherwise.
     """
     if piece.section == "bond":
         return [(bonded_tab(piece, device, beam, lossy=lossy), 0.0)]
     if piece.tapered:
-        along = partial(_section_at, cut, piece, device, beam, lossy)
+        along = partial(_section_at, section_of, piece, device, beam, lossy)
         return [*segmented(along, piece.length, segments)]
-    return [(cut(piece, device, beam, lossy=lossy), piece.length)]
+    return [(section_of(piece, device, beam, lossy=lossy), piece.length)]
 
 
 def _section_at(
-    cut: Cut, piece: Piece, device: Device, beam: Beam, lossy: bool, share: float
+    section_of: SectionOf, piece: Piece, device: Device, beam: Beam, lossy: bool, share: float
 ) -> Section:
-    return cut(piece, device, beam, lossy=lossy, share=share)
+    return section_of(piece, device, beam, lossy=lossy, share=share)
 
 
 def chain(

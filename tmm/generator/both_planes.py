@@ -37,7 +37,7 @@ def turn_across(
     frequencies : (n,) array
         Hz.
     """
-    row = sections(device, Support(kind="clamped"), beam, lossy=True, cut=section_across)
+    row = sections(device, Support(kind="clamped"), beam, lossy=True, section_of=section_across)
     loaded = hold(load_tip(chain(row, frequencies), tip), "voltage")
     bimorph = reduce(loaded, ("w_base", "psi_base"))
     return np.asarray(np.linalg.inv(bimorph.stiffness + base)[:, 1, 1])
@@ -62,15 +62,15 @@ def coupled(ends: Ends, device: Device, beam: Beam, place: RestingPlace) -> Ends
     if not device.spring.tilts_both_planes:
         return replace(ends, across=across)
 
-    def both(frequencies: Floats) -> tuple[Complex, Complex]:
+    def both(frequencies: Floats, tip: TipLoad | Law = ends.tip) -> tuple[Complex, Complex]:
         omega = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
         lateral, rotational = base_stiffness(base, frequencies)
         turning = guide + contact * (1.0 + 1j * omega * law.relaxation_time)[:, None, None]
         other = np.zeros((omega.size, 2, 2), dtype=complex)
         other[:, 0, 0] = lateral
         other[:, 1, 1] = turning[:, 1, 1] - omega**2 * base.rotational_inertia
-        turn = turn_across(device, beam, ends.tip, other, frequencies)
+        turn = turn_across(device, beam, tip, other, frequencies)
         return lateral, rotational - turning[:, 0, 1] ** 2 * turn
 
-    at_rest = float(both(np.zeros(1))[1][0].real)
+    at_rest = float(both(np.zeros(1), ends.conservative_tip)[1][0].real)
     return Ends(replace(base, rotational_stiffness=at_rest, law=both), ends.tip, across)

@@ -168,8 +168,6 @@ class RoughContact:
         A ring's S'' = I₀ − I₁/a loses no digits, and its two functions cost a tenth of the others.
         A disc's differences would: by I_n/a = (I_{n-1} − I_{n+1})/(2n) it divides by no a.
         """
-        if isinstance(tilt, float) and tilt == 0.0:  # asked very often
-            return np.ones(()), np.zeros(()), np.array(self._upright_bend)
         from scipy.special import i0e, i1e, ive
 
         a = self._relative(tilt)

@@ -241,9 +241,9 @@ def _of_support_over_frequency(scene: Scene, quantities: Sequence[str]) -> Itera
     modal = [r.name for r in rows if isinstance(r.read, ModalReadout)]
     if scene.support.kind == "contact" and resonates and modal:
         yield (
-            f"{', '.join(modal[:3])}{', …' if modal[3:] else ''} leaves out what resonates with "
-            "the rod, the upper board on contact.board_stiffness or its turn across the width by "
-            "spring.eccentricity_angle; the peaks of a response over frequency have it"
+            f"{', '.join(modal[:3])}{', …' if modal[3:] else ''}: without the resonance of the "
+            "upper board (contact.board_stiffness) and of the rod across the width "
+            "(spring.eccentricity_angle); the peaks of tip_displacement over frequency contain them"
         )
     if scene.support.kind != "table":
         return

@@ -36,7 +36,7 @@ def conditions(scene: Scene) -> str:
             *_driven(scene.drive, scene.circuit),
         ]
         if scene.piezo.grows:
-            parts.append(f"ceramic at {engineering(scene.field, 'V/m')}")
+            parts.append(f"field in the ceramic {engineering(scene.field, 'V/m')}")
         if scene.measurement.below_tip:
             parts.append(f"motion measured {scene.measurement.place}")
     if not bimorph or scene.support.kind == "contact":

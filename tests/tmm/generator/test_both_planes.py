@@ -1,6 +1,5 @@
 """A spring that presses off both planes: the head's turns in them are tied together."""
 
-from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -79,7 +78,7 @@ def test_rod_and_bimorph_rock_as_one_body_with_five_motions():
     omega = 2.0 * pi * FREQUENCIES[:, None, None]
     whole = stiffness + 1j * omega * damping - omega**2 * mass
     clamped = Support(kind="clamped")
-    row = sections(device, clamped, beam, lossy=True, cut=section_across)
+    row = sections(device, clamped, beam, lossy=True, section_of=section_across)
     across = reduce(hold(load_tip(chain(row, FREQUENCIES), tip), "voltage"), ("w_base", "psi_base"))
     whole[:, 3:, 3:] += across.stiffness
     along = reduce(
@@ -127,6 +126,20 @@ def test_an_offset_between_the_axes_makes_a_second_peak():
 def test_what_knows_one_plane_only_says_so(scene, purpose, use):
     with pytest.raises(InputError, match=rf"eccentricity_angle = 45 deg has no {purpose} yet"):
         use(scene_at(45.0, scene=scene))
-    other = scene_at(45.0, eccentricity=0.0)
-    assert not other.spring.tilts_both_planes
-    assert replace(other.ends, base=None).across is not None
+    # an angle of a centred spring is none
+    upright = scene_at(45.0, eccentricity=0.0).ends
+    assert upright.base == upright.across
+
+
+def test_a_measured_load_is_not_asked_for_at_rest(tmp_path):
+    """Statics and the springs at rest have a free tip, since a table need not reach 0 Hz."""
+    table = tmp_path / "finger.csv"
+    table.write_text(
+        "frequency (Hz),impedance_re (N*s/m),impedance_im (N*s/m)\n"
+        "50,0.7,-1.2\n100,0.7,-0.7\n200,0.7,-0.4\n400,0.7,-0.2\n700,0.7,-0.1\n1000,0.7,-0.1\n"
+    )
+    asked = ("load.kind=table", f"load.file={table}", "frequency=100,400")
+    loaded, free = scene_at(45.0, *asked), scene_at(45.0, "frequency=100,400")
+    assert loaded.ends.base.rotational_stiffness == free.ends.base.rotational_stiffness
+    assert np.isfinite(answer(loaded)).all()
+    assert (np.abs(answer(loaded)) != np.abs(answer(free))).all()

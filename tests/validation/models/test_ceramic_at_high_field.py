@@ -90,7 +90,7 @@ def test_only_the_field_counts():
     one = scene_of(*tmm, "drive.voltage=25V")
     series = scene_of(*tmm, "drive.voltage=50V", "bimorph.wiring=series")
     assert one.device.piezo == series.device.piezo
-    assert "ceramic at 96.154 kV/m" in conditions(one)
+    assert "field in the ceramic 96.154 kV/m" in conditions(one)
     keys = [make_plan(s, ["tmm"], ["tip_displacement"]).keys["tmm.ports"]
             for s in (one, scene_of(*tmm, "drive.voltage=50V"), scene_of("drive.voltage=25V"),
                       scene_of("drive.voltage=50V"))]  # fmt: skip

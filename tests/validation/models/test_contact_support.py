@@ -122,7 +122,7 @@ def test_the_solid_rocks_about_both_axes(state):
     across = found.value[list(found.classes).index("bending_y")]
     held = scene.held
     row = sections(scene.device, Support(kind="clamped"), scene.beam, lossy=False,
-                   cut=section_across)  # fmt: skip
+                   section_of=section_across)  # fmt: skip
     springs = Springs(held.lateral_stiffness, held.rotational_stiffness,
                       rotational_inertia=held.rotational_inertia)  # fmt: skip
     exact = bending_frequencies(row, Ends(springs), 1, open_circuit=False)[0]

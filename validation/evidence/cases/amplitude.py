@@ -8,6 +8,7 @@ from functools import cache, partial
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.parameters import Contact, spreads
 from tactgen.tmm.generator.small_signal import RockingHead
 from tactgen.tmm.harmonic_balance.balance import Orbit
 from tactgen.tmm.harmonic_balance.continuation import Branch, folds, peaks
@@ -99,8 +100,8 @@ _HELD: State = "held"
 _PLACES = (PLACE.low, PLACE.usual, PLACE.high)
 
 
-#: Length of the contact (m) with which the prototype's peak at 1 V is the paper's.
-_AT_1_VOLT = 0.24e-6
+#: Length of the contact (m) calibrated at 1 V, the low end of its key's range.
+_AT_1_VOLT = spreads(Contact())["decay_length"].low
 
 
 @cache
@@ -311,8 +312,9 @@ _HEAD = case(
         Check("At 1 V its peak is where it is in small motions.", 1.0, "1",
               lambda: _prototype_peak() / _small(), 0.02, "as ROCK-1", _FIG_8, known=-0.0427,
               explained="a head that carries its load on one side is softer"),
-        Check("Calibrated at 1 V, where the paper fitted c_s, the contact has a length of 0.24 um "
-              "and that peak.", 781.609, "Hz", lambda: _prototype_peak(_AT_1_VOLT), 0.02,
+        Check("Calibrated at 1 V, where the paper fitted c_s, the contact has a length of "
+              f"{1e6 * _AT_1_VOLT:g} um and that peak.", 781.609, "Hz",
+              lambda: _prototype_peak(_AT_1_VOLT), 0.02,
               "as ROCK-1", _FIG_8, fitted="contact.decay_length",
               null=Null("the paper's springs", _on_springs)),
         *(

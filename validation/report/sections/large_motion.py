@@ -143,8 +143,9 @@ def _amplitude(study: Study) -> Context | None:
     scene = study.scene
     if study.quick or len([f for f in scene.frequency if f > 0.0]) < 2:
         return {"states": ()} if study.quick else None
-    announced = partial(rocking_states, scene, VOLTAGES, study.announce)
-    states: tuple[RockingState, ...] = study.begun("amplitude", announced)
+    study.announce("large amplitudes")
+    work = partial(rocking_states, scene, VOLTAGES, study.announce)
+    states: tuple[RockingState, ...] = study.begun("amplitude", work)
     band, linear = _linear(study)
     loaded = [state for state in states if state.deflection is not None]
     return {

@@ -200,14 +200,14 @@ def _sentences(study: Study, found: Verdict) -> list[str]:
         lines.append(share)
         if found.undecided:
             lines.append(
-                f"nearer to the edge than the numerical error bar: {len(found.undecided)} of all, "
-                "of which either may be true"
+                f"nearer to the edge than the numerical error: {len(found.undecided)} of {total} "
+                "points, which may or may not meet it"
             )
         asked = [n for n, aim in enumerate(found.aims) if aim.kind == "condition"]
         if near := sum(any(one.near(n) for n in asked) for one in found.judged):
             lines.append(
-                f"nearer to the edge than the modelling error: {near} of all, of which the most "
-                "detailed model may say otherwise"
+                f"nearer to the edge than the modelling error: {near} of {total} points, on which "
+                "the most detailed model may differ"
             )
     if not found.best:
         return lines

@@ -173,7 +173,7 @@ def test_a_margin_within_the_modelling_error_is_said():
         assert one.modelling == pytest.approx([at["tmm"].quantities[0].modelling_error], rel=1e-6)
         assert one.values["modelling_errors"] == list(one.modelling)
     said = sentences(found, [met])
-    assert any("than the modelling error: 1 of all" in line for line in said)
+    assert any("than the modelling error: 1 of 2 points" in line for line in said)
     assert "(± 68 nm)" in said[-2]
 
 
