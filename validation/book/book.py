@@ -66,6 +66,8 @@ SUBJECTS = {
     "motion": "The machine in time: oscillators with known motions, circuits, the paper's Fig 16",
     "amplitude": "Large amplitudes: oscillators with known answers, the paper's Figs 8, 14 and 15",
     "display": "The display: crosstalk, units that differ, the field between units, what fits",
+    "devices": "Benders and harvesters that others built and measured, beside bands over all that "
+    "their sources leave open; the actuator of TEAM problem 20 is among the reluctance actuators",
     "misprints": "Printed targets that are wrong or coarse, with the proof",
 }
 

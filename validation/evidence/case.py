@@ -39,6 +39,9 @@ class Check:
     explained: str = ""  # why the row is known to differ; empty where it must pass
     known: float = 0.0  # the deviation that was explained; another one fails
     fitted: str = ""  # what was fitted to the reference: agreement then is no pass
+    #: Whether the measured value is the middle of a band of predictions, its error half the width:
+    #: then the band's nearest value is judged
+    band: bool = False
     null: Null | None = None  # a trivial model: where it passes, passing is no evidence
     heavy: bool = False  # takes more than a few seconds
     scene: str = ""  # the built-in scene whose report shows it
@@ -65,6 +68,7 @@ class Outcome:
     deviation: float
     status: Status
     null: float = math.nan  # what the check's trivial model gives
+    half: float = 0.0  # of the width of a band of predictions
 
     @property
     def is_no_evidence(self) -> bool:
@@ -81,10 +85,14 @@ class Outcome:
 
     @property
     def beside(self) -> str:
-        """What a trivial model gives, and a limit that is near, in sentences; maybe empty."""
+        """Band, what a trivial model gives, a limit that is near, in sentences; maybe empty."""
         from tactgen.geometry.formats import engineering, percent, share
 
         found, (low, high) = [], self.check.ends
+        if self.half:
+            ends = (self.measured - self.half, self.measured + self.half, low, high)
+            band = [engineering(end, self.check.unit, 4) for end in ends]
+            found.append("Predicted {} to {}, published {} to {}.".format(*band))
         if self.check.null is not None and not math.isnan(self.null):
             what = f"{self.check.null.words} gives {engineering(self.null, self.check.unit)}"
             off = _deviation(self.null, self.check.ends)
@@ -108,7 +116,7 @@ _NEAR_LIMIT = 0.01
 
 def run_check(check: Check) -> Outcome:
     """Measure one row."""
-    return judged(check, value_of(check.measure()))
+    return judged(check, check.measure())
 
 
 def value_of(measured: float | Estimate) -> float:
@@ -116,9 +124,12 @@ def value_of(measured: float | Estimate) -> float:
     return float(measured.value if isinstance(measured, Estimate) else measured)
 
 
-def judged(check: Check, measured: float) -> Outcome:
-    """Verdict of a measured value."""
-    deviation = _deviation(measured, check.ends)
+def judged(check: Check, measured: float | Estimate) -> Outcome:
+    """Verdict of a measured value, or of a band."""
+    value, (low, high) = value_of(measured), check.ends
+    half = float(measured.error) if check.band and isinstance(measured, Estimate) else 0.0
+    nearest = min(max(min(max(value, low), high), value - half), value + half)
+    deviation = _deviation(nearest, check.ends)
     if abs(deviation) <= check.tolerance:
         status: Status = "explained" if check.fitted else "pass"
     else:
@@ -126,7 +137,7 @@ def judged(check: Check, measured: float) -> Outcome:
         still = check.explained and abs(deviation - check.known) <= near
         status = "explained" if still else "fail"
     null = math.nan if check.null is None else check.null.value()
-    outcome = Outcome(check, measured, deviation, status, null)
+    outcome = Outcome(check, value, deviation, status, null, half)
     no_evidence = status == "pass" and outcome.is_no_evidence
     return replace(outcome, status="explained") if no_evidence else outcome
 

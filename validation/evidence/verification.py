@@ -36,10 +36,10 @@ _ENGINE = (
 #: Groups of known answers, each a module of the room of cases, imported when it is asked for.
 GROUPS = (
     "beams", "laminates", "resonators", "elastic", "coils", "iron", "orders", "bimorph",
-    "reluctance", "motion", "amplitude", "display", "misprints",
+    "reluctance", "motion", "amplitude", "display", "devices", "misprints",
 )  # fmt: skip
 #: Of these, those whose rows are about scenes, solved by the whole suite.
-ON_SCENES = ("bimorph", "reluctance", "motion", "amplitude", "display")
+ON_SCENES = ("bimorph", "reluctance", "motion", "amplitude", "display", "devices")
 
 
 @storable
@@ -54,6 +54,11 @@ class Division:
     new: bool  # whether it differs from the next level towards the case's own
     count: int  # the most unknowns, or steps; 0 where they were not counted
     seconds: float
+
+    @property
+    def estimate(self) -> Estimate:
+        """Value with its model's own bar."""
+        return Estimate(self.value, self.error)
 
     @property
     def kind(self) -> Kind | None:
@@ -150,7 +155,7 @@ def verify(
             continue
         announce(f"check {check.id}")
         measured = division(group, case, check)
-        outcome, bar = judged(check, measured.value), _bar(group, case, check, measured)
+        outcome, bar = judged(check, measured.estimate), _bar(group, case, check, measured)
         rows.append(Verified(group, case, check, outcome, measured, bar))
     return rows
 
@@ -199,7 +204,7 @@ def division(group: str, case: Case, check: Check, below: int = 0) -> Division:
 
     return cached_result(
         *_entry(group, "row", f"{check.id} {below}" if below else check.id), work,
-        serves=lambda level: below > 0 or judged(check, level.value).status != "fail",
+        serves=lambda level: below > 0 or judged(check, level.estimate).status != "fail",
     )  # fmt: skip
 
 

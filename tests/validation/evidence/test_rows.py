@@ -125,7 +125,7 @@ def test_what_a_trivial_model_passes_is_no_evidence(
 
 def test_measured_rows_that_pass_have_a_trivial_model():
     """Those against what others measured; published closed forms and misprints have none."""
-    for group in ("bimorph", "reluctance", "motion", "amplitude", "display"):
+    for group in ON_SCENES:
         for row in group_rows(group):
             if row.tier == "validation" and not row.explanation:
                 assert row.null is not None, row.id
