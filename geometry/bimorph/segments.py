@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints, Numbers
+from tactgen.geometry.device.bimorph import Dimensions
 from tactgen.geometry.device.laminate import OWN, Layer
 from tactgen.geometry.device.parameters import (
     NOMINAL_GAP,
@@ -32,15 +33,6 @@ _APART = 1e-9
 
 
 @dataclass(frozen=True)
-class Layers:
-    """Width and layer thicknesses of the ceramic's cross-section (m)."""
-
-    width: Any
-    piezo_thickness: Any
-    shim_thickness: Any
-
-
-@dataclass(frozen=True)
 class Piece:
     """A stretch of the generator."""
 
@@ -51,7 +43,7 @@ class Piece:
     radius: float = 0.0  #: Radius of a cylinder (m), 0 otherwise
     #: Layers at the lower and the upper end, varying linearly between them; None
     #: where they are the device's own
-    ends: tuple[Layers, Layers] | None = None
+    ends: tuple[Dimensions, Dimensions] | None = None
     electrode: bool = True  #: Whether the ceramic's outer faces carry electrodes
 
     @property
@@ -59,12 +51,12 @@ class Piece:
         """Whether the cross-section changes along the piece."""
         return self.ends is not None and self.ends[0] != self.ends[1]
 
-    def layers(self, bimorph: Bimorph, share: Any = 0.5) -> Layers:
+    def layers(self, bimorph: Bimorph, share: Any = 0.5) -> Dimensions:
         """Layers at a share (number or array) of the length from the lower end."""
         if self.ends is None:
-            return Layers(bimorph.width, bimorph.piezo_thickness, bimorph.shim_thickness)
+            return Dimensions(bimorph.width, bimorph.piezo_thickness, bimorph.shim_thickness)
         low, high = self.ends
-        return Layers(
+        return Dimensions(
             low.width + share * (high.width - low.width),
             low.piezo_thickness + share * (high.piezo_thickness - low.piezo_thickness),
             low.shim_thickness + share * (high.shim_thickness - low.shim_thickness),
@@ -204,26 +196,11 @@ def _ceramic_pieces(bimorph: Bimorph) -> list[Piece]:
         Piece(
             "bimorph",
             high - low,
-            ends=_ends(bimorph, low, high),
+            ends=bimorph.dimensions(low, high) if bimorph.profiles else None,
             electrode=lower_edge < 0.5 * (low + high) < upper_edge,
         )
         for low, high in pairwise(cuts)
     ]
-
-
-def _ends(bimorph: Bimorph, low: float, high: float) -> tuple[Layers, Layers] | None:
-    if not bimorph.profiles:
-        return None
-    dimensions = [
-        profile.between(low, high) if profile else (uniform, uniform)
-        for profile, uniform in (
-            (bimorph.width_profile, bimorph.width),
-            (bimorph.piezo_thickness_profile, bimorph.piezo_thickness),
-            (bimorph.shim_thickness_profile, bimorph.shim_thickness),
-        )
-    ]
-    lower, upper = zip(*dimensions, strict=True)
-    return Layers(*lower), Layers(*upper)
 
 
 def _rod_pieces(device: Device) -> list[Piece]:

@@ -7,19 +7,22 @@ mesher itself is fTetWild; structured meshes of bricks are made elsewhere.
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.cad.solids import build_solids, cut_open, fuse, thinnest_feature
+from tactgen.geometry.cad.solids import cut_open, fuse, solid_of, thinnest_feature
+from tactgen.geometry.cad.system_libraries import require_cad_kernel
 from tactgen.geometry.cad.tessellation import Plane, Tessellation, tessellate
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.device.parts import (
     BIMORPH,
     MM,
+    Part,
     Standing,
+    Tapered,
     ceramic_base,
     layout,
     rod_base,
@@ -30,6 +33,7 @@ from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import MIRRORS, MirrorAxes
 from tactgen.geometry.meshing.tetwild.conform import NamedFace, conform
 from tactgen.geometry.meshing.tetwild.mesher import (
+    UNSTRETCHED,
     Mesher,
     Sizing,
     SizingField,
@@ -163,6 +167,11 @@ def tetrahedralise(
     """
     parts = layout(device, standing, regions)
     named = _named_faces(device, standing, tuple(parts))
+    of_part = {name: name for name in parts}
+    if device.bimorph.profiles:
+        named |= _faces_of_tapers(parts)
+        parts, of_part = _in_blocks(parts)
+        named = {name: _of_blocks(face, of_part) for name, face in named.items()}
     if 0 in options.mirrors:
         named = {name: face for name, face in named.items() if "bottom" not in name}
     named |= {MIRRORS[i]: NamedFace(_plane(i, 0.0), tuple(parts)) for i in options.mirrors}
@@ -178,12 +187,40 @@ def tetrahedralise(
         with ExitStack() as stack:
             process = mesher or stack.enter_context(Mesher())
             process.start()  # loads its libraries while the CAD kernel loads here
-            built = build_solids(device, tuple(parts), standing)
+            require_cad_kernel()
+            built = {name: solid_of(part) for name, part in parts.items()}
             solids = fuse(cut_open(built, options.mirrors) if options.mirrors else built)
             stretching = _stretching(device, standing)
-            return _first_good_mesh(solids, named, root, options, sizing, stretching, process)
+            mesh = _first_good_mesh(solids, named, root, options, sizing, stretching, process)
+            return _merged(mesh, of_part)
 
     return cached_result("mesh", (parts, named, shape, options.mirrors, root), _MADE_OF, made)
+
+
+def _in_blocks(parts: dict[str, Part]) -> tuple[dict[str, Part], dict[str, str]]:
+    """Each block of tapers as a part of its own, and the part that it belongs to.
+
+    The mesher rounds off an edge between two planes that hardly differ; the section between two
+    blocks it keeps.
+    """
+    blocks, of_part = {}, {}
+    for name, part in parts.items():
+        assert isinstance(part.body, Tapered)
+        for number, ends in enumerate(part.body.blocks, start=1):
+            blocks[f"{name} {number}"] = Part(Tapered(ends))
+            of_part[f"{name} {number}"] = name
+    return blocks, of_part
+
+
+def _of_blocks(face: NamedFace, of_part: dict[str, str]) -> NamedFace:
+    return replace(face, regions=tuple(b for b, part in of_part.items() if part in face.regions))
+
+
+def _merged(mesh: Mesh, of_part: dict[str, str]) -> Mesh:
+    """Mesh with the parts in place of their blocks as regions."""
+    names = tuple(dict.fromkeys(of_part[region] for region in mesh.regions))
+    part_of = np.array([names.index(of_part[region]) for region in mesh.regions])
+    return replace(mesh, regions=names, region_of_cell=part_of[mesh.region_of_cell])
 
 
 def _named_faces(
@@ -228,10 +265,35 @@ def _faces_of_layers(bimorph: Bimorph, regions: tuple[str, ...]) -> dict[str, Na
     return named
 
 
-def _plane(axis: int, offset: float) -> Plane:
+def _plane(axis: int, offset: float) -> tuple[Plane]:
     """Plane across an axis, equal to the one found in CAD."""
     normal = (float(axis == 0), float(axis == 1), float(axis == 2))
-    return Plane(normal, round(offset, 9) + 0.0)
+    return (Plane(normal, round(offset, 9) + 0.0),)
+
+
+def _faces_of_tapers(parts: dict[str, Part]) -> dict[str, NamedFace]:
+    """Electrodes of layers that taper: a plane for each block."""
+    named = {}
+    for region, side, outer in (("piezo_top", "top", "high"), ("piezo_bottom", "bottom", "low")):
+        if region not in parts:
+            continue
+        body = parts[region].body
+        assert isinstance(body, Tapered)
+        inner = "low" if outer == "high" else "high"
+        for kind, face in (("outer", outer), ("inner", inner)):
+            planes = tuple(
+                _through((getattr(low, face), low.z), (getattr(high, face), high.z))
+                for low, high in body.blocks
+            )
+            named[f"electrode_{side}_{kind}"] = NamedFace(planes, (region,))
+    return named
+
+
+def _through(low: tuple[float, float], high: tuple[float, float]) -> Plane:
+    """Plane along y through two points (x, z), turned as those that CAD finds."""
+    normal = np.array([high[1] - low[1], 0.0, low[0] - high[0]])
+    normal /= np.linalg.norm(normal) * np.sign(normal[np.argmax(np.abs(normal))])
+    return Plane((float(normal[0]), 0.0, float(normal[2])), float(normal @ [low[0], 0.0, low[1]]))
 
 
 def squeezed(device: Device, standing: Standing, points: Floats) -> Floats:
@@ -243,7 +305,9 @@ def squeezed(device: Device, standing: Standing, points: Floats) -> Floats:
 
 
 def _stretching(device: Device, standing: Standing) -> Stretching:
-    """Map under which the ceramic-covered length is meshed."""
+    """Map under which the ceramic-covered length is meshed; it would bend what tapers."""
+    if device.bimorph.profiles:
+        return UNSTRETCHED
     low = ceramic_base(device, standing)
     b = device.bimorph
     return Stretching(

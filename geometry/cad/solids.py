@@ -17,7 +17,9 @@ from tactgen.geometry.device.parts import (
     MM,
     Box,
     Part,
+    Rectangle,
     Standing,
+    Tapered,
     Turned,
     closed_form_volumes,
     layout,
@@ -100,7 +102,8 @@ def build_solids(
 
 def solid_of(part: Part) -> cq.Solid:
     """Solid of a part (mm)."""
-    body = _box(part.body) if isinstance(part.body, Box) else _turned(part.body)
+    makers = {Box: _box, Tapered: _tapered, Turned: _turned}
+    body: cq.Solid = makers[type(part.body)](part.body)  # type: ignore[operator]
     if part.cut is None:
         return body
     return _only_solid(body.cut(_box(part.cut)))
@@ -111,6 +114,29 @@ def _box(box: Box) -> cq.Solid:
 
     dx, dy, dz = (high - low for low, high in zip(box.low, box.high, strict=True))
     return cq.Solid.makeBox(dx, dy, dz, cq.Vector(*box.low))
+
+
+def _tapered(tapered: Tapered) -> cq.Solid:
+    first, *others = (_block(low, high) for low, high in tapered.blocks)
+    return _only_solid(first.fuse(*others).clean()) if others else first
+
+
+def _block(low: Rectangle, high: Rectangle) -> cq.Solid:
+    """Solid between two rectangles; all six faces are plane."""
+    import cadquery as cq
+
+    corners = [
+        [cq.Vector(x, 0.5 * side * at.width, at.z)
+         for x, side in ((at.low, -1), (at.high, -1), (at.high, 1), (at.low, 1))]
+        for at in (low, high)
+    ]  # fmt: skip
+    below, above = corners
+    sides = [[below[i - 1], below[i], above[i], above[i - 1]] for i in range(4)]
+    wires = [cq.Wire.makePolygon(side, close=True) for side in (below, above, *sides)]
+    faces = [cq.Face.makeFromWires(wire) for wire in wires]
+    solid = cq.Solid.makeSolid(cq.Shell.makeShell(faces))
+    assert isinstance(solid, cq.Solid)
+    return solid
 
 
 def _turned(turned: Turned) -> cq.Solid:

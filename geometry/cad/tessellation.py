@@ -60,6 +60,11 @@ class Plane:
         """Gradient (..., 3) of the distance at points (..., 3)."""
         return np.broadcast_to(np.array(self.normal), points.shape)
 
+    def is_like(self, other: Plane) -> bool:
+        """Whether two planes are the same but for rounding."""
+        own, others = (np.array([*plane.normal, plane.offset]) for plane in (self, other))
+        return float(np.abs(own - others).max()) < _SAME_POINT
+
 
 @dataclass(frozen=True)
 class Cylinder:
@@ -160,10 +165,20 @@ def _face_triangles(face: cq.Face) -> tuple[Floats, Ints]:
 
 def _collect(sides: list[tuple[cq.Face, frozenset[str]]]) -> tuple[Face, ...]:
     areas: dict[tuple[Surface, frozenset[str]], float] = {}
+    known: list[Surface] = []
     for face, names in sides:
-        key = (_surface(face), names)
-        areas[key] = areas.get(key, 0.0) + face.Area()
+        surface = _surface(face)
+        # sloping faces of one plane differ by rounding
+        surface = next((other for other in known if _alike(surface, other)), surface)
+        known.append(surface)
+        areas[surface, names] = areas.get((surface, names), 0.0) + face.Area()
     return tuple(Face(surface, names, area) for (surface, names), area in areas.items())
+
+
+def _alike(one: Surface, other: Surface) -> bool:
+    if isinstance(one, Plane) and isinstance(other, Plane):
+        return one.is_like(other)
+    return one == other
 
 
 def _surface(face: cq.Face) -> Surface:
@@ -181,7 +196,9 @@ def _surface(face: cq.Face) -> Surface:
         sign = np.sign(normal[np.argmax(np.abs(normal))])
         # + 0.0: no negative zero, and rounding far below tolerance: equal planes compare equal
         x, y, z = (float(v) for v in np.round(sign * normal, 12) + 0.0)
-        return Plane((x, y, z), round(float(sign * offset), 9) + 0.0)
+        # where several slopes meet, more digits of the offset tell
+        digits = 9 if np.count_nonzero((x, y, z)) == 1 else 12
+        return Plane((x, y, z), round(float(sign * offset), digits) + 0.0)
     if kind == GeomAbs_SurfaceType.GeomAbs_Cylinder:
         cylinder = adaptor.Cylinder()
         axis, origin = cylinder.Axis().Direction(), cylinder.Location()

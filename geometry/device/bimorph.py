@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from math import pi, sqrt
 from typing import Any, Literal
@@ -33,6 +34,15 @@ from tactgen.geometry.names import nearest
 
 #: How far layers of somebody else's bimorph may lie from what is said of them.
 _LAYER = Own("layer thickness", 0.05)
+
+
+@dataclass(frozen=True)
+class Dimensions:
+    """Width and layer thicknesses of the ceramic's cross-section (m)."""
+
+    width: Any
+    piezo_thickness: Any
+    shim_thickness: Any
 
 
 class Bimorph(Parameters):
@@ -111,6 +121,22 @@ class Bimorph(Parameters):
         """The dimensions that vary along the ceramic, by their key."""
         names = ("width_profile", "piezo_thickness_profile", "shim_thickness_profile")
         return {name: getattr(self, name) for name in names if getattr(self, name)}
+
+    def dimensions(self, low: float, high: float) -> tuple[Dimensions, Dimensions]:
+        """Cross-sections just above `low` and just below `high` (m), positions on the ceramic.
+
+        No point of a profile may lie between the two.
+        """
+        ends = [
+            profile.between(low, high) if profile else (uniform, uniform)
+            for profile, uniform in (
+                (self.width_profile, self.width),
+                (self.piezo_thickness_profile, self.piezo_thickness),
+                (self.shim_thickness_profile, self.shim_thickness),
+            )
+        ]
+        lower, upper = zip(*ends, strict=True)
+        return Dimensions(*lower), Dimensions(*upper)
 
     @property
     def height(self) -> float:

@@ -208,13 +208,24 @@ def _mirrored(layers: Laminate) -> bool:
     return alike and len([sign for sign in hot if sign]) == 2
 
 
-def beyond_plain_layers(bimorph: Bimorph, *, any_boxes: bool = False) -> str:
-    """Key that makes a bimorph more than three fully electroded boxes, or ""."""
-    others = ["bare_below", "bare_above", "glue_thickness"]
-    if not any_boxes:  # three, as the rod holds them
+def beyond_plain_layers(bimorph: Bimorph, *, any_parts: bool = False) -> str:
+    """Key that makes a bimorph more than three fully electroded boxes, or "".
+
+    With `any_parts`, more than any fully electroded parts.
+    """
+    others, profiles = ["bare_below", "bare_above", "glue_thickness"], [*bimorph.profiles]
+    if not any_parts:  # three, as the rod holds them
         others = ["layers", *others, "tip_extension"]
-    found = [*bimorph.profiles, *(name for name in others if getattr(bimorph, name))]
+    elif not bimorph.layers:
+        profiles = [name for name in profiles if _steps(bimorph, name)]
+    found = [*profiles, *(name for name in others if getattr(bimorph, name))]
     return found[0] if found else ""
+
+
+def _steps(bimorph: Bimorph, name: str) -> bool:
+    """Whether a thickness jumps, at whose shoulder a ceramic's electrode would be in doubt."""
+    heights = [z for z, _ in bimorph.profiles[name]]
+    return name != "width_profile" and len(set(heights)) < len(heights)
 
 
 def check_boxes(device: Device, *, on_rod: bool) -> None:
@@ -222,9 +233,13 @@ def check_boxes(device: Device, *, on_rod: bool) -> None:
 
     Raises InputError in one sentence that names the models that can.
     """
-    key = beyond_plain_layers(device.bimorph, any_boxes=not on_rod)
+    key = beyond_plain_layers(device.bimorph, any_parts=not on_rod)
     if key in device.bimorph.profiles:
-        check_constant_section(device)
+        where = "on a rod, or with listed layers" if on_rod or device.bimorph.layers else "in steps"
+        raise InputError(
+            f"bimorph.{key} {where} is not in the CAD parts and so not in the model cad; ask for "
+            f"models=lumped,tmm,beam, or leave out bimorph.{key}"
+        )
     if key:
         raise InputError(
             f"bimorph.{key} is not in the CAD parts and their tetrahedra (layers with electrodes "
@@ -264,9 +279,8 @@ def check_constant_section(device: Device) -> None:
     if device.bimorph.profiles:
         key = next(iter(device.bimorph.profiles))
         raise InputError(
-            f"bimorph.{key} is known to the models lumped, tmm and beam only (the solid model and "
-            "the CAD parts have plain layers of constant size); ask for models=lumped,tmm,beam or "
-            f"leave out bimorph.{key}"
+            f"bimorph.{key} is not known to the model solid, whose bricks are of constant size; "
+            f"ask for models=lumped,tmm,beam,cad or leave out bimorph.{key}"
         )
 
 

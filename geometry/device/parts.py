@@ -1,14 +1,15 @@
 """Where every part of the device is: each solid as a plain value, in millimetres.
 
-A solid is a box or a body turned about z, less at most one box.  CAD solids, mesh
-keys and closed-form volumes start here; no CAD kernel is needed.
+A solid is a box, a stack of tapered blocks or a body turned about z, less at most one box.  CAD
+solids, mesh keys and closed-form volumes start here; no CAD kernel is needed.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from itertools import pairwise
+from typing import Literal, NamedTuple
 
 from tactgen.geometry.device.checks import check_boxes, check_fit
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Device, Support
@@ -37,6 +38,27 @@ class Box:
     high: tuple[float, float, float]
 
 
+class Rectangle(NamedTuple):
+    """A section across z: its height, both faces along x, its width about y = 0 (mm)."""
+
+    z: float
+    low: float
+    high: float
+    width: float
+
+
+@dataclass(frozen=True)
+class Tapered:
+    """A body whose sections run straight from each to the next; two at one height are a step."""
+
+    sections: tuple[Rectangle, ...]
+
+    @property
+    def blocks(self) -> list[tuple[Rectangle, Rectangle]]:
+        """Lower and upper section of each block between steps."""
+        return [(low, high) for low, high in pairwise(self.sections) if low.z < high.z]
+
+
 @dataclass(frozen=True)
 class Turned:
     """A body of revolution about z: corners (r, z) of its half section, in order (mm)."""
@@ -48,7 +70,7 @@ class Turned:
 class Part:
     """A solid: a body less at most one box."""
 
-    body: Box | Turned
+    body: Box | Tapered | Turned
     cut: Box | None = None
 
 
@@ -169,12 +191,40 @@ def _bimorph(device: Device, standing: Standing) -> dict[str, Part]:
             parts[b.layers.region(number)] = Part(box)
             x += layer.thickness
         return parts
+    if b.profiles:
+        return _tapered(device, standing)
     inner, outer = b.shim_thickness / 2, b.thickness / 2
     return {
         "piezo_top": Part(_box((inner, outer), b.width, (base, top))),
         "piezo_bottom": Part(_box((-outer, -inner), b.width, (base, top))),
         "shim": Part(_box((-inner, inner), b.width, (lowest, highest))),
     }
+
+
+def _tapered(device: Device, standing: Standing) -> dict[str, Part]:
+    """Three layers whose dimensions vary along the ceramic."""
+    b, base = device.bimorph, ceramic_base(device, standing)
+    top = base + b.length
+    heights = sorted({z for profile in b.profiles.values() for z, _ in profile})
+    each: dict[str, list[Rectangle]] = {name: [] for name in BIMORPH}
+
+    def add(name: str, z: float, low: float, high: float, width: float) -> None:
+        each[name].append(Rectangle(_mm(z), _mm(low), _mm(high), _mm(width)))
+
+    def bare(low: float, high: float) -> None:
+        half = b.shim_thickness / 2
+        for z in (low, high) if high > low else ():
+            add("shim", z, -half, half, b.width)
+
+    bare(shim_base(device, standing), base)
+    for low, high in pairwise(heights):
+        for z, at in zip((low, high), b.dimensions(low, high), strict=True):
+            half, outer = at.shim_thickness / 2, at.shim_thickness / 2 + at.piezo_thickness
+            add("piezo_top", base + z, half, outer, at.width)
+            add("piezo_bottom", base + z, -outer, -half, at.width)
+            add("shim", base + z, -half, half, at.width)
+    bare(top, top + b.tip_extension)
+    return {name: Part(Tapered(tuple(dict.fromkeys(found)))) for name, found in each.items()}
 
 
 def _slot(device: Device) -> Box:
@@ -271,7 +321,7 @@ def _without_needless_corners(
 
 
 def closed_form_volumes(device: Device, standing: Standing = "rod") -> dict[str, float]:
-    """Volume of each solid (m³), worked out by hand from the parameters.
+    """Volume of each solid (m³), worked out by hand from the parameters; profiles by Simpson.
 
     Raises InputError if the parts cannot be put together.
     """
@@ -281,6 +331,8 @@ def closed_form_volumes(device: Device, standing: Standing = "rod") -> dict[str,
         high = [b.height if goes_on else b.length for goes_on in b.layers.continues]
         sizes = [layer.thickness * (layer.width or b.width) for layer in b.layers]
         return {name: s * h for name, s, h in zip(names, sizes, high, strict=True)}
+    if b.profiles:
+        return {name: _volume(part.body) for name, part in layout(device, standing).items()}
     layer = b.length * b.width * b.piezo_thickness
     embedded = rod.slot_depth - device.glue.thickness
     slot = (
@@ -311,3 +363,17 @@ def closed_form_volumes(device: Device, standing: Standing = "rod") -> dict[str,
         ),
     }
     return {name: volumes[name] for name in names}
+
+
+def _volume(body: Box | Tapered | Turned) -> float:
+    """Volume (m³) of tapered blocks; areas are quadratic between sections, so Simpson is exact."""
+    assert isinstance(body, Tapered)
+
+    def area(low: Rectangle, high: Rectangle) -> float:
+        return 0.25 * (low.high + high.high - low.low - high.low) * (low.width + high.width)
+
+    whole = sum(
+        (high.z - low.z) / 6.0 * (area(low, low) + 4.0 * area(low, high) + area(high, high))
+        for low, high in body.blocks
+    )
+    return whole / MM**3

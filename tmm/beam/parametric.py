@@ -16,7 +16,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.bimorph.segments import Layers, Piece, measured_pieces
+from tactgen.geometry.bimorph.segments import Piece, measured_pieces
+from tactgen.geometry.device.bimorph import Dimensions
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Drive, Load, Support
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, quoted
@@ -257,5 +258,5 @@ def _with_dimensions(piece: Piece, dimensions: Sequence[Any]) -> Piece:
     length, radius, *layers = dimensions
     if piece.ends is None:
         return replace(piece, length=length, radius=radius)
-    ends = (Layers(*layers[:3]), Layers(*layers[3:]))
+    ends = (Dimensions(*layers[:3]), Dimensions(*layers[3:]))
     return replace(piece, length=length, radius=radius, ends=ends)

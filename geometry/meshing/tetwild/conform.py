@@ -357,9 +357,9 @@ def bent_middles(
 
 @dataclass(frozen=True)
 class NamedFace:
-    """A named face: the pieces of a plane (mm) that bound the given regions."""
+    """A named face: the pieces of some planes (mm) that bound the given regions."""
 
-    plane: Plane
+    planes: tuple[Plane, ...]
     regions: tuple[str, ...]
 
 
@@ -521,7 +521,9 @@ def _pieces(name: str, named: NamedFace, tessellation: Tessellation) -> list[int
     pieces = [
         i
         for i, face in enumerate(tessellation.faces)
-        if face.surface == named.plane and face.sides & set(named.regions)
+        if face.sides & set(named.regions)
+        and isinstance(face.surface, Plane)
+        and any(face.surface.is_like(plane) for plane in named.planes)
     ]
     if not pieces:
         raise MeshError(f"the face {name} is not in the CAD model; round the dimensions to 1 nm")

@@ -54,6 +54,26 @@ def coil():
     return tetrahedralise(GENERATOR, "rod", ("coil",))
 
 
+def test_tapers_are_cut_as_they_are_stated():
+    """A quarter of three tapered layers: volumes, sloping electrodes, both ends."""
+    tapers = {
+        "width_profile": ((0.0, 2e-3), (3e-3, 1e-3), (6e-3, 1e-3)),
+        "shim_thickness_profile": ((0.0, 0.3e-3), (6e-3, 0.1e-3)),
+        "piezo_thickness_profile": ((0.0, 0.3e-3), (6e-3, 0.2e-3)),
+    }
+    device = Device(bimorph=Bimorph(length=6e-3, **tapers))
+    mesh = tetrahedralise(device, "alone", options=TetMeshing(edge_length=0.5e-3, mirrors=(0, 1)))
+    volumes, wanted = region_volumes(mesh), closed_form_volumes(device, "alone")
+    assert 2.0 * volumes["piezo_top"] == pytest.approx(wanted["piezo_top"], rel=1e-9)
+    assert 4.0 * volumes["shim"] == pytest.approx(wanted["shim"], rel=1e-9)
+    plan = 0.5 * 3e-3 * (2e-3 + 1e-3) + 3e-3 * 1e-3
+    for face, rise in (("electrode_top_inner", 0.1e-3), ("electrode_top_outer", 0.2e-3)):
+        slope = np.hypot(1.0, rise / 6e-3)
+        assert 2.0 * area(mesh, face) == pytest.approx(plan * slope, rel=1e-9), face
+    assert 4.0 * area(mesh, "base") == pytest.approx(2e-3 * 0.9e-3, rel=1e-9)
+    assert 4.0 * area(mesh, "tip") == pytest.approx(1e-3 * 0.5e-3, rel=1e-9)
+
+
 def cell_volumes(mesh):
     if mesh.kind == "tetra":
         return tet_volumes(mesh.points[mesh.cells])
@@ -425,7 +445,7 @@ def test_named_faces_are_where_the_rods_parts_end():
     b = GENERATOR.bimorph
     along_x, along_z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
     found = {
-        name: (face.plane.normal, pytest.approx(face.plane.offset, rel=1e-12))
+        name: (face.planes[0].normal, pytest.approx(face.planes[0].offset, rel=1e-12))
         for name, face in faces.items()
     }
     outer, inner = 0.5e3 * b.thickness, 0.5e3 * b.shim_thickness
@@ -437,5 +457,5 @@ def test_named_faces_are_where_the_rods_parts_end():
     }  # fmt: skip
     assert faces["base"].regions == ("rod",)
     alone = tets._named_faces(Device(), "alone", ("piezo_top", "shim"))
-    assert (alone["base"].plane.normal, alone["base"].plane.offset) == (along_z, 0.0)
+    assert (alone["base"].planes[0].normal, alone["base"].planes[0].offset) == (along_z, 0.0)
     assert faces["tip"].regions == ("piezo_top", "piezo_bottom", "shim")

@@ -242,7 +242,8 @@ def _finer(
     share = float(np.clip(_AIM * allowed, _LEAST_SHARE, _MOST_SHARE))
     wanted = share * last.error * spread
     seen = replace(last.mesh, points=squeezed(scene.device, _standing(scene), last.mesh.points))
-    shortest = _SHORTEST * min(*_thicknesses(scene.bimorph), scene.bimorph.width)
+    widths = (scene.bimorph.width, *(width for _, width in scene.bimorph.width_profile))
+    shortest = _SHORTEST * min(*_thicknesses(scene.bimorph), *widths)
     sizing = sizing_for(seen, shares, wanted, shortest=shortest, most=most_elements)
     return _solved(scene, _meshed(scene, mesher, sizing, most_elements))
 
@@ -295,7 +296,9 @@ def _first_edge(scene: Scene) -> float:
 def _thicknesses(bimorph: Bimorph) -> list[float]:
     """Of the layers (m)."""
     listed = [layer.thickness for layer in bimorph.layers]
-    return listed or [bimorph.shim_thickness, bimorph.piezo_thickness]
+    tapers = (bimorph.piezo_thickness_profile, bimorph.shim_thickness_profile)
+    varying = [thickness for profile in tapers for _, thickness in profile]
+    return listed or [bimorph.shim_thickness, bimorph.piezo_thickness, *varying]
 
 
 def _standing(scene: Scene) -> Standing:

@@ -129,7 +129,7 @@ class CadModel(TwoMeshModel):
 
     @classmethod
     def check(cls, scene: Scene) -> None:
-        """Refuse scenes beyond the CAD solids: profiles, bare ends, glue between plain layers."""
+        """Refuse scenes beyond the CAD solids: bare ends, glue between plain layers."""
         check_boxes(scene.device, on_rod=scene.support.kind == "rod")
 
     def make_pair(self) -> MeshPair:
@@ -146,7 +146,7 @@ def mesh_pair(scene: Scene) -> MeshPair:
     Raises InputError if neither bricks nor tetrahedra know the scene's bimorph.
     """
     on_rod = scene.support.kind == "rod"
-    by_cad = on_rod or scene.bimorph.layers.stepped
+    by_cad = on_rod or scene.bimorph.layers.stepped or bool(scene.bimorph.profiles)
     by_cad |= "cad" in scene.models and "solid" not in scene.models
     model: type[TwoMeshModel] = CadModel if by_cad else SolidModel
     model.check(scene)

@@ -34,7 +34,7 @@ def pictures(study: Study) -> list[dict[str, str]]:
 
 def bimorph(study: Study) -> list[dict[str, str]]:
     """Picture of the bimorph; none of one that the CAD parts do not know."""
-    if beyond_plain_layers(study.scene.bimorph, any_boxes=study.scene.support.kind != "rod"):
+    if beyond_plain_layers(study.scene.bimorph, any_parts=study.scene.support.kind != "rod"):
         return []
     from tactgen.validation.show.export import scene_solids
     from tactgen.validation.show.pictures import solids_picture

@@ -466,7 +466,7 @@ def _devices(
         return []
     try:
         pictures = solids_pictures([solids(side.scene) for side in sides])
-    except InputError as error:  # profiles have no CAD solids; a library may be missing
+    except InputError as error:  # not every bimorph has CAD solids; a library may be missing
         return [f"<p>No picture of the devices: {html.escape(str(error))}</p>"]
     heights = [int.from_bytes(png[20:24], "big") for png in pictures]  # as a PNG states it
     figures = "".join(

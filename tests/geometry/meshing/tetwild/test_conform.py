@@ -110,9 +110,9 @@ def test_points_off_their_planes_are_put_back(pair):
     points, tets = box_points()
     raw, cells = in_air(shaken(points), tets)
     named = {
-        "between": NamedFace(Plane((0.0, 0.0, 1.0), 1.0), ("below",)),
-        "end": NamedFace(Plane((0.0, 0.0, 1.0), 3.0), ("above",)),
-        "side": NamedFace(Plane((1.0, 0.0, 0.0), 1.0), ("above",)),
+        "between": NamedFace((Plane((0.0, 0.0, 1.0), 1.0),), ("below",)),
+        "end": NamedFace((Plane((0.0, 0.0, 1.0), 3.0),), ("above",)),
+        "side": NamedFace((Plane((1.0, 0.0, 0.0), 1.0),), ("above",)),
     }
     mesh = conform(raw, cells, *pair, SLACK, named, curved=True)
     assert (mesh.kind, mesh.regions) == ("tetra", ("below", "above"))

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.geometry.bimorph.segments import Layers, Piece
+from tactgen.geometry.bimorph.segments import Piece
+from tactgen.geometry.device.bimorph import Dimensions
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Glue, Piezo, Rod, Shim
 from tactgen.tmm.beam.sections import section
@@ -158,7 +159,7 @@ def test_bare_ceramic_carries_no_charge():
 
 def test_sections_along_a_taper():
     """The section at a share of a tapered piece is that of a bimorph with those dimensions."""
-    ends = Layers(2e-3, 0.3e-3, 0.2e-3), Layers(1e-3, 0.1e-3, 0.4e-3)
+    ends = Dimensions(2e-3, 0.3e-3, 0.2e-3), Dimensions(1e-3, 0.1e-3, 0.4e-3)
     tapered = Piece("bimorph", 20e-3, ends=ends)
     quarter = Bimorph(width=1.75e-3, piezo_thickness=0.25e-3, shim_thickness=0.25e-3)
     got = section(tapered, Device(), Beam(), lossy=True, share=0.25)
