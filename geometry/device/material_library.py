@@ -66,94 +66,64 @@ def _pzt_5h() -> Piezoceramic:
     )
 
 
-def _pzt_5a() -> Piezoceramic:
+class _Tensors(NamedTuple):
+    """A ceramic of which all constants are published: pm²/N, pC/N, relative permittivities."""
+
+    s: tuple[float, ...]  #: s11, s12, s13, s33, s44 at constant field
+    d: tuple[float, ...]  #: d31, d33, d15
+    eps: tuple[float, float]  #: eps11, eps33 at constant stress
+    density: float
+    quality_factor: float
+    loss_tangent: float
+    origin: str
+
+
+_TENSORS = {
+    "PZT-5A": _Tensors(
+        (16.4, -5.74, -7.22, 18.8, 47.5), (-171, 374, 584), (1730, 1700), 7750.0, 75.0, 0.02,
+        "PZT-5A, Berlincourt's constants as used in IEEE Std 176",
+    ),
+    "PZT-4": _Tensors(
+        (12.3, -4.05, -5.31, 15.5, 39.0), (-123, 289, 496), (1475, 1300), 7500.0, 500.0, 0.004,
+        "PZT-4 (hard), Jaffe, Cook and Jaffe, Piezoelectric Ceramics (1971)",
+    ),
+    "PZT-8": _Tensors(
+        (11.5, -3.7, -4.8, 13.5, 31.9), (-97, 225, 330), (1290, 1000), 7600.0, 1000.0, 0.004,
+        "PZT-8 (hard), makers' tables of the Navy type III ceramic",
+    ),
+    "PIC255": _Tensors(
+        (15.90, -5.675, -7.376, 20.97, 44.92), (-174, 393, 535), (1649, 1749), 7800.0, 80.0, 0.02,
+        "PIC255, PI Ceramic's table of coefficients for simulation",
+    ),
+    "Pz26": _Tensors(
+        (13.0, -4.35, -7.05, 19.6, 33.2), (-128, 328, 327), (1190, 1300), 7700.0, 1000.0, 0.003,
+        "Pz26 (hard), Ferroperm's full matrix data",
+    ),
+    "Pz27": _Tensors(
+        (17.0, -6.60, -8.61, 23.2, 43.5), (-170, 425, 506), (1800, 1800), 7700.0, 80.0, 0.017,
+        "Pz27, Ferroperm's full matrix data",
+    ),
+    "Pz29": _Tensors(
+        (17.0, -5.78, -8.79, 22.9, 54.1), (-243, 574, 724), (2440, 2870), 7450.0, 90.0, 0.019,
+        "Pz29, Ferroperm's full matrix data",
+    ),
+}  # fmt: skip
+
+
+def _published(name: str) -> Piezoceramic:
+    of = _TENSORS[name]
+    # read as decimal, so that no digit is rounded twice
+    s, d = ([float(f"{value}e-12") for value in values] for values in (of.s, of.d))
+    eps11, eps33 = of.eps
     return Piezoceramic(
-        name="PZT-5A",
-        s=_transversely_isotropic(16.4e-12, -5.74e-12, -7.22e-12, 18.8e-12, 47.5e-12),
-        d=_strain_constants(-171e-12, 374e-12, 584e-12),
-        eps_t=np.diag([1730.0, 1730.0, 1700.0]) * EPS0,
-        density=7750.0,
-        quality_factor=75.0,
-        loss_tangent=0.02,
-        origin="PZT-5A, Berlincourt's constants as used in IEEE Std 176",
-    )
-
-
-def _pzt_4() -> Piezoceramic:
-    return Piezoceramic(
-        name="PZT-4",
-        s=_transversely_isotropic(12.3e-12, -4.05e-12, -5.31e-12, 15.5e-12, 39.0e-12),
-        d=_strain_constants(-123e-12, 289e-12, 496e-12),
-        eps_t=np.diag([1475.0, 1475.0, 1300.0]) * EPS0,
-        density=7500.0,
-        quality_factor=500.0,
-        loss_tangent=0.004,
-        origin="PZT-4 (hard), Jaffe, Cook and Jaffe, Piezoelectric Ceramics (1971)",
-    )
-
-
-def _pzt_8() -> Piezoceramic:
-    return Piezoceramic(
-        name="PZT-8",
-        s=_transversely_isotropic(11.5e-12, -3.7e-12, -4.8e-12, 13.5e-12, 31.9e-12),
-        d=_strain_constants(-97e-12, 225e-12, 330e-12),
-        eps_t=np.diag([1290.0, 1290.0, 1000.0]) * EPS0,
-        density=7600.0,
-        quality_factor=1000.0,
-        loss_tangent=0.004,
-        origin="PZT-8 (hard), makers' tables of the Navy type III ceramic",
-    )
-
-
-def _pic255() -> Piezoceramic:
-    return Piezoceramic(
-        name="PIC255",
-        s=_transversely_isotropic(15.90e-12, -5.675e-12, -7.376e-12, 20.97e-12, 44.92e-12),
-        d=_strain_constants(-174e-12, 393e-12, 535e-12),
-        eps_t=np.diag([1649.0, 1649.0, 1749.0]) * EPS0,
-        density=7800.0,
-        quality_factor=80.0,
-        loss_tangent=0.02,
-        origin="PIC255, PI Ceramic's table of coefficients for simulation",
-    )
-
-
-def _pz26() -> Piezoceramic:
-    return Piezoceramic(
-        name="Pz26",
-        s=_transversely_isotropic(13.0e-12, -4.35e-12, -7.05e-12, 19.6e-12, 33.2e-12),
-        d=_strain_constants(-128e-12, 328e-12, 327e-12),
-        eps_t=np.diag([1190.0, 1190.0, 1300.0]) * EPS0,
-        density=7700.0,
-        quality_factor=1000.0,
-        loss_tangent=0.003,
-        origin="Pz26 (hard), Ferroperm's full matrix data",
-    )
-
-
-def _pz27() -> Piezoceramic:
-    return Piezoceramic(
-        name="Pz27",
-        s=_transversely_isotropic(17.0e-12, -6.60e-12, -8.61e-12, 23.2e-12, 43.5e-12),
-        d=_strain_constants(-170e-12, 425e-12, 506e-12),
-        eps_t=np.diag([1800.0, 1800.0, 1800.0]) * EPS0,
-        density=7700.0,
-        quality_factor=80.0,
-        loss_tangent=0.017,
-        origin="Pz27, Ferroperm's full matrix data",
-    )
-
-
-def _pz29() -> Piezoceramic:
-    return Piezoceramic(
-        name="Pz29",
-        s=_transversely_isotropic(17.0e-12, -5.78e-12, -8.79e-12, 22.9e-12, 54.1e-12),
-        d=_strain_constants(-243e-12, 574e-12, 724e-12),
-        eps_t=np.diag([2440.0, 2440.0, 2870.0]) * EPS0,
-        density=7450.0,
-        quality_factor=90.0,
-        loss_tangent=0.019,
-        origin="Pz29, Ferroperm's full matrix data",
+        name=name,
+        s=_transversely_isotropic(*s),
+        d=_strain_constants(*d),
+        eps_t=np.diag([eps11, eps11, eps33]) * EPS0,
+        density=of.density,
+        quality_factor=of.quality_factor,
+        loss_tangent=of.loss_tangent,
+        origin=of.origin,
     )
 
 
@@ -253,17 +223,17 @@ class _Grade(NamedTuple):
 
 _GRADES: dict[str, _Grade] = {
     "APC 840": _Grade(
-        _pzt_4,
+        partial(_published, "PZT-4"),
         "Y11 80 GPa; Y33 68 GPa; d31 -125 pC/N; k33 0.72; d15 480 pC/N; k15 0.70; eps33 1275",
         7600.0, 500.0, 0.006, _APC,
     ),
     "APC 841": _Grade(
-        _pzt_4,
+        partial(_published, "PZT-4"),
         "Y11 76 GPa; Y33 63 GPa; d31 -109 pC/N; k33 0.68; d15 450 pC/N; k15 0.67; eps33 1375",
         7600.0, 1400.0, 0.004, _APC,
     ),
     "APC 850": _Grade(
-        _pzt_5a,
+        partial(_published, "PZT-5A"),
         "Y11 63 GPa; Y33 54 GPa; d31 -175 pC/N; k33 0.72; d15 590 pC/N; k15 0.68; eps33 1900",
         7600.0, 80.0, 0.02, _APC,
     ),
@@ -278,12 +248,12 @@ _GRADES: dict[str, _Grade] = {
         7600.0, 65.0, 0.025, _APC,
     ),
     "APC 880": _Grade(
-        _pzt_8,
+        partial(_published, "PZT-8"),
         "Y11 90 GPa; Y33 72 GPa; d31 -95 pC/N; k33 0.62; d15 330 pC/N; k15 0.55; eps33 1050",
         7600.0, 1000.0, 0.004, _APC,
     ),
     "CTS 3195HD": _Grade(
-        _pzt_5a,
+        partial(_published, "PZT-5A"),
         "s11 16.2e-12 m^2/N; s33 18.6e-12 m^2/N; d31 -190 pC/N; k33 0.72; k15 0.59; eps33 1900",
         7800.0, 80.0, 0.018, _CTS,
     ),
@@ -293,7 +263,7 @@ _GRADES: dict[str, _Grade] = {
         7870.0, 30.0, 0.020, _CTS,
     ),
     "NCE51": _Grade(
-        _pzt_5a,
+        partial(_published, "PZT-5A"),
         "s11 16e-12 m^2/N; s33 19e-12 m^2/N; d31 -195 pC/N; k33 0.72; eps33 1850",
         7800.0, 80.0, 0.019, _NCE,
     ),
@@ -331,8 +301,8 @@ class _Library(Mapping[str, Piezoceramic]):
 
 #: Library of piezoelectric materials by name.
 LIBRARY = _Library({
-    "M1876": _m1876, "PZT-5H": _pzt_5h, "PZT-5A": _pzt_5a, "PZT-4": _pzt_4, "PZT-8": _pzt_8,
-    "PIC255": _pic255, "Pz26": _pz26, "Pz27": _pz27, "Pz29": _pz29,
+    "M1876": _m1876, "PZT-5H": _pzt_5h,
+    **{name: partial(_published, name) for name in _TENSORS},
     **{name: partial(_grade, name) for name in _GRADES}, "PVDF": _pvdf,
 })  # fmt: skip
 
