@@ -118,6 +118,7 @@ class BareMode:
     frequency: float
     kind: ModeClass
     motion: Motion
+    estimate: float = 0.0  #: Relative error of the frequency by an estimate, 0 where none was made
 
 
 @storable

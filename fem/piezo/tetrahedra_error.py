@@ -243,6 +243,26 @@ def goal_errors(device: Device, mesh: Mesh, system: SolidSystem) -> dict[str, Go
     return found
 
 
+def mode_errors(
+    device: Device, mesh: Mesh, system: SolidSystem, squares: Floats, shapes: Floats
+) -> Floats:
+    """Estimated relative errors (k,) of natural frequencies, each too high by so much.
+
+    Parameters
+    ----------
+    device, mesh, system
+        As of :func:`goal_errors`; the system of one class of motion.
+    squares, shapes : (k,) and (n - 3, k) array
+        Ω² (rad²/s²) and modes of unit mass, base clamped, electrodes short-circuited.
+    """
+    fields = np.vstack([shapes, np.zeros((system.size - len(shapes), squares.size))])
+    surplus = cubic_surplus(
+        device, mesh, system, fields, inertia=squares, force=np.zeros(squares.size)
+    )
+    missing = [float(surplus.shares(k, k).sum()) for k in range(squares.size)]
+    return SATURATION * np.array(missing) / (2.0 * squares)
+
+
 def _goal(value: float, shares: Floats, sign: float) -> GoalError:
     relative = SATURATION * shares / value if value else np.zeros_like(shares)
     return GoalError(value, sign * float(relative.sum()), np.abs(relative))

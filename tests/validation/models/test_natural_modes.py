@@ -5,9 +5,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tactgen.fem.piezo.modal_model import BareMode
 from tactgen.validation.models.bimorph import natural_modes as lowest_modes
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.model import Modes
+from tactgen.validation.models.bimorph.natural_modes import (
+    LEAST_GAIN,
+    MOST_GAIN_OF_MODES,
+    estimated_gains,
+    gain_factor,
+)
+from tactgen.validation.models.model import SAFETY, Modes
 from tactgen.validation.scene.scene import load_scene
 
 
@@ -40,3 +47,30 @@ def test_matched_modes_are_of_one_class_where_there_is_one_and_none_is_taken_twi
 @pytest.mark.parametrize(("level", "index"), [(1, 1), (2, 1), (3, 2), (5, 4)])
 def test_a_level_is_never_the_coarsest_which_judges_it(level, index):
     assert solid.level_for(load_scene("prototype", [f"mesh.level={level}"])[0]) == index
+
+
+def test_like_is_held_against_like():
+    """Classes interleave differently on both meshes; what has no estimate has no gain."""
+    fine = [
+        BareMode(100.0, "bending_x", "bending_x"),
+        BareMode(200.0, "torsion", "torsion", 1e-3),
+        BareMode(250.0, "bending_y", "bending_y", 2e-4),
+        BareMode(300.0, "torsion", "torsion", 4e-3),
+        BareMode(400.0, "axial", "axial", 1e-3),
+    ]
+    coarse = [
+        BareMode(101.0, "bending_x", "bending_x"),
+        BareMode(251.0, "bending_y", "bending_y", 6e-4),
+        BareMode(270.0, "torsion", "torsion", 2e-3),
+        BareMode(330.0, "torsion", "torsion", 2e-2),
+    ]
+    found = estimated_gains(fine, coarse)
+    assert found[1:4] == pytest.approx([2.0, 3.0, 5.0], rel=1e-12)
+    assert np.isnan(found[[0, 4]]).all()  # no estimate, no partner
+
+
+def test_gains_beyond_what_is_trusted_count_as_the_limit():
+    """Of a true gain g the finer mesh's error is the difference over g - 1."""
+    assert gain_factor(2.0, MOST_GAIN_OF_MODES) == pytest.approx(SAFETY)
+    assert gain_factor(1e3, 5.0) == pytest.approx(SAFETY / 4.0)
+    assert gain_factor(0.5, 5.0) == pytest.approx(SAFETY / LEAST_GAIN)

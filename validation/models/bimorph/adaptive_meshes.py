@@ -10,15 +10,22 @@ where it was.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactgen.geometry.device.parameters import Bimorph
+from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.device.parts import Standing, bimorph_parts
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.tetwild.mesher import Mesher, Sizing, sizing_for
 from tactgen.validation.models.bimorph.mesh_pair import MeshPair
+from tactgen.validation.models.bimorph.natural_modes import (
+    LEAST_GAIN,
+    MOST_GAIN_OF_MODES,
+    Estimate,
+    gain_factor,
+)
 from tactgen.validation.models.model import SAFETY, two_mesh_factor
 from tactgen.validation.scene.scene import Scene
 
@@ -57,19 +64,16 @@ _ENOUGH = 0.7
 #: as small as they may be, so another one would be its like.
 _STUCK = 0.95
 
-#: Gain in error of every goal from which on the difference of two meshes says enough (a little
-#: less than any mesh is aimed at, since the mesher meets its sizes roughly), and the least, less
-#: one, that is counted with where no two meshes are that far apart.
-_TELLING, _LEAST_GAIN = 1.5, 0.1
+#: Gain in error of every goal from which on the difference of two meshes says enough: a little
+#: less than any mesh is aimed at, since the mesher meets its sizes roughly.
+_TELLING = 1.5
 
-#: Gain that is counted with at most: more than a mesh was aimed at is scatter.  The modes that
-#: are goals have a clamped base; on springs less of the error sits at the clamp, where refining
-#: gains most (of the paper's second mode 3.1 where the goal gained more than 5).
-_MOST_GAIN, _MOST_GAIN_OF_MODES = 1.0 / _LEAST_SHARE, 3.3
+#: Gain that is counted with at most: more than a mesh was aimed at is scatter.
+_MOST_GAIN = 1.0 / _LEAST_SHARE
 
-#: Order in the elements' size, as unknowns tell it, that classes of motion count with which are no
-#: goal.  They share the clamp's edges with those that are: orders of 2.4 to 7 were seen on the
-#: adapted meshes of four random bimorphs.
+#: Order in the elements' size, as unknowns tell it, that modes count with of which there is no
+#: estimate.  They share the clamp's edges with those that are goals: orders of 2.4 to 7 were seen
+#: on the adapted meshes of four random bimorphs.
 _ORDER_OF_OTHERS = 2.0
 
 
@@ -91,6 +95,7 @@ class Solved:
 class AdaptedPair(MeshPair):
     """The last mesh of a refinement, and an earlier one to judge it by."""
 
+    device: Device
     fine: Solved
     coarse: Solved
 
@@ -111,15 +116,20 @@ class AdaptedPair(MeshPair):
 
     @property
     def mode_factors(self) -> tuple[float, float]:
-        """The same of frequencies: of bending in x, and of the other classes of motion.
+        """The same of frequencies: of bending in x, and of modes without an estimate.
 
-        Of the others none is a goal, so nothing is known of their gain but how many more
-        unknowns there are.
+        Of the latter nothing is known of the gain but how many more unknowns there are.
         """
-        bending = self._factor(self._bending, _MOST_GAIN_OF_MODES)
+        bending = self._factor(self._bending, MOST_GAIN_OF_MODES)
         # the last mesh of a study that got no further may have no more unknowns
-        ratio = max(self.fine.system.size / self.coarse.system.size, 1.0 + _LEAST_GAIN)
+        ratio = max(self.fine.system.size / self.coarse.system.size, 1.0 + LEAST_GAIN)
         return bending, max(bending, two_mesh_factor(ratio ** (1.0 / 3.0), _ORDER_OF_OTHERS))
+
+    def estimate(self, which: int) -> Estimate:
+        """Estimate of natural frequencies by cubics."""
+        from tactgen.fem.piezo.tetrahedra_error import mode_errors
+
+        return partial(mode_errors, self.device, self.meshes[which])
 
     @property
     def static_share(self) -> float:
@@ -161,9 +171,8 @@ class AdaptedPair(MeshPair):
         return [name for name in self.fine.goals if name.startswith("bending")]
 
     def _factor(self, names: list[str], most: float) -> float:
-        """SAFETY / (gain − 1), with the estimated gain of the goal that gained least."""
-        gain = min(_gain(self.coarse, self.fine, name) for name in names)
-        return SAFETY / (float(np.clip(gain, 1.0 + _LEAST_GAIN, most)) - 1.0)
+        """Error per difference, by the goal that gained least."""
+        return float(gain_factor(min(_gain(self.coarse, self.fine, n) for n in names), most))
 
 
 def _gain(coarse: Solved, fine: Solved, name: str) -> float:
@@ -172,11 +181,11 @@ def _gain(coarse: Solved, fine: Solved, name: str) -> float:
     return abs(coarse.goals[name].error) / max(abs(fine.goals[name].error), least)
 
 
-def _judged(solved: list[Solved]) -> AdaptedPair:
+def _judged(device: Device, solved: list[Solved]) -> AdaptedPair:
     """Last mesh with the last one that is far enough from it, else the first."""
     fine = solved[-1]
     far = [s for s in solved[:-1] if all(_gain(s, fine, n) >= _TELLING for n in fine.goals)]
-    return AdaptedPair(fine, far[-1] if far else solved[0])
+    return AdaptedPair(device, fine, far[-1] if far else solved[0])
 
 
 def level_limits(scene: Scene) -> tuple[float, int]:
@@ -206,7 +215,7 @@ def adapted_pair(scene: Scene, accuracy: float, most_elements: int = 20_000) -> 
             last = solved[-1]
             allowed = accuracy / (SAFETY * last.error)
             solved.append(_finer(scene, mesher, last, allowed, most_elements))
-            pair = _judged(solved)
+            pair = _judged(scene.device, solved)
             _drop_factors(solved, pair)
             enough = len(pair.fine.mesh.cells) > _ENOUGH * most_elements
             if pair.largest_bar <= accuracy or enough or pair.fine.error > _STUCK * last.error:

@@ -23,15 +23,19 @@ from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.models.bimorph.model import BimorphModel
 from tactgen.validation.models.bimorph.natural_modes import (
+    MOST_GAIN_OF_MODES,
+    Estimate,
     MeshModes,
     all_modes,
     coarse_modes,
+    estimated_gains,
     fine_modes,
+    gain_factor,
     least_apart,
     lowest_modes,
     matched,
     moved,
-    only,
+    set_apart,
 )
 from tactgen.validation.models.model import SAFETY, Modes, Refined, least_difference
 
@@ -71,8 +75,12 @@ class MeshPair(ABC):
 
     @property
     def mode_factors(self) -> tuple[float, float]:
-        """Error per difference of frequencies: bending in x, other classes of motion."""
+        """Error per difference of frequencies: bending in x, modes without an estimate."""
         return self.static_factor, self.static_factor
+
+    def estimate(self, which: int) -> Estimate | None:
+        """Estimate of natural frequencies on the finer (0) or coarser mesh (1), if there is one."""
+        return None
 
     @property
     @abstractmethod
@@ -209,7 +217,6 @@ class TwoMeshModel(BimorphModel):
         if open_circuit:
             # the same as of short circuit: what moves both alike says nothing of their coupling
             least |= least_apart(*self._judged(open_circuit=False))
-        bending, others = modal.mode_factors
         bends = np.array(fine.classes) == "bending_x"
         stiffer = fine.frequencies.copy()
         if open_circuit:
@@ -219,11 +226,15 @@ class TwoMeshModel(BimorphModel):
             stiffer[bends] *= softer
             apart = modal.static_factor * np.abs(1.0 - softer)
             rounding[bends] += np.maximum(modal.static_share * added - apart, 0.0)
-        parts = ((bends, bending), (~bends, others))
+        bending, others = modal.mode_factors
+        found, below = self._lowest(open_circuit=open_circuit)
+        gains = estimated_gains(found, below)
+        by_gain = np.where(np.isnan(gains), others, gain_factor(gains, MOST_GAIN_OF_MODES))
+        # in one class of motion with the goals, which are its lowest modes
+        with_goals = np.array([mode.motion == "bending_x" for mode in found])
+        factors = np.where(with_goals, bending, by_gain)
         coarser = tuple(
-            (only(of, fine, other), factor)
-            for of, factor in parts
-            for other in (coarse, moved(fine, least))
+            (set_apart(fine, other, factors), 1.0) for other in (coarse, moved(fine, least))
         )
         coarser += ((Modes(stiffer, fine.classes), modal.static_factor),)
         return Refined(fine, coarser, modal.method, rounding)
@@ -277,9 +288,10 @@ class TwoMeshModel(BimorphModel):
             pair, systems = self.mesh_pair, self.systems()
             # a body taken whole has one class of motion
             across = self.scene.support.kind == "contact" and bool(systems[1].others)
-            coarse = coarse_modes(systems[1], self.scene.modes, across=across)
+            count = self.scene.modes
+            coarse = coarse_modes(systems[1], count, pair.estimate(1), across=across)
             return SolidModes(
-                fine_modes(systems[0], coarse, self.scene.modes, pair.lacking),
+                fine_modes(systems[0], coarse, count, pair.lacking, pair.estimate(0)),
                 coarse,
                 spurious_stiffness=systems[0].spurious_stiffness,
                 mass=float(systems[0].node_mass.sum()),
