@@ -8,19 +8,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
-from tactgen.geometry.bimorph.segments import CentreLine, Piece
-from tactgen.geometry.device.checks import beyond_plain_layers
-from tactgen.geometry.device.parameters import Beam, Device
+from tactgen.geometry.bimorph.segments import CentreLine, beam_pieces, stack
+from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.modes import Row, bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, Values, terminated, tip_response
 from tactgen.tmm.beam.scattering import Element, element_stiffness
-from tactgen.tmm.beam.sections import Section, section
+from tactgen.tmm.beam.sections import Section, ceramic_stresses, section
 from tactgen.tmm.beam.span import dynamic_stiffness, wavenumbers
 from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
 from tactgen.tmm.ports.excitation import ELECTRICAL
@@ -116,9 +115,9 @@ def resonance_peak(
     return centre, np.abs(evaluate(actuator, read, values, centre))
 
 
-#: Heights at which the stress is looked for, as shares of the ceramic's length from its root: a
-#: mode of order n has its largest curvature within a tenth of a wave of one of them up to n = 5.
-_HEIGHTS = np.linspace(0.0, 0.95, 20)
+#: Heights at which the stress is looked for, along the ceramic from its root: a mode of order n
+#: has its largest curvature within a tenth of a wave of one of them up to n = 5.
+_HEIGHTS = 20
 #: Where bending waves decay by more than this exponent along the ceramic, its root cannot be told
 #: from its tip: e^20 leaves seven of sixteen digits.
 _DECAY = 20.0
@@ -130,8 +129,8 @@ _AT_ONCE = 500
 class DrivenCeramic:
     """Per volt of the drive, peak amplitudes, (n,) over the frequencies."""
 
-    #: (n,) Largest axial stress along the ceramic, at the faces of its layers (Pa/V); nan where the
-    #: layers are not plain and uniform, and where bending waves die out along the ceramic
+    #: (n,) Largest axial stress along the ceramic, at the faces of its layers (Pa/V); nan where
+    #: bending waves die out along the ceramic
     stress: Floats
     field: float  #: Field in a layer (1/m)
     current: Floats  #: (n,) Drawn by one bimorph (A/V)
@@ -162,49 +161,77 @@ def driven_ceramic(
 def _stress(
     device: Device, beam: Beam, ends: Ends, frequencies: Floats, response: Response, layer: float
 ) -> Floats:
-    """Largest stress over height and faces (n,), Pa per volt of the drive."""
-    b = device.bimorph
-    key = beyond_plain_layers(b)
-    if key and key != "glue_thickness":
-        return np.full(frequencies.shape, np.nan)
-    cross = section(Piece("bimorph", b.length), device, beam, lossy=True)
+    """Largest stress over height and faces (n,), Pa per volt of the drive.
+
+    From the tip's motion down, element by element, through whatever lies above the ceramic's lower
+    edge.
+    """
+    row = _down_to_the_ceramic(device, beam)
     omega = 2.0 * np.pi * frequencies
-    known = np.flatnonzero(wavenumbers(cross, b.length, omega)[1] < _DECAY)
-    modulus = (1.0 + 1j / device.piezo.quality_factor) / device.piezo.s11
+    decay = sum(
+        (wavenumbers(one.section, one.length, omega)[1] for one in row), np.zeros(omega.size)
+    )
+    known = np.flatnonzero(decay < _DECAY)
     tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
     effort = -(tip_matrix(ends.tip, frequencies) @ tip[:, :, None])[:, :, 0]
-    arm = b.shim_thickness + 2.0 * b.glue_thickness + b.piezo_thickness
-    blocked = cross.K * layer / (b.width * arm * b.piezo_thickness)
-    faces = np.array([0.5 * b.thickness, 0.5 * b.thickness - b.piezo_thickness])
-    lengths = (1.0 - _HEIGHTS[:, None]) * b.length
     largest = np.full(frequencies.shape, np.nan)
     for first in range(0, known.size, _AT_ONCE):
         at = known[first : first + _AT_ONCE]
-        above = dynamic_stiffness(cross, lengths, omega[at])
-        curvature = (_moment(above, tip[at], effort[at], layer) + cross.K * layer) / cross.EI
-        stress = np.abs(modulus * faces[:, None, None] * curvature - blocked)
-        largest[at] = stress.max(axis=(0, 1))
+        motion, on_top, found = tip[at], effort[at], np.zeros(at.size)
+        for one in row:
+            part = dynamic_stiffness(one.section, one.length, omega[at])
+            motion, on_top = _below(part, motion, on_top, layer)
+            for per_curvature, per_volt in one.stresses:
+                curvature = (on_top[:, 1] + one.section.K * layer) / one.section.EI
+                found = np.maximum(found, np.abs(per_curvature * curvature + per_volt * layer))
+        largest[at] = found
     return largest
 
 
-def _moment(above: Complex, tip: Complex, effort: Complex, voltage: float) -> Complex:
-    """Bending moment (..., n) at a height, from the part above it.
+class _Part(NamedTuple):
+    """An element of the row above the ceramic's lower edge."""
+
+    section: Section
+    length: float
+    #: Stress per curvature (Pa m) and per volt (Pa/V) at each face of its ceramics
+    stresses: list[tuple[complex, complex]]
+
+
+def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Part]:
+    """Elements from the tip down to the ceramic's lower edge."""
+    pieces = list(beam_pieces(device, Support(kind="clamped")))
+    while pieces[0].section != "bimorph":
+        pieces.pop(0)
+    parts = []
+    for piece in pieces[::-1]:
+        number = max(1, math.ceil(_HEIGHTS * piece.length / device.bimorph.length))
+        for share in (np.arange(number)[::-1] + 0.5) / number:
+            of = section(piece, device, beam, lossy=True, share=float(share))
+            stresses = []
+            if piece.section == "bimorph":
+                stresses = ceramic_stresses(stack(piece, device, float(share)))
+            parts.append(_Part(of, piece.length / number, stresses))
+    return parts
+
+
+def _below(part: Complex, top: Complex, effort: Complex, voltage: float) -> tuple[Complex, Complex]:
+    """Motion below a part, and what the part exerts there on what is below it.
 
     Parameters
     ----------
-    above : (..., n, 5, 5) complex
+    part : (n, 5, 5) complex
         Dynamic stiffness of that part alone.
-    tip : (n, 2) complex
-        w and ψ of the tip.
+    top : (n, 2) complex
+        w and ψ above it.
     effort : (n, 2) complex
-        Force and moment on the tip.
+        Force and moment that act on it there.
     """
-    to_tip, to_base = above[..., 2:4, 2:4], above[..., 2:4, 0:2]
-    rest = effort - np.einsum("...ij,...j->...i", to_tip, tip) - above[..., 2:4, 4] * voltage
+    to_top, to_base = part[..., 2:4, 2:4], part[..., 2:4, 0:2]
+    rest = effort - np.einsum("...ij,...j->...i", to_top, top) - part[..., 2:4, 4] * voltage
     base = np.linalg.solve(to_base, rest[..., None])[..., 0]
-    on_base = np.einsum("...j,...j->...", above[..., 1, 0:2], base)
-    on_base += np.einsum("...j,...j->...", above[..., 1, 2:4], tip) + above[..., 1, 4] * voltage
-    return np.asarray(-on_base)
+    on_base = np.einsum("...ij,...j->...i", part[..., 0:2, 0:2], base)
+    on_base += np.einsum("...ij,...j->...i", part[..., 0:2, 2:4], top) + part[..., 0:2, 4] * voltage
+    return base, -on_base
 
 
 #: Stations along a row, about.

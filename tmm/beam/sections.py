@@ -125,6 +125,31 @@ def _stacked(layers: list[StackLayer], width: Constant, beam: Beam, *, lossy: bo
     )
 
 
+def ceramic_stresses(layers: list[StackLayer]) -> list[tuple[Constant, Constant]]:
+    """Axial stress at both faces of each ceramic: per curvature ψ' (Pa m) and per volt (Pa/V).
+
+    With losses, no axial force on the whole.
+    """
+    s = _Sums()
+    for layer in layers:
+        _add(s, layer, lossy=True)
+    axis, stretch = s.B / s.A, s.n / s.A
+    found = []
+    for layer in layers:
+        if not isinstance(layer.material, Piezo):
+            continue
+        own = _Sums()  # of this layer alone, its width being the bimorph's
+        _add(own, replace(layer, share=1.0), lossy=True)
+        young, _ = _moduli(layer.material, lossy=True)
+        t, middle = layer.thickness, 0.5 * (layer.low + layer.high)
+        # of a face without charge the mean strain raises a voltage, which stiffens
+        stiffer = own.A / t - young
+        for face in (layer.low, layer.high):
+            per_curvature = young * (face - axis) + stiffer * (middle - axis)
+            found.append((per_curvature, (young + stiffer) * stretch - own.n / t))
+    return found
+
+
 def _add(s: _Sums, layer: StackLayer, *, lossy: bool) -> None:
     """Add one layer; its integrals count as its width beside the bimorph's."""
     t, of, wide = layer.thickness, layer.material, layer.share

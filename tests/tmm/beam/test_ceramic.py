@@ -53,7 +53,7 @@ def test_the_moment_at_the_root_is_the_clamp_s(tip):
     response = respond(load_tip(port, tip), held)
     moved = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
     effort = -(tip_matrix(tip, FREQUENCIES) @ moved[:, :, None])[:, :, 0]
-    found = ceramic._moment(port.stiffness, moved, effort, 1.0)
+    found = ceramic._below(port.stiffness, moved, effort, 1.0)[1][:, 1]
     # at 1 Hz the moment is what is left of K U, 1e-6 N m, to its rounding
     np.testing.assert_allclose(found, -response.effort["psi_base"], rtol=1e-9, atol=1e-19)
 
@@ -81,10 +81,44 @@ def test_series_wiring_halves_field_and_stress():
     assert half.field == pytest.approx(0.5 * one.field)
 
 
-def test_layers_that_are_not_plain_have_no_stress():
-    """Unknown, not zero."""
-    bare = DEVICE.model_copy(update={"bimorph": Bimorph(bare_below=1e-3)})
-    assert np.isnan(driven(Ends(), device=bare).stress).all()
+def other(**keys):
+    return DEVICE.model_copy(update={"bimorph": Bimorph(**keys)})
+
+
+@pytest.mark.parametrize(
+    ("same", "relative"),
+    [
+        # the same bimorph in other words
+        ({"width_profile": ((0.0, 2.1e-3), (20e-3, 2.1e-3))}, 1e-9),
+        ({"layers": "piezo 0.26 mm -x; CFRP 0.25 mm; piezo 0.26 mm -x"}, 1e-9),
+        # a hair more of it
+        ({"tip_extension": 1e-9}, 1e-5),
+        ({"bare_above": 1e-9}, 1e-5),
+    ],
+)
+def test_the_same_ceramic_in_other_words_has_the_same_stress(same, relative):
+    """Tapers, listed layers, a tip extension and bare ends are values of one row."""
+    np.testing.assert_allclose(
+        driven(Ends(), device=other(**same)).stress, driven(Ends()).stress, rtol=relative
+    )
+
+
+def test_a_taper_has_its_force_s_moment_over_its_section():
+    """A wedge in plan under a force at its tip at rest: F z / W is the same at all heights."""
+    device = other(width_profile=((0.0, 4e-3), (20e-3, 1e-6)), poling="+x")
+    root = section(Piece("bimorph", 20e-3), other(width=4e-3), BEAM, lossy=True)
+    row = ceramic._down_to_the_ceramic(device, BEAM)
+    force, stress = 1e-3, []
+    motion, on_top = np.zeros((1, 2), complex), np.array([[force, 0.0]], complex)
+    for part in row:
+        matrix = ceramic.dynamic_stiffness(part.section, part.length, np.zeros(1))
+        motion, on_top = ceramic._below(matrix, motion, on_top, 0.0)
+        (per_curvature, _) = part.stresses[-1]
+        stress.append(abs(on_top[0, 1] / part.section.EI * per_curvature))
+    expected = force * 20e-3 * abs(row[0].stresses[-1][0] / root.EI)
+    # a slice's moment is taken at its lower end, its width in its middle
+    assert stress[-1] == pytest.approx(expected, rel=0.03)
+    assert stress[4] == pytest.approx(expected, rel=0.15)
 
 
 def test_stress_is_unknown_where_waves_die_out_along_the_ceramic():
@@ -105,6 +139,6 @@ def test_digits_hold_up_to_where_it_is_unknown():
     port = multiport(long, Support(kind="clamped"), BEAM, at)
     response = respond(port, {"w_base": 0.0, "psi_base": 0.0, "voltage": 1.0})
     tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
-    found = ceramic._moment(port.stiffness, tip, np.zeros((1, 2)), 1.0)
+    found = ceramic._below(port.stiffness, tip, np.zeros((1, 2)), 1.0)[1][:, 1]
     # e^20 of rounding
     np.testing.assert_allclose(found, -response.effort["psi_base"], rtol=1e-6)

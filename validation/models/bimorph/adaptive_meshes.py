@@ -125,6 +125,11 @@ class AdaptedPair(MeshPair):
         ratio = max(self.fine.system.size / self.coarse.system.size, 1.0 + LEAST_GAIN)
         return bending, max(bending, two_mesh_factor(ratio ** (1.0 / 3.0), _ORDER_OF_OTHERS))
 
+    @property
+    def bending_errors(self) -> tuple[float, ...]:
+        """Estimates of the goals that are frequencies."""
+        return tuple(abs(self.fine.goals[name].error) for name in self._bending)
+
     def estimate(self, which: int) -> Estimate:
         """Estimate of natural frequencies by cubics."""
         from tactgen.fem.piezo.tetrahedra_error import mode_errors

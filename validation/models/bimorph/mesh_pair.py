@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -78,6 +78,11 @@ class MeshPair(ABC):
         """Error per difference of frequencies: bending in x, modes without an estimate."""
         return self.static_factor, self.static_factor
 
+    @property
+    def bending_errors(self) -> tuple[float, ...]:
+        """Estimated relative errors of the lowest frequencies of bending in x, base clamped."""
+        return ()
+
     def estimate(self, which: int) -> Estimate | None:
         """Estimate of natural frequencies on the finer (0) or coarser mesh (1), if there is one."""
         return None
@@ -104,6 +109,7 @@ class SolidModes:
     static_share: float  #: Relative error that static quantities count with at least
     #: (float, float) The same of frequencies, see :class:`MeshPair`
     mode_factors: tuple[float, float]
+    bending_errors: tuple[float, ...]  #: Estimates of the lowest that bend in x, or none
     method: str  #: How the error bars come about
 
     def stiffened(self, ends: Ends, count: int) -> tuple[Floats, Floats]:
@@ -233,11 +239,21 @@ class TwoMeshModel(BimorphModel):
         # in one class of motion with the goals, which are its lowest modes
         with_goals = np.array([mode.motion == "bending_x" for mode in found])
         factors = np.where(with_goals, bending, by_gain)
+        # two meshes may agree by chance, and then the estimate is the bar
+        apart = factors * np.abs(1.0 - coarse.frequencies / fine.frequencies)
+        estimates = self._estimates(found)
+        rounding += np.maximum(estimates - np.where(np.isnan(apart), np.inf, apart), 0.0)
         coarser = tuple(
             (set_apart(fine, other, factors), 1.0) for other in (coarse, moved(fine, least))
         )
         coarser += ((Modes(stiffer, fine.classes), modal.static_factor),)
         return Refined(fine, coarser, modal.method, rounding)
+
+    def _estimates(self, found: Sequence[BareMode]) -> Floats:
+        """Estimated relative error (n,) of each mode, of bending in x that with a clamped base."""
+        errors = iter(self._modal().bending_errors)
+        of_goals = (next(errors, 0.0) if m.kind == "bending_x" else m.estimate for m in found)
+        return np.array(list(of_goals))
 
     def _modal_masses(self, fine: Modes) -> Floats:
         """Modal masses (n,) in kg of unit displacement where a mode moves most.
@@ -298,6 +314,7 @@ class TwoMeshModel(BimorphModel):
                 static_factor=pair.static_factor,
                 static_share=pair.static_share,
                 mode_factors=pair.mode_factors,
+                bending_errors=pair.bending_errors,
                 method=pair.method,
             )
 
