@@ -79,7 +79,7 @@ class Bimorph(Parameters):
         UNIFORM,
         "assumed: uniform",
         "width along the ceramic: uniform, or 0 mm: 2.1 mm, 20 mm: 1 mm; then width is "
-        "that of the tab",
+        "that of the tab and of the tip extension",
     )
     piezo_thickness_profile: LengthProfile = field(
         UNIFORM, "assumed: uniform", "thickness of one piezo layer along the ceramic"

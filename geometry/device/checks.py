@@ -235,16 +235,22 @@ def check_boxes(device: Device, *, on_rod: bool) -> None:
     """
     key = beyond_plain_layers(device.bimorph, any_parts=not on_rod)
     if key in device.bimorph.profiles:
-        where = "on a rod, or with listed layers" if on_rod or device.bimorph.layers else "in steps"
+        of = f'bimorph.{key} = "{device.bimorph.profiles[key]}"'
+        what = (
+            f'{of} with support.kind = "rod"' if on_rod
+            else f"{of} with bimorph.layers" if device.bimorph.layers
+            else f"{of}, whose thickness has a step,"
+        )  # fmt: skip
         raise InputError(
-            f"bimorph.{key} {where} is not in the CAD parts and so not in the model cad; ask for "
+            f"{what} is not in the CAD parts and so not in the model cad; ask for "
             f"models=lumped,tmm,beam, or leave out bimorph.{key}"
         )
     if key:
+        also = "" if on_rod or device.bimorph.profiles else ",solid"
         raise InputError(
             f"bimorph.{key} is not in the CAD parts and their tetrahedra (layers with electrodes "
-            f"all over) and so not in the model cad; ask for models=lumped,tmm,beam, on a support "
-            f'other than "rod" also solid, or leave bimorph.{key} out'
+            f"all over) and so not in the model cad; ask for models=lumped,tmm,beam{also}, or "
+            f"leave bimorph.{key} out"
         )
 
 
@@ -279,7 +285,8 @@ def check_constant_section(device: Device) -> None:
     if device.bimorph.profiles:
         key = next(iter(device.bimorph.profiles))
         raise InputError(
-            f"bimorph.{key} is not known to the model solid, whose bricks are of constant size; "
+            f'bimorph.{key} = "{device.bimorph.profiles[key]}" is not known to the model solid, '
+            "whose bricks are of constant size; "
             f"ask for models=lumped,tmm,beam,cad or leave out bimorph.{key}"
         )
 

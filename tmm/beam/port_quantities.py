@@ -7,20 +7,22 @@ natural frequency and the resonance peak.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
-from tactgen.geometry.bimorph.segments import CentreLine, beam_pieces, stack
+from tactgen.geometry.bimorph.segments import CentreLine, Piece, beam_pieces, stack
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.modes import Row, bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, Values, terminated, tip_response
 from tactgen.tmm.beam.scattering import Element, element_stiffness
 from tactgen.tmm.beam.sections import Section, ceramic_stresses, section
-from tactgen.tmm.beam.span import dynamic_stiffness, wavenumbers
+from tactgen.tmm.beam.span import wavenumbers
+from tactgen.tmm.beam.transfer_matrix import elements
 from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
 from tactgen.tmm.ports.excitation import ELECTRICAL
 from tactgen.tmm.ports.multiport import Response, hold, symmetric_form
@@ -168,9 +170,8 @@ def _stress(
     """
     row = _down_to_the_ceramic(device, beam)
     omega = 2.0 * np.pi * frequencies
-    decay = sum(
-        (wavenumbers(one.section, one.length, omega)[1] for one in row), np.zeros(omega.size)
-    )
+    beams = [(of, length) for one in row for of, length in one.beams if isinstance(of, Section)]
+    decay = sum((wavenumbers(*beam, omega)[1] for beam in beams), np.zeros(omega.size))
     known = np.flatnonzero(decay < _DECAY)
     tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
     effort = -(tip_matrix(ends.tip, frequencies) @ tip[:, :, None])[:, :, 0]
@@ -179,8 +180,9 @@ def _stress(
         at = known[first : first + _AT_ONCE]
         motion, on_top, found = tip[at], effort[at], np.zeros(at.size)
         for one in row:
-            part = dynamic_stiffness(one.section, one.length, omega[at])
-            motion, on_top = _below(part, motion, on_top, layer)
+            for element, length in one.beams[::-1]:
+                part = element_stiffness(element, length, omega[at])
+                motion, on_top = _below(part, motion, on_top, layer)
             for per_curvature, per_volt in one.stresses:
                 curvature = (on_top[:, 1] + one.section.K * layer) / one.section.EI
                 found = np.maximum(found, np.abs(per_curvature * curvature + per_volt * layer))
@@ -189,10 +191,10 @@ def _stress(
 
 
 class _Part(NamedTuple):
-    """An element of the row above the ceramic's lower edge."""
+    """A slice of the row above the ceramic's lower edge."""
 
-    section: Section
-    length: float
+    beams: list[Element]  #: From its lower end to its upper one; none at the ceramic's upper end
+    section: Section  #: At its lower end
     #: Stress per curvature (Pa m) and per volt (Pa/V) at each face of its ceramics
     stresses: list[tuple[complex, complex]]
 
@@ -202,16 +204,27 @@ def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Part]:
     pieces = list(beam_pieces(device, Support(kind="clamped")))
     while pieces[0].section != "bimorph":
         pieces.pop(0)
-    parts = []
+    parts: list[_Part] = []
     for piece in pieces[::-1]:
         number = max(1, math.ceil(_HEIGHTS * piece.length / device.bimorph.length))
-        for share in (np.arange(number)[::-1] + 0.5) / number:
-            of = section(piece, device, beam, lossy=True, share=float(share))
-            stresses = []
-            if piece.section == "bimorph":
-                stresses = ceramic_stresses(stack(piece, device, float(share)))
-            parts.append(_Part(of, piece.length / number, stresses))
+        shares = np.linspace(0.0, 1.0, number + 1).tolist()
+        for low, high in reversed(list(pairwise(shares))):
+            ends = (piece.layers(device.bimorph, low), piece.layers(device.bimorph, high))
+            length = (high - low) * piece.length
+            cut_out = replace(piece, length=length, ends=ends if piece.ends else None)
+            beams = elements(cut_out, device, beam, lossy=True, segments=1)
+            # without a taper the upper end is strained as what is next to it
+            if piece.tapered and not any(part.stresses for part in parts):
+                parts.append(_at(piece, device, beam, high, []))
+            parts.append(_at(piece, device, beam, low, beams))
     return parts
+
+
+def _at(piece: Piece, device: Device, beam: Beam, share: float, beams: list[Element]) -> _Part:
+    """Slice whose lower end is at a share of a piece."""
+    of = section(piece, device, beam, lossy=True, share=share)
+    ceramic = piece.section == "bimorph"
+    return _Part(beams, of, ceramic_stresses(stack(piece, device, share)) if ceramic else [])
 
 
 def _below(part: Complex, top: Complex, effort: Complex, voltage: float) -> tuple[Complex, Complex]:

@@ -209,12 +209,13 @@ def voltage_limits(driven: DrivenCeramic, limits: Limits) -> Floats:
     """
     share = limits.amplifier_current / limits.amplifier_channels
     with np.errstate(divide="ignore"):
+        strength = limits.ceramic_strength / np.abs(driven.stress)
         found = np.broadcast_arrays(
-            limits.ceramic_strength / np.abs(driven.stress),
+            np.where(np.isnan(strength), np.inf, strength),
             limits.depoling_field / driven.field,
             np.abs(share) / driven.current,
         )
-    return np.asarray(np.where(np.isnan(found), np.inf, found))
+    return np.asarray(found)
 
 
 #: Largest plausible magnitude of any measured curve (SI).

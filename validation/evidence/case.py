@@ -74,6 +74,9 @@ class Outcome:
     def is_no_evidence(self) -> bool:
         """Whether a trivial model passes as well."""
         low, high = self.check.ends
+        if self.half:  # granted a band of the same relative width
+            half = abs(self.null * self.half / self.measured)
+            return self.null - half < high and low < self.null + half
         if low < high:  # on a limit, as of "more than 1", it does not
             return low < self.null < high
         return abs(_deviation(self.null, self.check.ends)) <= self.check.tolerance
@@ -97,7 +100,10 @@ class Outcome:
             what = f"{self.check.null.words} gives {engineering(self.null, self.check.unit)}"
             off = _deviation(self.null, self.check.ends)
             missed = f"misses by {percent(off, 0)}" if off else "is on the limit"
-            verdict = "passes, so that this row is no evidence" if self.is_no_evidence else missed
+            passes = "passes with a band as wide" if self.half else "passes"
+            verdict = (
+                f"{passes}, so that this row is no evidence" if self.is_no_evidence else missed
+            )
             found.append(f"Trivial model: {what}, which {verdict}.")
         limits = [end for end in (low, high) if low < high and end]
         if self.status == "pass" and limits:

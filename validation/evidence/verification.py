@@ -163,7 +163,8 @@ def verify(
 def _bar(group: str, case: Case, check: Check, measured: Division) -> Estimate | None:
     """Row's bar; None where nothing is divided, and of a row that is an error itself."""
     if math.isfinite(measured.error):
-        return Estimate(measured.value, measured.error, "the model's own")
+        method = "what is unknown of the device" if check.band else "the model's own"
+        return Estimate(measured.value, measured.error, method)
     if measured.kind is None or case.refinement is not None:
         return None
     other = next_division(group, case, check)

@@ -124,7 +124,7 @@ class Scene(p.Device):
     models: tuple[str, ...] = Field(
         default_factory=lambda: tuple(m for m in models_of("bimorph") if m in WITNESSES),
         description="models to solve; by default all of the bimorph's that apply, without cad for "
-        "listed layers and a tip extension, which takes a minute",
+        "listed layers, profiles and a tip extension, which takes a minute",
     )
     quantities: tuple[str, ...] = Field(
         default_factory=lambda known: _usual_quantities(known.get("models", ())),

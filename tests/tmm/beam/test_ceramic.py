@@ -111,14 +111,14 @@ def test_a_taper_has_its_force_s_moment_over_its_section():
     force, stress = 1e-3, []
     motion, on_top = np.zeros((1, 2), complex), np.array([[force, 0.0]], complex)
     for part in row:
-        matrix = ceramic.dynamic_stiffness(part.section, part.length, np.zeros(1))
-        motion, on_top = ceramic._below(matrix, motion, on_top, 0.0)
+        for element, length in part.beams[::-1]:
+            matrix = ceramic.element_stiffness(element, length, np.zeros(1))
+            motion, on_top = ceramic._below(matrix, motion, on_top, 0.0)
         (per_curvature, _) = part.stresses[-1]
         stress.append(abs(on_top[0, 1] / part.section.EI * per_curvature))
     expected = force * 20e-3 * abs(row[0].stresses[-1][0] / root.EI)
-    # a slice's moment is taken at its lower end, its width in its middle
-    assert stress[-1] == pytest.approx(expected, rel=0.03)
-    assert stress[4] == pytest.approx(expected, rel=0.15)
+    # the micron at the tip is 0.5 % of the width of the highest slice
+    np.testing.assert_allclose(stress[1:], expected, rtol=6e-3)
 
 
 def test_stress_is_unknown_where_waves_die_out_along_the_ceramic():

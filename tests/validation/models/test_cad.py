@@ -173,7 +173,7 @@ def test_files_get_the_whole_body():
             "j1",
             "bimorph.shim_thickness_profile=0mm:1mm,9mm:1mm,9mm:2mm,20mm:2mm",
             "cad",
-            ("shim_thickness_profile in steps", "beam"),
+            ("shim_thickness_profile", "has a step", "beam"),
         ),
     ],
 )

@@ -198,7 +198,7 @@ def _show(
         statistics_lines,
     )
 
-    warnings, statistics = study.warnings, sample_statistics(study)
+    warnings, statistics = (*study.without_effect, *study.warnings), sample_statistics(study)
     warn(warnings[:_WARNINGS])
     if len(warnings) > _WARNINGS:
         warn([f"{len(warnings) - _WARNINGS} more kinds of warnings"

@@ -183,7 +183,7 @@ def _bender(sheet: _Sheet, bender: _Bender) -> Device:
         *_ceramic(),
         _share("capacitance", sheet.capacitance_by, "data sheet"),
         Unknown("electrodes", 1.0, bender.length / bender.free, "1",
-                "length of the electrodes over the free one: that to all of it", 1.0),
+                "their length over the free length; at most the whole bender", 1.0),
         Unknown("d31 at the full voltage", 1.0, 1.8, "1",
                 "over that of small signals, assumed: a soft ceramic at 1 kV/mm", 1.4),
     )  # fmt: skip
@@ -307,7 +307,10 @@ def _ranges(device: Device) -> str:
     """Sentence on what is unknown of a device."""
     each = (f"{u.name} {u.low:.4g} to {u.high:.4g} {u.unit.strip('1')}".rstrip() + f" ({u.reason})"
             for u in device.unknowns)  # fmt: skip
-    return f"Unknown, of {device.name}, as factors where there is no unit: {'; '.join(each)}."
+    return (
+        "What its source leaves open lies anywhere in a range, of each device its own.  Of "
+        f"{device.name}, factors where there is no unit: {'; '.join(each)}."
+    )
 
 
 _WHY = (

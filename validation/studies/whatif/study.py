@@ -7,12 +7,15 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import check_models, make_plan, stage_prospects, total
 from tactgen.validation.engine.surrogate import Ranges, Surrogate
 from tactgen.validation.scene.files import choices
+from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.scene.variation import ScenesNearby
 from tactgen.validation.studies.whatif.axes import as_stated, shown_point
@@ -74,6 +77,27 @@ class Study:
                     found.setdefault(_NUMBER.sub("#", text), []).append((text, number, model))
         return tuple(map(self._grouped, found.values()))
 
+    @property
+    def without_effect(self) -> Iterator[str]:
+        """Sentence on each dimension along which no answer changes at any point."""
+        shape = self.statement.shape
+        number = np.arange(len(self.points)).reshape(*shape.values())
+        for along, name in enumerate(shape):
+            first = np.broadcast_to(number.take([0], axis=along), number.shape)
+            pairs = zip(number.ravel().tolist(), first.ravel().tolist(), strict=True)
+            if shape[name] > 1 and all(_alike(self.answers[i], self.answers[j]) for i, j in pairs):
+                of = [key for key, (dim, _) in self.statement.columns.items() if dim == name]
+                why = list(filter(None, (self._idle(key) for key in of)))
+                yield f"{' and '.join(of)} changed no answer" + (
+                    f": {'; '.join(why)}" if why else ""
+                )
+
+    def _idle(self, key: str) -> str:
+        try:
+            return idle(checked_scene(self.statement.scene_at(self.points[0])), key)
+        except InputError:
+            return ""
+
     def _grouped(self, said: Sequence[_Said]) -> str:
         """Worst of sentences that differ in their numbers, with how often they are said."""
         points, models = (dict.fromkeys(of) for of in list(zip(*said, strict=True))[1:])
@@ -82,6 +106,18 @@ class Study:
             said = sorted(said, key=lambda each: _severity(each[0]))
             head += f", worst by {said[-1][2]} at {shown_point(self.points[said[-1][1]])}"
         return f"{head}: {said[-1][0]}"
+
+
+def _alike(one: Mapping[str, Answer], other: Mapping[str, Answer]) -> bool:
+    """Whether two points have the same answers, all of them values."""
+    return all(
+        answer.status == other[model].status == "ok"
+        and all(
+            np.array_equal(q.value, r.value, equal_nan=True)
+            for q, r in zip(answer.quantities, other[model].quantities, strict=True)
+        )
+        for model, answer in one.items()
+    )
 
 
 def _severity(text: str) -> list[float]:

@@ -355,3 +355,14 @@ def test_of_wide_beams_the_widest_is_the_worst():
     (each,) = zip(*said, strict=True)
     (found,) = told(*(text for text in each for _ in ("tmm", "lumped")), points=len(widths))
     assert found.endswith(f"at gap = 0.2 mm: {each[widths.index(40)]}")
+
+
+def test_an_axis_that_changes_nothing_is_named_with_its_reason():
+    """A width beside its profile, a coil of a bimorph; a length is none."""
+    profile = {"bimorph": {"width_profile": "0 mm: 4 mm, 20 mm: 1 mm"}}
+    axes = ("bimorph.width=2mm,3mm", "coil.turns=100,200", "piezo.d31=-200 pC/N,-300 pC/N")
+    asked = Statement("prototype", {**profile}, axes, ("tmm",), ("static_tip_displacement",))
+    found = run_study(asked).without_effect
+    assert [sentence.partition(" changed no answer: ")[0] for sentence in found] == [
+        "bimorph.width", "coil.turns",
+    ]  # fmt: skip
