@@ -153,7 +153,7 @@ def _list(names: list[str]) -> str:
 def _why_not(stage: str, models: Sequence[str]) -> str:
     model, _, own = stage.partition(".")
     if model not in models:
-        return f"model {model} is not asked for"
+        return f"model {model} is not among the models"
     needs = [NEEDS[n][1] for n, stages in MODELS[model].gives.items() if own in stages]
     return f"no quantity that is wanted needs {' or '.join(needs)}"
 

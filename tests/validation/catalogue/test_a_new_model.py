@@ -86,7 +86,7 @@ def test_solve_and_plan_take_it(capsys):
     assert main(["solve", "--help"]) == 0
     assert "slender beam on a clamp" in capsys.readouterr().out
     assert main(["plan", "paper", "--set", "models=tmm"]) == 0
-    assert "model rayleigh is not asked for" in capsys.readouterr().out
+    assert "model rayleigh is not among the models" in capsys.readouterr().out
 
 
 def test_its_stage_reads_what_its_row_says():

@@ -21,9 +21,9 @@ def test_only_what_is_needed_runs():
     plan = make_plan(scene, ("tmm",), ("capacitance_free",))
     assert [s.stage for s in plan.run] == ["tmm.static"]
     skipped = plan.skipped
-    assert skipped["solid.mesh"] == "model solid is not asked for"
+    assert skipped["solid.mesh"] == "model solid is not among the models"
     assert "static" not in skipped["tmm.modes"]
-    assert skipped["network.map"] == "model network is not asked for"
+    assert skipped["network.map"] == "model network is not among the models"
 
 
 def test_quantity_without_a_model_is_refused():

@@ -113,13 +113,13 @@ def _print_checks(rows: list[Verified]) -> None:
     from tactgen.geometry.formats import engineering, percent
     from tactgen.validation.evidence.verification import VERDICTS
 
-    print(f"{'id':9} {'verdict':10} {'measured':>14} {'deviation':>12}  requirement")
+    print(f"{'id':9} {'verdict':10} {'computed':>14} {'deviation':>12}  requirement")
     for row in rows:
         check, found = row.check, row.outcome
         measured = "-" if found is None else engineering(found.measured, check.unit)
         deviation = "-" if found is None else percent(found.deviation)
         print(f"{check.id:9} {row.verdict:10} {measured:>14} {deviation:>12}  {check.requirement}")
-        if row.bar is not None and row.verdict == "explained":
+        if row.bar is not None and row.verdict == "explained" and not check.band:
             covers = "covers" if row.covered_by else "does not cover"
             bar = engineering(row.bar.error, check.unit)
             print(f"{'':20} its bar of ± {bar} {covers} the reference")
