@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -71,9 +71,29 @@ def _profile(scene: Scene, key: str) -> str:
     profile = f"{key}_profile"
     if profile.removeprefix("bimorph.") not in scene.bimorph.profiles:
         return ""
-    # the tab below the ceramic has its width and shim
-    of_tab = key != "bimorph.piezo_thickness" and scene.bimorph.tab_length > 0.0
-    return "" if of_tab else profile
+    return "" if key != "bimorph.piezo_thickness" and _bare_shim(scene) else profile
+
+
+def _bare_shim(scene: Scene) -> str:
+    """Key of a length of bare shim, which has the width and the shim that no profile gives."""
+    lengths = ("bimorph.tab_length", "bimorph.tip_extension")
+    return next((key for key in lengths if value_of(scene, key)), "")
+
+
+def _width_of_bare_shim(scene: Scene, origins: Mapping[str, str]) -> Iterator[str]:
+    """Yield what the bare shim is like beside a profile if the scene does not say so."""
+    bare = _bare_shim(scene)
+    for key in ("bimorph.width", "bimorph.shim_thickness"):
+        profile = f"{key}_profile"
+        if (
+            bare
+            and key not in origins
+            and profile.removeprefix("bimorph.") in scene.bimorph.profiles
+        ):
+            yield (
+                f"{key} = {_text(scene, key)} is that of the bare shim ({bare}), and not stated "
+                f"beside {profile}; set {key}"
+            )
 
 
 def _own_keys(scene: Scene, entries: Iterable[str]) -> dict[str, None]:
@@ -195,6 +215,7 @@ def scene_warnings(
         found.append(_idle(scene, key, quantities, asked=origin == ON_COMMAND_LINE))
     stated = [key for key in origins if key in scene_keys()]
     found += [*unusual_values(scene, stated), no_solid(scene), _no_bending(scene)]
+    found += _width_of_bare_shim(scene, origins)
     load = scene.load
     if load.kind == "mass" and load.mass == 0.0:
         found.append('load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass')

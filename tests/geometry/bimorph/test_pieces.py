@@ -126,7 +126,16 @@ def test_a_constant_that_a_profile_replaces_is_said_to_be_idle():
     assert (
         "has no effect with bimorph.width_profile" in scene_warnings(*load_scene("paper", both))[0]
     )
-    assert not scene_warnings(*load_scene("paper", [*both, "bimorph.tab_length=1 mm"]))
+    for bare in ("bimorph.tab_length=1 mm", "bimorph.tip_extension=1 mm"):
+        assert not scene_warnings(*load_scene("paper", [*both, bare]))
+
+
+@pytest.mark.parametrize("bare", ["tab_length", "tip_extension"])
+def test_the_width_of_bare_shim_that_nobody_stated_is_said(bare):
+    """Beside a profile the tab would silently be as wide as the paper's."""
+    stated = [f"bimorph.{ODD[0]}", f"bimorph.{bare}=1 mm"]
+    (found,) = scene_warnings(*load_scene("j1", stated))
+    assert found.startswith(f"bimorph.width = 2.1 mm is that of the bare shim (bimorph.{bare})")
 
 
 def test_glue_between_layers_is_not_idle():
