@@ -174,7 +174,7 @@ def tetrahedralise(
         named = {name: _of_blocks(face, of_part) for name, face in named.items()}
     if 0 in options.mirrors:
         named = {name: face for name, face in named.items() if "bottom" not in name}
-    named |= {MIRRORS[i]: NamedFace(_plane(i, 0.0), tuple(parts)) for i in options.mirrors}
+    named |= {MIRRORS[i]: _face(i, 0.0, tuple(parts)) for i in options.mirrors}
     # from the tab's lower end to the ceramic's lower edge: where the bending begins
     root = (shim_base(device, standing) * MM, ceramic_base(device, standing) * MM)
     shape: tuple[object, ...] = (
@@ -234,41 +234,38 @@ def _named_faces(
     named = {}
     for region, side, sign in (("piezo_top", "top", 1.0), ("piezo_bottom", "bottom", -1.0)):
         if region in regions:
-            named[f"electrode_{side}_outer"] = NamedFace(_plane(0, sign * outer), (region,))
-            named[f"electrode_{side}_inner"] = NamedFace(_plane(0, sign * inner), (region,))
+            named[f"electrode_{side}_outer"] = _face(0, sign * outer, (region,))
+            named[f"electrode_{side}_inner"] = _face(0, sign * inner, (region,))
     layers = tuple(name for name in regions if name in BIMORPH)
     ceramic = ceramic_base(device, standing)
     if layers:
-        named["tip"] = NamedFace(_plane(2, (ceramic + b.length + b.tip_extension) * MM), layers)
+        named["tip"] = _face(2, (ceramic + b.length + b.tip_extension) * MM, layers)
         lowest = shim_base(device, standing) if "shim" in layers else ceramic
-        named["base"] = NamedFace(_plane(2, lowest * MM), layers)
+        named["base"] = _face(2, lowest * MM, layers)
     if "rod" in regions:
-        named["base"] = NamedFace(_plane(2, rod_base(device) * MM), ("rod",))
+        named["base"] = _face(2, rod_base(device) * MM, ("rod",))
     return named
 
 
 def _faces_of_layers(bimorph: Bimorph, regions: tuple[str, ...]) -> dict[str, NamedFace]:
     """The same of a bimorph alone whose layers are listed; those at the voltage are outer."""
     layers, x = bimorph.layers, -0.5 * bimorph.thickness
-    named = {
-        "base": NamedFace(_plane(2, 0.0), regions),
-        "tip": NamedFace(_plane(2, bimorph.height * MM), regions),
-    }
+    named = {"base": _face(2, 0.0, regions), "tip": _face(2, bimorph.height * MM, regions)}
     for number, layer in enumerate(layers):
         region = layers.region(number)
         for side, sign, at in (("lower", -1, x), ("upper", 1, x + layer.thickness)):
             if layer.is_ceramic and layer.electrodes != "bare" and region in regions:
                 kind = "outer" if layers.hot(number) == sign else "inner"
-                face = NamedFace(_plane(0, at * MM), (region,))
+                face = _face(0, at * MM, (region,))
                 named[f"electrode_{region}_{side}_{kind}"] = face
         x += layer.thickness
     return named
 
 
-def _plane(axis: int, offset: float) -> tuple[Plane]:
-    """Plane across an axis, equal to the one found in CAD."""
+def _face(axis: int, offset: float, regions: tuple[str, ...]) -> NamedFace:
+    """Face of some regions on a plane across an axis (mm)."""
     normal = (float(axis == 0), float(axis == 1), float(axis == 2))
-    return (Plane(normal, round(offset, 9) + 0.0),)
+    return NamedFace((Plane(normal, offset),), regions)
 
 
 def _faces_of_tapers(parts: dict[str, Part]) -> dict[str, NamedFace]:

@@ -102,8 +102,12 @@ def build_solids(
 
 def solid_of(part: Part) -> cq.Solid:
     """Solid of a part (mm)."""
-    makers = {Box: _box, Tapered: _tapered, Turned: _turned}
-    body: cq.Solid = makers[type(part.body)](part.body)  # type: ignore[operator]
+    if isinstance(part.body, Box):
+        body = _box(part.body)
+    elif isinstance(part.body, Tapered):
+        body = _tapered(part.body)
+    else:
+        body = _turned(part.body)
     if part.cut is None:
         return body
     return _only_solid(body.cut(_box(part.cut)))

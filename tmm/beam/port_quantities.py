@@ -190,7 +190,7 @@ def _stress(
     return largest
 
 
-class _Part(NamedTuple):
+class _Slice(NamedTuple):
     """A slice of the row above the ceramic's lower edge."""
 
     beams: list[Element]  #: From its lower end to its upper one; none at the ceramic's upper end
@@ -199,32 +199,34 @@ class _Part(NamedTuple):
     stresses: list[tuple[complex, complex]]
 
 
-def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Part]:
+def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Slice]:
     """Elements from the tip down to the ceramic's lower edge."""
     pieces = list(beam_pieces(device, Support(kind="clamped")))
     while pieces[0].section != "bimorph":
         pieces.pop(0)
-    parts: list[_Part] = []
+    parts: list[_Slice] = []
     for piece in pieces[::-1]:
         number = max(1, math.ceil(_HEIGHTS * piece.length / device.bimorph.length))
         shares = np.linspace(0.0, 1.0, number + 1).tolist()
         for low, high in reversed(list(pairwise(shares))):
             ends = (piece.layers(device.bimorph, low), piece.layers(device.bimorph, high))
             length = (high - low) * piece.length
-            cut_out = replace(piece, length=length, ends=ends if piece.ends else None)
-            beams = elements(cut_out, device, beam, lossy=True, segments=1)
+            within = replace(piece, length=length, ends=ends if piece.ends else None)
+            beams = elements(within, device, beam, lossy=True, segments=1)
             # without a taper the upper end is strained as what is next to it
             if piece.tapered and not any(part.stresses for part in parts):
-                parts.append(_at(piece, device, beam, high, []))
-            parts.append(_at(piece, device, beam, low, beams))
+                parts.append(_slice_from(piece, device, beam, high, []))
+            parts.append(_slice_from(piece, device, beam, low, beams))
     return parts
 
 
-def _at(piece: Piece, device: Device, beam: Beam, share: float, beams: list[Element]) -> _Part:
+def _slice_from(
+    piece: Piece, device: Device, beam: Beam, share: float, beams: list[Element]
+) -> _Slice:
     """Slice whose lower end is at a share of a piece."""
     of = section(piece, device, beam, lossy=True, share=share)
     ceramic = piece.section == "bimorph"
-    return _Part(beams, of, ceramic_stresses(stack(piece, device, share)) if ceramic else [])
+    return _Slice(beams, of, ceramic_stresses(stack(piece, device, share)) if ceramic else [])
 
 
 def _below(part: Complex, top: Complex, effort: Complex, voltage: float) -> tuple[Complex, Complex]:

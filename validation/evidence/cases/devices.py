@@ -57,7 +57,7 @@ def bands(device: Device) -> Floats:
 
 def _band(device: Device, number: int) -> Estimate:
     low, high = bands(device)[number]
-    return Estimate(0.5 * (low + high), 0.5 * (high - low), f"95 % of {_SAMPLES} samples")
+    return Estimate(0.5 * (low + high), 0.5 * (high - low))
 
 
 def _solved(settings: Iterable[str], model: str, *quantities: str) -> list[float]:
@@ -99,7 +99,6 @@ class _Sheet(NamedTuple):
     source: str
     ceramic: str
     volts: float  #: Amplitude about the middle electrode
-    clamped: float  #: m of the bender's length in the clamp; 0 where each states its free length
     height_by: tuple[float, str]  #: m either way, and why
     stroke_by: float
     force_by: float
@@ -121,23 +120,23 @@ class _Bender(NamedTuple):
     frequency: float
 
 
-_PI = _Sheet(
+_PICMA = _Sheet(
     "Physik Instrumente, PICMA Bender PL112 - PL140, data sheet of 31.07.2020", "PIC255", 30.0,
-    0.0, (0.1e-3, "data sheet: ± 0.1 mm"), 0.2, 0.2, 0.2, 0.2,
+    (0.1e-3, "data sheet: ± 0.1 mm"), 0.2, 0.2, 0.2, 0.2,
 )  # fmt: skip
-_NOLIAC = _Sheet(
+_CTS = _Sheet(
     "CTS, Bending Actuators - Plate Benders, data sheet RevC_0524", "NCE51", 100.0,
-    3.5, (0.05e-3, "assumed: half of what another maker states"), 0.15, 0.2, 0.15, 0.1,
+    (0.05e-3, "assumed: half of what another maker states"), 0.15, 0.2, 0.15, 0.1,
 )  # fmt: skip
 _SHEETS = {
-    _PI: (
+    _PICMA: (
         _Bender("PL112.10", 18.0, 12.0, 9.60, 0.67, 100.0, 2.1, 1.1, 1800.0),
         _Bender("PL122.10", 25.0, 22.0, 9.60, 0.67, 310.0, 1.25, 2.5, 600.0),
         _Bender("PL127.10", 31.0, 27.0, 9.60, 0.67, 450.0, 1.1, 3.4, 420.0),
         _Bender("PL128.10", 36.0, 28.0, 6.15, 0.67, 450.0, 0.55, 1.2, 360.0),
         _Bender("PL140.10", 45.0, 40.0, 11.0, 0.55, 1000.0, 0.5, 4.1, 160.0),
     ),
-    _NOLIAC: (
+    _CTS: (
         _Bender("NAC2221", 21.0, 17.5, 7.8, 0.7, 210.0, 1.5, 0.105, 920.0),
         _Bender("NAC2224", 32.0, 28.5, 7.8, 0.7, 530.0, 0.92, 0.170, 340.0),
         _Bender("NAC2225", 32.0, 28.5, 7.8, 1.3, 365.0, 3.4, 0.350, 620.0),
@@ -317,13 +316,13 @@ _WHY = (
     "the band and what was measured with its tolerance have a value in common; a tolerance that "
     "its source does not state is assumed"
 )
-#: What a clamp at the very end would take off NAC2225's resonance, whose band begins above what
-#: was measured.
-_ALL_FREE = 1.0 - (28.5 / 32.0) ** 2
+#: The one bender whose band of resonances begins above what was measured.
+_LOW = next(bender for bender in _SHEETS[_CTS] if bender.name == "NAC2225")
 _SOFT_CLAMP = (
-    "all six resonances of this maker are printed below their bands, and the assumed 10 % reach "
-    f"the others.  Were all of its 32 mm free, this one would be {100.0 * _ALL_FREE:.0f} % lower: "
-    "a clamp of 3.5 mm that gives way is enough, and the clamp is rigid here"
+    "all resonances of this maker are printed below their bands, and only the assumed "
+    f"{100.0 * _CTS.frequency_by:.0f} % reach the others.  Were all of its {_LOW.length:g} mm "
+    f"free, this one would be {100.0 * (1.0 - (_LOW.free / _LOW.length) ** 2):.0f} % lower: a clamp of "
+    f"{_LOW.length - _LOW.free:g} mm that gives way is enough, and the clamp is rigid here"
 )
 
 
@@ -355,6 +354,6 @@ CASES: tuple[Case, ...] = (
                                    (h for h in _HARVESTERS for _ in range(2)), strict=True)],
         model="models tmm and solid", tier="validation", reason=_WHY,
     ),
-    _family(_PI, "PICMA", {}),
-    _family(_NOLIAC, "CTSB", {"NAC2225: resonance.": (0.0122, _SOFT_CLAMP)}),
+    _family(_PICMA, "PICMA", {}),
+    _family(_CTS, "CTSB", {f"{_LOW.name}: resonance.": (0.0122, _SOFT_CLAMP)}),
 )  # fmt: skip
