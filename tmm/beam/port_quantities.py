@@ -7,25 +7,20 @@ natural frequency and the resonance peak.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
-from tactgen.geometry.bimorph.segments import CentreLine, Piece, beam_pieces, stack
-from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.bimorph.segments import CentreLine
 from tactgen.tmm.beam.modes import Row, bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, Values, terminated, tip_response
 from tactgen.tmm.beam.scattering import Element, element_stiffness
-from tactgen.tmm.beam.sections import Section, ceramic_stresses, section
-from tactgen.tmm.beam.span import wavenumbers
-from tactgen.tmm.beam.transfer_matrix import elements
+from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
 from tactgen.tmm.ports.excitation import ELECTRICAL
-from tactgen.tmm.ports.multiport import Response, hold, symmetric_form
+from tactgen.tmm.ports.multiport import hold, symmetric_form
 from tactgen.tmm.ports.readout import Readout
 
 
@@ -115,138 +110,6 @@ def resonance_peak(
         centre = trials[rows, best] + shift * (trials[:, 1] - trials[:, 0])
         reach /= _NARROWER
     return centre, np.abs(evaluate(actuator, read, values, centre))
-
-
-#: Heights at which the stress is looked for, along the ceramic from its root: a mode of order n
-#: has its largest curvature within a tenth of a wave of one of them up to n = 5.
-_HEIGHTS = 20
-#: Where bending waves decay by more than this exponent along the ceramic, its root cannot be told
-#: from its tip: e^20 leaves seven of sixteen digits.
-_DECAY = 20.0
-#: Frequencies at which all heights are worked out at once: some megabytes.
-_AT_ONCE = 500
-
-
-@dataclass(frozen=True)
-class DrivenCeramic:
-    """Per volt of the drive, peak amplitudes, (n,) over the frequencies."""
-
-    #: (n,) Largest axial stress along the ceramic, at the faces of its layers (Pa/V); nan where
-    #: bending waves die out along the ceramic
-    stress: Floats
-    field: float  #: Field in a layer (1/m)
-    current: Floats  #: (n,) Drawn by one bimorph (A/V)
-
-
-def driven_ceramic(
-    device: Device, beam: Beam, ends: Ends, frequencies: Floats, response: Response
-) -> DrivenCeramic:
-    """Stress state of the ceramic, from the tip's motion and the charge at 1 V.
-
-    Parameters
-    ----------
-    frequencies : (n,) float
-        Hz.
-    response : Response
-        Motions `w_tip`, `psi_tip` (m, rad) and effort `voltage` (C) of the terminated actuator.
-    """
-    bimorph = device.bimorph
-    layer = 0.5 if bimorph.wiring == "series" else 1.0
-    charge = response.effort["voltage"]
-    return DrivenCeramic(
-        stress=_stress(device, beam, ends, frequencies, response, layer),
-        field=layer / bimorph.thinnest_driven,
-        current=np.abs(2.0 * np.pi * frequencies * charge),
-    )
-
-
-def _stress(
-    device: Device, beam: Beam, ends: Ends, frequencies: Floats, response: Response, layer: float
-) -> Floats:
-    """Largest stress over height and faces (n,), Pa per volt of the drive.
-
-    From the tip's motion down, element by element, through whatever lies above the ceramic's lower
-    edge.
-    """
-    row = _down_to_the_ceramic(device, beam)
-    omega = 2.0 * np.pi * frequencies
-    beams = [(of, length) for one in row for of, length in one.beams if isinstance(of, Section)]
-    decay = sum((wavenumbers(*beam, omega)[1] for beam in beams), np.zeros(omega.size))
-    known = np.flatnonzero(decay < _DECAY)
-    tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
-    effort = -(tip_matrix(ends.tip, frequencies) @ tip[:, :, None])[:, :, 0]
-    largest = np.full(frequencies.shape, np.nan)
-    for first in range(0, known.size, _AT_ONCE):
-        at = known[first : first + _AT_ONCE]
-        motion, on_top, found = tip[at], effort[at], np.zeros(at.size)
-        for one in row:
-            for element, length in one.beams[::-1]:
-                part = element_stiffness(element, length, omega[at])
-                motion, on_top = _below(part, motion, on_top, layer)
-            for per_curvature, per_volt in one.stresses:
-                curvature = (on_top[:, 1] + one.section.K * layer) / one.section.EI
-                found = np.maximum(found, np.abs(per_curvature * curvature + per_volt * layer))
-        largest[at] = found
-    return largest
-
-
-class _Slice(NamedTuple):
-    """A slice of the row above the ceramic's lower edge."""
-
-    beams: list[Element]  #: From its lower end to its upper one; none at the ceramic's upper end
-    section: Section  #: At its lower end
-    #: Stress per curvature (Pa m) and per volt (Pa/V) at each face of its ceramics
-    stresses: list[tuple[complex, complex]]
-
-
-def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Slice]:
-    """Elements from the tip down to the ceramic's lower edge."""
-    pieces = list(beam_pieces(device, Support(kind="clamped")))
-    while pieces[0].section != "bimorph":
-        pieces.pop(0)
-    parts: list[_Slice] = []
-    for piece in pieces[::-1]:
-        number = max(1, math.ceil(_HEIGHTS * piece.length / device.bimorph.length))
-        shares = np.linspace(0.0, 1.0, number + 1).tolist()
-        for low, high in reversed(list(pairwise(shares))):
-            ends = (piece.layers(device.bimorph, low), piece.layers(device.bimorph, high))
-            length = (high - low) * piece.length
-            within = replace(piece, length=length, ends=ends if piece.ends else None)
-            beams = elements(within, device, beam, lossy=True, segments=1)
-            # without a taper the upper end is strained as what is next to it
-            if piece.tapered and not any(part.stresses for part in parts):
-                parts.append(_slice_from(piece, device, beam, high, []))
-            parts.append(_slice_from(piece, device, beam, low, beams))
-    return parts
-
-
-def _slice_from(
-    piece: Piece, device: Device, beam: Beam, share: float, beams: list[Element]
-) -> _Slice:
-    """Slice whose lower end is at a share of a piece."""
-    of = section(piece, device, beam, lossy=True, share=share)
-    ceramic = piece.section == "bimorph"
-    return _Slice(beams, of, ceramic_stresses(stack(piece, device, share)) if ceramic else [])
-
-
-def _below(part: Complex, top: Complex, effort: Complex, voltage: float) -> tuple[Complex, Complex]:
-    """Motion below a part, and what the part exerts there on what is below it.
-
-    Parameters
-    ----------
-    part : (n, 5, 5) complex
-        Dynamic stiffness of that part alone.
-    top : (n, 2) complex
-        w and ψ above it.
-    effort : (n, 2) complex
-        Force and moment that act on it there.
-    """
-    to_top, to_base = part[..., 2:4, 2:4], part[..., 2:4, 0:2]
-    rest = effort - np.einsum("...ij,...j->...i", to_top, top) - part[..., 2:4, 4] * voltage
-    base = np.linalg.solve(to_base, rest[..., None])[..., 0]
-    on_base = np.einsum("...ij,...j->...i", part[..., 0:2, 0:2], base)
-    on_base += np.einsum("...ij,...j->...i", part[..., 0:2, 2:4], top) + part[..., 0:2, 4] * voltage
-    return base, -on_base
 
 
 #: Stations along a row, about.

@@ -24,7 +24,7 @@ from tactgen.tmm.ports.readout import MECHANICAL, ModalReadout, PortMatrix, Read
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 
 if TYPE_CHECKING:
-    from tactgen.tmm.beam.port_quantities import DrivenCeramic
+    from tactgen.tmm.beam.ceramic_stress import DrivenCeramic
 
 
 Need = Literal[
@@ -66,7 +66,7 @@ class AnswerReadout:
 class DrivenReadout:
     """Load of ceramic and amplifier of the driven bimorph."""
 
-    #: Takes a :class:`tmm.beam.port_quantities.DrivenCeramic`, the scene's limits and the drive
+    #: Takes a :class:`tmm.beam.ceramic_stress.DrivenCeramic`, the scene's limits and the drive
     #: voltage (V), gives an array (n,) over the frequencies
     of: Callable[[Any, Limits, float], Any]
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.tmm.beam.port_quantities import driven_ceramic
+from tactgen.tmm.beam.ceramic_stress import driven_ceramic
 from tactgen.tmm.ports.elements import attach, load_motion, tip_stiffness
 from tactgen.tmm.ports.excitation import (
     UNIT_VOLTAGE,

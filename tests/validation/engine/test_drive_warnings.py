@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.geometry.device.parameters import Device, Limits
 from tactgen.geometry.device.winding import winding
-from tactgen.tmm.beam.port_quantities import DrivenCeramic
+from tactgen.tmm.beam.ceramic_stress import DrivenCeramic
 from tactgen.tmm.reluctance.network import largest_rms_current
 from tactgen.validation.catalogue.quantities import voltage_limits
 from tactgen.validation.engine.solve import solve

@@ -321,8 +321,8 @@ _LOW = next(bender for bender in _SHEETS[_CTS] if bender.name == "NAC2225")
 _SOFT_CLAMP = (
     "all resonances of this maker are printed below their bands, and only the assumed "
     f"{100.0 * _CTS.frequency_by:.0f} % reach the others.  Were all of its {_LOW.length:g} mm "
-    f"free, this one would be {100.0 * (1.0 - (_LOW.free / _LOW.length) ** 2):.0f} % lower: a clamp of "
-    f"{_LOW.length - _LOW.free:g} mm that gives way is enough, and the clamp is rigid here"
+    f"free, this one would be {100.0 * (1.0 - (_LOW.free / _LOW.length) ** 2):.0f} % lower: a "
+    f"clamp of {_LOW.length - _LOW.free:g} mm that gives way is enough, and the clamp is rigid here"
 )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.tmm.beam.port_quantities import driven_ceramic
+from tactgen.tmm.beam.ceramic_stress import driven_ceramic
 from tactgen.tmm.beam.transfer_matrix import multiport
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.excitation import ELECTRICAL

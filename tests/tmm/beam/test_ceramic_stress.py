@@ -6,7 +6,7 @@ import pytest
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
-from tactgen.tmm.beam import port_quantities as ceramic
+from tactgen.tmm.beam import ceramic_stress as ceramic
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import wavenumbers
 from tactgen.tmm.beam.transfer_matrix import multiport
