@@ -197,7 +197,7 @@ def materials(
     for number, layer in enumerate(device.bimorph.layers):
         of, region = material_of(device, layer), device.bimorph.layers.region(number)
         if isinstance(of, Piezo):
-            poled[region] = of.ceramic(), float(layer.poling)
+            poled[region] = of.ceramic(), float(device.bimorph.drive_poling(number))
         else:
             known[region] = of
     return {

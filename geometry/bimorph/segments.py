@@ -162,9 +162,9 @@ def _stated(device: Device, *, active: bool, electrodes: bool) -> list[StackLaye
         if active or goes_on:
             at = electrodes and layer.electrodes != "bare"
             region, of = layers.region(number), material_of(device, layer)
-            hot = layers.hot(number)
+            poling, hot = device.bimorph.drive_poling(number), layers.hot(number)
             share = layer.width / device.bimorph.width if layer.width else 1.0
-            found.append(StackLayer(region, of, low, high, layer.poling, hot, at, share))
+            found.append(StackLayer(region, of, low, high, poling, hot, at, share))
         low = high
     return found
 

@@ -17,7 +17,7 @@ from tactgen.geometry.device.ceramic_constants import (
     completed,
     read_constants,
 )
-from tactgen.geometry.device.laminate import PLAIN, Layers
+from tactgen.geometry.device.laminate import PLAIN, Laminate, Layers
 from tactgen.geometry.device.material_library import (
     LIBRARY,
     PAPERS,
@@ -101,7 +101,8 @@ class Bimorph(Parameters):
     wiring: Literal["parallel", "series"] = field(
         "parallel",
         "assumed: the paper does not say (its 50 V start near the parallel model's value)",
-        "parallel: the voltage lies across each layer; series: across both in a row",
+        "parallel: the voltage lies across each layer; series: across both in a row, the lower "
+        "ceramic being poled the other way (listed layers state it themselves)",
     )
     poling: Literal["-x", "+x"] = field(
         "-x",
@@ -150,6 +151,16 @@ class Bimorph(Parameters):
             return float(self.piezo_thickness)
         driven = (n for n in range(len(self.layers)) if self.layers.hot(n))
         return float(min((self.layers[n].thickness for n in driven), default=self.thickness))
+
+    def drive_poling(self, number: int) -> int:
+        """Direction (along x) in which a listed layer is poled where its hot face has the voltage.
+
+        In series the lower ceramic's outer face is the other terminal, at the opposite voltage,
+        which is the same as the opposite poling.
+        """
+        layers: Laminate = self.layers
+        turned = self.wiring == "series" and layers.hot(number) < 0
+        return -layers[number].poling if turned else layers[number].poling
 
     @property
     def poling_sign(self) -> float:

@@ -175,11 +175,17 @@ def _check_layers(bimorph: Bimorph, support: Support) -> None:
             f'bimorph.layers is not known with support.kind = "{support.kind}", whose rod holds a '
             "shim; use clamped or spring"
         )
-    if bimorph.wiring == "series" and not _mirrored(layers):
-        raise InputError(
-            f'bimorph.wiring = "series" is known for two driven ceramics that mirror each other, '
-            f"and not for {text}; use parallel"
-        )
+    if bimorph.wiring == "series":
+        if not _mirrored(layers):
+            raise InputError(
+                f'bimorph.wiring = "series" is known for two driven ceramics that mirror each '
+                f"other, and not for {text}; use parallel"
+            )
+        if any(layer.hot for layer in layers):
+            raise InputError(
+                f'bimorph.wiring = "series" has its terminals on the outer faces, and {text} names '
+                "others; leave out hot"
+            )
 
 
 def _check_contacts(layers: Laminate) -> None:
@@ -203,7 +209,7 @@ def _check_contacts(layers: Laminate) -> None:
 def _mirrored(layers: Laminate) -> bool:
     """Whether layers and voltages are the same seen from both sides, with two driven ceramics."""
     hot = [layers.hot(number) for number in range(len(layers))]
-    sizes = [(layer.material, layer.thickness, layer.poling) for layer in layers]
+    sizes = [(of.material, of.thickness, of.width, of.electrodes) for of in layers]
     alike = sizes == sizes[::-1] and hot == [-sign for sign in hot[::-1]]
     return alike and len([sign for sign in hot if sign]) == 2
 

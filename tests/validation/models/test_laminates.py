@@ -112,6 +112,36 @@ def test_seen_from_the_other_side_the_tip_moves_the_other_way(model):
     np.testing.assert_allclose(one * [-1.0, 1.0, 1.0], other, rtol=1e-8)
 
 
+@pytest.mark.parametrize(
+    "model", ["lumped", "tmm", "beam", pytest.param("solid", marks=pytest.mark.heavy)]
+)
+def test_two_films_in_a_row_bend_as_published(model):
+    """PVDF bimorph of Hwang and Park (AIAA J. 31, 1993): 100 mm x 5 mm x 1 mm, 1 V: 0.345 um.
+
+    3 d31 U L^2 / (2 h^2); the solid's clamp and width are worth some percent.
+    """
+    film = {"s11": "0.5 m^2/GN", "d31": "23 pC/N", "material": "PVDF"}
+    of = checked_scene({
+        "start_from": "neutral", "models": model, "piezo": film,
+        "bimorph": {"length": "100 mm", "width": "5 mm", "wiring": "series",
+                    "layers": "piezo 0.5 mm +x; piezo 0.5 mm -x"},
+    })  # fmt: skip
+    found = answers(of, STATIC[0], model=model)[0]
+    assert found == pytest.approx(-0.345e-6, rel=0.05 if model == "solid" else 1e-3)
+
+
+def test_in_series_the_lower_ceramic_is_poled_the_other_way():
+    """A list that says so is the bimorph of the scene's own keys; poled alike they stretch."""
+    own = scene("none", wiring="series", piezo_thickness="0.2 mm", shim_thickness="0.1 mm")
+    listed = {
+        turned: scene(f"piezo 0.2 mm {turned}; shim 0.1 mm; piezo 0.2 mm -x", wiring="series")
+        for turned in ("+x", "-x")
+    }
+    one, other = (answers(of, *NUMBERS, "admittance") for of in (own, listed["+x"]))
+    np.testing.assert_allclose(one, other, rtol=1e-9)
+    assert abs(answers(listed["-x"], STATIC[0])[0]) < 1e-9 * abs(one[0])
+
+
 def test_a_narrow_solid_is_a_beam():
     """A slender unimorph as narrow as one layer is thick: no stress across it.
 
@@ -172,6 +202,10 @@ def test_what_a_list_cannot_be_combined_with_is_refused():
     uni = "brass 0.2 mm; PZT-5A 0.2 mm +x"
     with pytest.raises(InputError, match="mirror each other"):
         scene(uni, wiring="series")
+    with pytest.raises(InputError, match="mirror each other"):
+        scene("PZT-5A 0.2 mm wide 4 mm +x; brass 0.1 mm; PZT-5A 0.2 mm -x", wiring="series")
+    with pytest.raises(InputError, match="leave out hot"):
+        scene("PZT-5A 0.2 mm +x hot -x; PZT-5A 0.2 mm -x hot +x", wiring="series")
     with pytest.raises(InputError, match=r"joins PZT-5A 0\.1 mm -x and PZT-5A 0\.2 mm"):
         scene("PZT-5A 0.1 mm -x; brass 0.1 mm; PZT-5A 0.2 mm -x hot -x")
     with pytest.raises(InputError, match="no layer that goes on"):
