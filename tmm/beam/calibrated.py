@@ -34,15 +34,10 @@ from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.device.profile import UNIFORM
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
+from tactgen.tmm.beam.laminate import energy_shear_correction, laminate_section
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
-from tactgen.tmm.beam.sections import (
-    Section,
-    energy_shear_correction,
-    laminate_section,
-    section,
-    without_electrode,
-)
+from tactgen.tmm.beam.sections import Section, section, without_electrode
 from tactgen.tmm.chebyshev import Products
 from tactgen.tmm.ports.multiport import Multiport
 

@@ -8,15 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import Piece, StackLayer, stack
 from tactgen.geometry.device.materials import EPS0, lossy_coupling, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim
-from tactgen.geometry.errors import InputError
 
 #: A number, or an array of them for many beams at once; complex where there are losses.
 Constant: TypeAlias = Any
@@ -65,7 +63,7 @@ def section_across(
     bending = shearing = mass = inertia = 0.0
     for layer in stack(piece, device, share):
         area, wide = width * layer.thickness * layer.share, width * layer.share
-        young, shear = _moduli(layer.material, lossy=lossy)
+        young, shear = moduli(layer.material, lossy=lossy)
         bending, shearing = bending + young * area * wide**2 / 12.0, shearing + shear * area
         mass = mass + layer.material.density * area
         inertia = inertia + layer.material.density * area * wide**2 / 12.0
@@ -140,7 +138,7 @@ def ceramic_stresses(layers: list[StackLayer]) -> list[tuple[Constant, Constant]
             continue
         own = _Sums()  # of this layer alone, its width being the bimorph's
         _add(own, replace(layer, share=1.0), lossy=True)
-        young, _ = _moduli(layer.material, lossy=True)
+        young, _ = moduli(layer.material, lossy=True)
         t, middle = layer.thickness, 0.5 * (layer.low + layer.high)
         # of a face without charge the mean strain raises a voltage, which stiffens
         stiffer = own.A / t - young
@@ -156,7 +154,7 @@ def _add(s: _Sums, layer: StackLayer, *, lossy: bool) -> None:
     first = 0.5 * t * (layer.low + layer.high)
     # (high³ − low³) / 3 without cancellation
     second = t * (layer.low**2 + layer.low * layer.high + layer.high**2) / 3.0
-    young, shear = (wide * modulus for modulus in _moduli(of, lossy=lossy))
+    young, shear = (wide * modulus for modulus in moduli(of, lossy=lossy))
     density = wide * of.density
     s.A, s.B, s.D = s.A + young * t, s.B + young * first, s.D + young * second
     s.shear = s.shear + shear * t
@@ -179,7 +177,7 @@ def _add(s: _Sums, layer: StackLayer, *, lossy: bool) -> None:
     s.capacitance = s.capacitance + layer.hot**2 * capacitance
 
 
-def _moduli(of: Piezo | Shim | Glue, *, lossy: bool) -> tuple[Constant, Constant]:
+def moduli(of: Piezo | Shim | Glue, *, lossy: bool) -> tuple[Constant, Constant]:
     """Young's modulus along z, and shear modulus (Pa)."""
     if isinstance(of, Piezo):
         return (1.0 + 1j / of.quality_factor if lossy else 1.0) / of.s11, 1.0 / of.s55
@@ -202,117 +200,6 @@ def _cylinder(device: Device, radius: float, *, lossy: bool) -> Section:
         m=rod.density * area,
         rhoI=rod.density * inertia,
     )
-
-
-def laminate_section(
-    device: Device,
-    beam: Beam,
-    *,
-    poisson: bool = True,
-    d32: bool = True,
-    varying_field: bool = True,
-    lossy: bool = False,
-) -> Section:
-    """Section constants of the plate, no moment across; all else as the beam's.
-
-    Parameters
-    ----------
-    device : Device
-        Dimensions and materials.
-    beam : Beam
-        Shear correction.
-    poisson : bool
-        Poisson's effect of ceramic and shim.
-    d32 : bool
-        The piezoelectric effect across the width.
-    varying_field : bool
-        Let the field vary through each layer.  Without this and the two others the
-        constants are those of the beam models.
-    lossy : bool
-        Losses of ceramic and shim.
-
-    Raises InputError if there is glue between the layers.
-    """
-    bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
-    if bimorph.glue_thickness > 0.0:
-        raise InputError(
-            f"bimorph.glue_thickness = {bimorph.glue_thickness:.4g} m is not in laminate theory; "
-            "set it to 0 m"
-        )
-    ceramic = piezo.ceramic()
-    s, h, hp = ceramic.s, bimorph.shim_thickness, bimorph.piezo_thickness
-    nu = -s[0, 1] / s[0, 0] if poisson else 0.0
-    plane = _plane_stress(1.0 / piezo.s11, s[0, 0] / s[1, 1] / piezo.s11, nu) * (
-        1.0 + 1j / piezo.quality_factor if lossy else 1.0
-    )
-    permittivity = ceramic.eps_t[2, 2] * (1.0 - 1j * piezo.loss_tangent if lossy else 1.0)
-    d = np.array([piezo.d31, ceramic.d[2, 1] if d32 else 0.0])
-    d = lossy_coupling(d, piezo.coupling_loss, lossy=lossy)
-    coupling = plane @ d
-    clamped = permittivity - d @ coupling
-    across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus
-    core = _plane_stress(shim.youngs_modulus, across, shim.poisson_ratio if poisson else 0.0)
-    core = lossy_modulus(core, shim.loss_factor, lossy=lossy)
-    layers = 2.0 / 3.0 * ((0.5 * h + hp) ** 3 - (0.5 * h) ** 3)
-    stiffness = core * h**3 / 12.0 + plane * layers
-    if varying_field:
-        stiffness = stiffness + 2.0 * np.outer(coupling, coupling) / clamped * hp**3 / 12.0
-    moment = -bimorph.poling_sign * coupling * (h + hp)
-    b, follows = bimorph.width, stiffness[0, 1] / stiffness[1, 1]
-    return replace(
-        section(Piece("bimorph", bimorph.length), device, beam, lossy=lossy),
-        EI=b * (stiffness[0, 0] - stiffness[0, 1] * follows),
-        K=b * (moment[0] - moment[1] * follows),
-        C=b * (2.0 * clamped / hp + moment[1] ** 2 / stiffness[1, 1]),
-    )
-
-
-def _plane_stress(along: float, across: float, poisson_ratio: float) -> Floats:
-    """(2, 2) stiffness (Pa) of an orthotropic sheet; ν is that of a pull along."""
-    minor = poisson_ratio * across
-    sheet = np.array([[along, minor], [minor, across]])
-    return sheet / (1.0 - poisson_ratio**2 * across / along)
-
-
-class _Layer(NamedTuple):
-    """Upper half of the section: from `low` to `high` (m), moduli in Pa."""
-
-    low: float
-    high: float
-    young: float
-    shear: float
-
-
-def energy_shear_correction(device: Device) -> float:
-    """Factor by which ``Σ G A`` of the layers is to be multiplied.
-
-    Young's moduli are those of a beam (no transverse stress, short circuit).
-    """
-    layers = _upper_half(device)
-    bending = sum(y.young * (y.high**3 - y.low**3) / 3.0 for y in layers)
-    energy = outside = 0.0
-    for layer in reversed(layers):
-        # S = a − b x² within the layer
-        b = 0.5 * layer.young
-        a = outside + b * layer.high**2
-        powers = (layer.high**n - layer.low**n for n in (1, 3, 5))
-        first, third, fifth = powers
-        energy += (a**2 * first - 2.0 * a * b * third / 3.0 + b**2 * fifth / 5.0) / layer.shear
-        outside = a - b * layer.low**2
-    plain = sum(layer.shear * (layer.high - layer.low) for layer in layers)
-    return bending**2 / (energy * plain)
-
-
-def _upper_half(device: Device) -> list[_Layer]:
-    bimorph, piezo, shim, glue = device.bimorph, device.piezo, device.shim, device.glue
-    half, bond = 0.5 * bimorph.shim_thickness, bimorph.glue_thickness
-    layers = [_Layer(0.0, half, shim.youngs_modulus, shim.shear_modulus)]
-    if bond > 0.0:
-        shear = glue.youngs_modulus / (2.0 * (1.0 + glue.poisson_ratio))
-        layers.append(_Layer(half, half + bond, glue.youngs_modulus, shear))
-    low = half + bond
-    layers.append(_Layer(low, low + bimorph.piezo_thickness, 1.0 / piezo.s11, 1.0 / piezo.s55))
-    return layers
 
 
 #: Shares of a segment's length at which its sections are taken.

@@ -25,14 +25,10 @@ from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
+from tactgen.tmm.beam.laminate import energy_shear_correction, laminate_section
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.scattering import Element
-from tactgen.tmm.beam.sections import (
-    Section,
-    energy_shear_correction,
-    laminate_section,
-    without_electrode,
-)
+from tactgen.tmm.beam.sections import Section, without_electrode
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.excitation import ELECTRICAL
 from tactgen.tmm.ports.multiport import Multiport, respond

@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import calibrated
-from tactgen.tmm.beam.sections import laminate_section
+from tactgen.tmm.beam.laminate import laminate_section
 from tactgen.tmm.ports.multiport import BIMORPH
 from tactgen.validation.scene.scene import load_scene
 

@@ -7,7 +7,7 @@ import pytest
 from tactgen.geometry.bimorph import bricks as bimorph_bricks
 from tactgen.geometry.device.parameters import Device, Piezo
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.sections import energy_shear_correction
+from tactgen.tmm.beam.laminate import energy_shear_correction
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.difference import (
     BEAM_ASSUMPTIONS,

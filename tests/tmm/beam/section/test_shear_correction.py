@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactgen.geometry.device.parameters import Bimorph, Device, Glue, Piezo, Shim
-from tactgen.tmm.beam.sections import energy_shear_correction
+from tactgen.tmm.beam.laminate import energy_shear_correction
 
 
 def by_quadrature(device, points=20001):
@@ -63,3 +63,17 @@ def test_glue_of_shim_is_a_thicker_shim():
     assert energy_shear_correction(bonded) == pytest.approx(
         energy_shear_correction(plain), rel=1e-13
     )
+
+
+def test_layers_have_it_from_either_side():
+    """A list of unequal layers upside down; two of one material are one."""
+    there, back = (
+        energy_shear_correction(Device(bimorph=Bimorph(layers=layers)))
+        for layers in (
+            "brass 0.2 mm; glue 0.02 mm; PZT-5A 0.3 mm +x",
+            "PZT-5A 0.3 mm +x; glue 0.02 mm; brass 0.2 mm",
+        )
+    )
+    assert there == pytest.approx(back, rel=1e-12)
+    two = Device(bimorph=Bimorph(layers="PZT-5A 0.1 mm +x; PZT-5A 0.3 mm +x"))
+    assert energy_shear_correction(two) == pytest.approx(5.0 / 6.0, rel=1e-14)

@@ -1,0 +1,146 @@
+"""Section of laminate theory, and the shear stiffness of its layers' energy.
+
+A wide plate of layers bends along z, without force or moment across.  It has what a beam's section
+leaves out: Poisson's effect, d32, and the field that follows the strain inside each layer.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tactgen.geometry.arrays import Numbers
+from tactgen.geometry.bimorph.segments import Piece, StackLayer, stack
+from tactgen.geometry.device.materials import lossy_coupling
+from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim
+from tactgen.tmm.beam.sections import Section, moduli, section
+
+#: Places of both strains at x = 0, along and across, both curvatures, and the voltage.
+_STRAIN, _CURVATURE, _VOLTAGE = slice(0, 2), slice(2, 4), 4
+
+
+def laminate_section(
+    device: Device,
+    beam: Beam,
+    *,
+    poisson: bool = True,
+    d32: bool = True,
+    varying_field: bool = True,
+    lossy: bool = False,
+) -> Section:
+    """Section constants of the plate, no force and no moment across; all else as the beam's.
+
+    Parameters
+    ----------
+    device : Device
+        Dimensions and materials; glue counts as one more layer that does not slide.
+    beam : Beam
+        Shear correction.
+    poisson : bool
+        Poisson's effect.
+    d32 : bool
+        The piezoelectric effect across the width.
+    varying_field : bool
+        Let the field vary through each layer.  Without this and the two others the
+        constants are those of the beam models.
+    lossy : bool
+        Losses of all layers.
+    """
+    piece = Piece("bimorph", device.bimorph.length)
+    energy = np.zeros((5, 5), dtype=complex if lossy else float)
+    for layer in stack(piece, device):
+        _add(energy, layer, poisson=poisson, d32=d32, varying_field=varying_field, lossy=lossy)
+    # what follows of itself: both strains, and the curvature across
+    free, kept = [0, 1, 3], [2, 4]
+    follows = np.linalg.solve(energy[np.ix_(free, free)], energy[np.ix_(free, kept)])
+    (stiffness, coupling), (_, charge) = (
+        energy[np.ix_(kept, kept)] - energy[np.ix_(kept, free)] @ follows
+    )
+    b = device.bimorph.width
+    return replace(
+        section(piece, device, beam, lossy=lossy),
+        EI=b * stiffness, K=-b * coupling, C=-b * charge,
+    )  # fmt: skip
+
+
+def _add(
+    energy: Numbers,
+    layer: StackLayer,
+    *,
+    poisson: bool,
+    d32: bool,
+    varying_field: bool,
+    lossy: bool,
+) -> None:
+    """Add a layer to the quadratic form (5, 5) of strains, curvatures and voltage, per width."""
+    of, t, middle = layer.material, layer.thickness, 0.5 * (layer.low + layer.high)
+    own = t**3 / 12.0  # second moment about the layer's middle
+    sheet = layer.share * _sheet(of, poisson=poisson, lossy=lossy)
+    _add_sheet(energy, sheet * t, middle, sheet * own)
+    if not isinstance(of, Piezo):
+        return
+    across = of.ceramic().d[2, 1] if d32 else 0.0
+    d = lossy_coupling(np.array([of.d31, across]), of.coupling_loss, lossy=lossy)
+    permittivity = of.ceramic().eps_t[2, 2] * (1.0 - 1j * of.loss_tangent if lossy else 1.0)
+    stress = layer.poling * (sheet @ d)
+    clamped = layer.share * permittivity - d @ sheet @ d
+    # by the field that follows the strain at a constant charge; electrodes hold its mean
+    stiffer = np.outer(stress, stress) / clamped
+    mean = 0.0 * stiffer if layer.electrodes else stiffer * t
+    _add_sheet(energy, mean, middle, varying_field * stiffer * own)
+    if layer.electrodes:
+        energy[_STRAIN, _VOLTAGE] += layer.hot * stress
+        energy[_CURVATURE, _VOLTAGE] += layer.hot * stress * middle
+        energy[_VOLTAGE, _STRAIN] = energy[_STRAIN, _VOLTAGE]
+        energy[_VOLTAGE, _CURVATURE] = energy[_CURVATURE, _VOLTAGE]
+        energy[_VOLTAGE, _VOLTAGE] -= layer.hot**2 * clamped / t
+
+
+def _add_sheet(energy: Numbers, mean: Numbers, middle: float, own: Numbers) -> None:
+    """Add a sheet that resists the strain at its middle, and curvature about that, both (2, 2)."""
+    energy[_STRAIN, _STRAIN] += mean
+    energy[_STRAIN, _CURVATURE] += mean * middle
+    energy[_CURVATURE, _STRAIN] += mean * middle
+    energy[_CURVATURE, _CURVATURE] += mean * middle**2 + own
+
+
+def _sheet(of: Piezo | Shim | Glue, *, poisson: bool, lossy: bool) -> Numbers:
+    """(2, 2) stiffness (Pa) of a material without stress through the thickness."""
+    young, _ = moduli(of, lossy=lossy)
+    if isinstance(of, Piezo):
+        s = of.ceramic().s
+        ratio, nu = s[0, 0] / s[1, 1], -s[0, 1] / s[0, 0]
+    elif isinstance(of, Shim):
+        nu = of.poisson_ratio
+        across = of.transverse_modulus or 2.0 * (1.0 + nu) * of.shear_modulus
+        ratio = across / of.youngs_modulus
+    else:
+        nu, ratio = of.poisson_ratio, 1.0
+    nu = nu if poisson else 0.0
+    return np.array([[1.0, nu * ratio], [nu * ratio, ratio]]) * young / (1.0 - nu**2 * ratio)
+
+
+def energy_shear_correction(device: Device) -> float:
+    """Factor by which ``Σ G A`` of the layers is to be multiplied.
+
+    Young's moduli are those of a beam (no transverse stress, short circuit).
+    """
+    layers = stack(Piece("bimorph", device.bimorph.length), device)
+    young, shear = (
+        layer_moduli * np.array([layer.share for layer in layers])
+        for layer_moduli in np.array([moduli(layer.material, lossy=False) for layer in layers]).T
+    )
+    faces = np.array([(layer.low, layer.high) for layer in layers])
+    axis = (young @ (faces[:, 1] ** 2 - faces[:, 0] ** 2)) / (2.0 * young @ np.diff(faces)[:, 0])
+    faces = faces - axis
+    bending = young @ (faces[:, 1] ** 3 - faces[:, 0] ** 3) / 3.0
+    energy = outside = 0.0
+    for (low, high), e, g in zip(faces[::-1], young[::-1], shear[::-1], strict=True):
+        # what equilibrium asks for, Jourawski's S = a − b x² within the layer
+        b = 0.5 * e
+        a = outside + b * high**2
+        first, third, fifth = (high**n - low**n for n in (1, 3, 5))
+        energy += (a**2 * first - 2.0 * a * b * third / 3.0 + b**2 * fifth / 5.0) / g
+        outside = a - b * low**2
+    return float(bending**2 / (energy * (shear @ np.diff(faces)[:, 0])))
