@@ -100,7 +100,7 @@ class Slab:
     x: tuple[int, int]
     z: tuple[int, int]
     ceramic: bool = False  #: Whether it is piezoelectric
-    electrodes: bool = True  #: Whether a ceramic's faces carry electrodes
+    faces: tuple[int, ...] = (-1, 1)  #: Faces of a ceramic (along x) that are equipotential
     hot: int = 0  #: Face of a ceramic (along x) at the drive voltage, 0 if none is
 
 
@@ -194,10 +194,8 @@ class Bricks:
         """Masks (nx, ny, nz) of the nodes of the electrodes at the voltage and at 0 V."""
         hot, cold = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=bool)
         for slab in self.ceramics:
-            if not slab.electrodes:
-                continue
-            for face, sign in zip(slab.x, (-1, 1), strict=True):
-                at = face * self.x.degree
+            for sign in slab.faces:
+                at = slab.x[sign > 0] * self.x.degree
                 if sign == slab.hot:
                     hot[at, :, self.z.nodes_of(*self.electrode)] = True
                 else:
@@ -316,10 +314,8 @@ def _named_faces(
 def _metallised(bricks: Bricks) -> Iterator[tuple[str, str, float, int, bool]]:
     """Name, region, position along x, direction and whether at the voltage of each metal face."""
     for slab in bricks.ceramics:
-        for at, sign in zip(slab.x, (-1, 1), strict=True):
-            if not slab.electrodes:
-                continue
-            x, hot = float(bricks.x.breaks[at]), sign == slab.hot
+        for sign in slab.faces:
+            x, hot = float(bricks.x.breaks[slab.x[sign > 0]]), sign == slab.hot
             if bricks.mirrored_x:
                 face = "outer" if hot else "inner"
                 yield f"electrode_top_{face}", "piezo_top", x, sign, hot
@@ -449,7 +445,7 @@ def _listed(
     x, slabs = [-0.5 * device.bimorph.thickness], []
     goes_on = device.bimorph.layers.continues
     ceramic = Piece("bimorph", device.bimorph.length)
-    for layer, on in zip(stack(ceramic, device), goes_on, strict=True):
+    for number, (layer, on) in enumerate(zip(stack(ceramic, device), goes_on, strict=True)):
         is_ceramic, thickness = layer.poling != 0.0, float(layer.thickness)
         shares: tuple[float, ...] = (1.0,)
         if is_ceramic:
@@ -466,7 +462,7 @@ def _listed(
                 (first, len(x) - 1),
                 (0, n) if on else (low, high),
                 ceramic=is_ceramic,
-                electrodes=layer.electrodes,
+                faces=device.bimorph.layers.faces(number),
                 hot=int(layer.hot),
             )
         )

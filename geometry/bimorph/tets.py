@@ -254,7 +254,7 @@ def _faces_of_layers(bimorph: Bimorph, regions: tuple[str, ...]) -> dict[str, Na
     for number, layer in enumerate(layers):
         region = layers.region(number)
         for side, sign, at in (("lower", -1, x), ("upper", 1, x + layer.thickness)):
-            if layer.is_ceramic and layer.electrodes != "bare" and region in regions:
+            if layer.is_ceramic and sign in layers.faces(number) and region in regions:
                 kind = "outer" if layers.hot(number) == sign else "inner"
                 face = _face(0, at * MM, (region,))
                 named[f"electrode_{region}_{side}_{kind}"] = face

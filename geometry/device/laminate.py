@@ -9,6 +9,7 @@ states it after the thickness (``wide 5 mm``).  Read at the edge with units, hel
 from __future__ import annotations
 
 import re
+from itertools import takewhile
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BeforeValidator, ValidationInfo
@@ -95,6 +96,18 @@ class Laminate(tuple[Layer, ...]):
             return 0
         low = sum(other.thickness for other in self[:number])
         return layer.hot or (1 if low + 0.5 * layer.thickness >= 0.5 * self.thickness else -1)
+
+    def faces(self, number: int) -> tuple[int, ...]:
+        """Faces (along x) of a ceramic that are equipotential: both with electrodes, else none.
+
+        Of bare ceramics that touch none with electrodes the lowest face, so that their potential
+        has a level; no charge flows through them all the same.
+        """
+        if self[number].electrodes != "bare":
+            return (-1, 1)
+        above = takewhile(lambda layer: layer.is_ceramic, self[number + 1 :])
+        lowest = number == 0 or not self[number - 1].is_ceramic
+        return (-1,) if lowest and all(layer.electrodes == "bare" for layer in above) else ()
 
 
 PLAIN = Laminate()

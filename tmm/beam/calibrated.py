@@ -1,8 +1,8 @@
 """Transfer matrices with section constants calibrated on the solid.
 
 The section is that of laminate theory (no force and no moment across the width, the field follows
-the strain).  What it lacks depends on ratios only, :func:`groups`, and was fitted once to solids of
-random bimorphs, clamped in all layers (:mod:`validation.evidence.calibration`):
+the strain).  What it lacks depends on :mod:`tmm.beam.dimensionless_groups` only and was fitted to
+solids of random bimorphs, clamped in all layers (:mod:`validation.evidence.calibration`):
 
 * six factors: on bending stiffness, shear compliance, coupling and free capacitance of the section,
   and on flexibility and coupling next to the clamp, where the width cannot contract;
@@ -29,29 +29,38 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.segments import Piece, beam_pieces
-from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Device, Support
-from tactgen.geometry.device.profile import UNIFORM
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
-from tactgen.tmm.beam.laminate import energy_shear_correction, laminate_section
+from tactgen.tmm.beam.dimensionless_groups import (
+    COUPLING,
+    GROUPS,
+    amplitudes,
+    ceramics,
+    clamped_guess,
+    core_shear,
+    free_capacitance,
+    groups,
+    laminate,
+    lever,
+    names,
+    plain,
+    root_length,
+)
+from tactgen.tmm.beam.laminate import laminate_section
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section, section, without_electrode
 from tactgen.tmm.chebyshev import Products
 from tactgen.tmm.ports.multiport import Multiport
 
-#: Coefficients, their ranges and their errors, as ``tactgen calibrate`` writes them.
-FILE = Path(__file__).with_name("calibration.json")
-_COUPLING = "coupling k31^2"
+#: Coefficients, their ranges and their errors, as ``tactgen calibrate`` writes them: of the bimorph
+#: of piezo, shim and piezo, and of listed layers.
+FILE, LISTED_FILE = (Path(__file__).with_name(f"calibration{of}.json") for of in ("", "_laminate"))
 #: Times the most of the fit up to which its widened errors hold.
 _COUPLES_MORE = 1.15
-#: Names of the groups in order, for people.
-GROUPS = (
-    "width/thickness", "ceramic/shim thickness", "shim/ceramic modulus", "end zone/length",
-    "Poisson's ratio of the shim", "shear modulus of the shim", _COUPLING,
-    "shear compliance of the ceramic", "Poisson's ratio of the ceramic", "core shear",
-)  # fmt: skip
+#: Least lever of the ceramics, see :func:`lever`: below it their motion is a small difference.
+_LEVER = 0.05
 #: What the six factors act on, in order; see :class:`SectionFactors`.
 FACTORS = ("stiffness", "root", "shear", "coupling", "root_coupling", "capacitance")
 #: What an error is known of, in order: the tip's displacement per force and per voltage, the free
@@ -72,8 +81,6 @@ WIDEST = (np.inf, 0.9, 0.54, 0.385, 0.3)
 #: Errors of the fourth and the fifth mode per error of the third: 97 % of 70 random bimorphs that
 #: were not fitted to were within 0.91 and 1.62 of it.
 _HIGHER = (1.0, 2.0)
-#: Eigenvalues λ of the first modes of a clamped beam.
-_LAMBDA = np.array([1.8751040687, 4.6940911330, 7.8547574382])
 
 
 @dataclass(frozen=True)
@@ -143,7 +150,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Fits for stiff and for soft cores, and the error factors of other bimorphs."""
+    """Fits for stiff and for soft cores, the same for listed layers, and factors on the errors."""
 
     stiff: Fit
     soft: Fit
@@ -160,98 +167,25 @@ def calibration_from(record: dict[str, Any]) -> Calibration:
             Products(*(np.array(one[name]) for name in ("low", "high", "transition"))),
             *(np.array(one[name]) for name in ("factors", "ratios", "errors")),
         )
-        for one in (record["stiff"], record["soft"])
+        for one in (record.get(core) or record["layers"] for core in ("stiff", "soft"))
     )
     return Calibration(stiff, soft, record["beyond"])
 
 
 @cache
-def calibration() -> Calibration:
-    """Calibration that is shipped."""
-    return calibration_from(json.loads(FILE.read_text(encoding="utf-8")))
-
-
-# ---- groups and the uncalibrated section ----
-
-
-def plain(device: Device) -> Device:
-    """Device with the mean layers all along, without glue, tab or bare ends."""
-    own = device.bimorph
-    simple: dict[str, Any] = {
-        "glue_thickness": 0.0, "tab_length": 0.0, "bare_below": 0.0, "bare_above": 0.0,
-    }  # fmt: skip
-    for name, profile in own.profiles.items():
-        z, size = np.array(profile).T
-        mean = float(np.trapezoid(size, z) / z[-1])
-        simple |= {name: UNIFORM, name.removesuffix("_profile"): mean}
-    return device.model_copy(update={"bimorph": own.model_copy(update=simple)})
-
-
-def groups(device: Device) -> Floats:
-    """Ratios (10,) on which the difference of solid and laminate depends; see :data:`GROUPS`."""
-    bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
-    tp, ts, h, length = (
-        bimorph.piezo_thickness, bimorph.shim_thickness, bimorph.thickness, bimorph.length
-    )  # fmt: skip
-    ceramic = piezo.ceramic()
-    return np.array([
-        np.log(bimorph.width / h), np.log(tp / ts), np.log(shim.youngs_modulus * piezo.s11),
-        np.sqrt((0.5 * bimorph.width + h) / length), shim.poisson_ratio,
-        np.log(2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus / shim.youngs_modulus),
-        piezo.d31**2 / (piezo.s11 * piezo.eps33 * EPS0), piezo.s55 / piezo.s11,
-        -ceramic.s[0, 1] / ceramic.s[0, 0], np.log(core_shear(device)),
-    ])  # fmt: skip
-
-
-def amplitudes(device: Device) -> Floats:
-    """Logarithms (3,) of what the width changes of a section, from a strip to a plate.
-
-    Of the stiffness, the coupling and the free capacitance, by laminate theory.
-    """
-    plate, strip = (
-        laminate_section(device, Beam(), poisson=both, d32=both) for both in (True, False)
-    )
-    coupling = plate.K / strip.K if strip.K else 1.0
-    return np.log([plate.EI / strip.EI, coupling, _free(plate) / _free(strip)])
-
-
-def core_shear(device: Device) -> float:
-    """E_p t_p (t_s + t_p) / (G_s L²): shear of the core beside bending."""
-    bimorph = device.bimorph
-    tp, ts = bimorph.piezo_thickness, bimorph.shim_thickness
-    sliding = device.piezo.s11 * device.shim.shear_modulus * bimorph.length**2
-    return float(tp * (ts + tp) / sliding)
-
-
-def root_length(device: Device) -> float:
-    """Length (m) of the zone next to the clamp: part of the width, and where a soft core slides."""
-    bimorph = device.bimorph
-    slides = np.sqrt(
-        bimorph.piezo_thickness * bimorph.shim_thickness
-        / (device.piezo.s11 * device.shim.shear_modulus)
-    )  # fmt: skip
-    return float(min(0.4 * bimorph.width + bimorph.thickness + slides, 0.5 * bimorph.length))
-
-
-def laminate(device: Device) -> Section:
-    """Section of laminate theory with the shear stiffness of its layers' energy."""
-    return laminate_section(device, Beam(shear_correction=energy_shear_correction(device)))
-
-
-def clamped_guess(active: Section, length: float) -> Floats:
-    """First frequencies (3,) in Hz of a clamped beam, by a closed form within some percent."""
-    bending = _LAMBDA**2 * np.sqrt(active.EI / active.m) / length**2
-    softer = 1.0 + _LAMBDA**2 * active.EI / (active.GA * length**2)
-    return np.asarray(bending / np.sqrt(softer) / (2.0 * np.pi))
+def calibration(*, listed: bool) -> Calibration:
+    """Calibration that is shipped, of listed layers or of piezo, shim and piezo."""
+    file = LISTED_FILE if listed else FILE
+    return calibration_from(json.loads(file.read_text(encoding="utf-8")))
 
 
 # ---- the calibrated section ----
 
 
 def check_known(device: Device, support: Support) -> None:
-    """Refuse what no calibration knows: a rod's joint, listed layers, a bare end at the tip.
+    """Refuse what no calibration knows: a rod's joint, layers of widths of their own.
 
-    And a ceramic that no solid has, or that couples far more than those of the fit.
+    And ceramics that no solid has, that couple far more than those of the fit, or hardly bend it.
 
     Raises InputError with the remedy.
     """
@@ -260,15 +194,24 @@ def check_known(device: Device, support: Support) -> None:
             'support.kind = "rod": the model calibrated takes the bimorph without its rod; ask for '
             "--model cad, which takes both"
         )
-    for name in ("layers", "tip_extension"):
-        if getattr(device.bimorph, name):
-            raise InputError(
-                f"bimorph.{name} is not known to the model calibrated; ask for --model tmm or solid"
-            )
-    device.piezo.ceramic().check_admissible()
+    layers = device.bimorph.layers
+    if layers.stepped:
+        raise InputError(
+            f'bimorph.layers = "{layers}" has layers of different widths, which the model '
+            "calibrated does not know; ask for --model tmm or cad"
+        )
+    if layers and lever(plain(device)) < _LEVER:
+        raise InputError(
+            f'bimorph.layers = "{layers}" has ceramics that hardly bend it, which the model '
+            "calibrated does not know; ask for --model tmm or solid"
+        )
+    for ceramic in ceramics(device):
+        ceramic.ceramic().check_admissible()
+    if layers:
+        return
     squared, most = (
-        float(at[GROUPS.index(_COUPLING)])
-        for at in (groups(plain(device)), calibration().stiff.products.high)
+        float(at[GROUPS.index(COUPLING)])
+        for at in (groups(plain(device)), calibration(listed=False).stiff.products.high)
     )
     if squared > _COUPLES_MORE * most:
         raise InputError(
@@ -286,8 +229,8 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     known : Calibration, optional
         By default the one that is shipped.
     """
-    known = known or calibration()
     simple = plain(device)
+    known = known or calibration(listed=bool(simple.bimorph.layers))
     at, amplitude = groups(simple), amplitudes(simple)
     low, high = np.log(SOFT)
     share = float(np.clip((np.log(core_shear(simple)) - low) / (high - low), 0.0, 1.0))
@@ -299,7 +242,8 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     )
     ratios = np.exp(sum(weight * (of @ fit.ratios) for weight, fit, of in terms))
     errors = sum(weight * (fit.products.quadratic(at) @ fit.errors) for weight, fit in fits)
-    outside = [GROUPS[i] for i in sorted({i for _, fit in fits for i in fit.products.outside(at)})]
+    beyond = sorted({i for _, fit in fits for i in fit.products.outside(at)})
+    outside = [names(simple)[i] for i in beyond]
     outside += _proportions(simple)
     unknown = (*properties(device), *(["range"] if outside else []))
     widened = float(np.prod([known.beyond.get(name, np.nan) for name in unknown]))
@@ -310,7 +254,7 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
         stiffness=active.EI / own.EI,
         shear=active.GA / own.GA,
         coupling=coupling * (whole.K / own.K if own.K else 1.0),
-        capacitance=capacitance * _free(whole) / _free(own),
+        capacitance=capacitance * free_capacitance(whole) / free_capacitance(own),
         root=float(root), root_coupling=float(root_coupling), root_length=root_length(simple),
         knots=clamped_guess(active, simple.bimorph.length), ratios=ratios,
         errors=widened * np.exp(errors), lengthwise=lengthwise_modes(simple),
@@ -331,7 +275,9 @@ def _proportions(device: Device) -> list[str]:
     found = {
         "length/thickness": own.length < STOUTEST * own.thickness,
         "width/length": own.width > BROADEST * own.length,
-        "directions across the poling": not device.piezo.ceramic().isotropic_across,
+        "directions across the poling": not all(
+            of.ceramic().isotropic_across for of in ceramics(device)
+        ),
     }
     return [name for name, beyond in found.items() if beyond]
 
@@ -342,13 +288,9 @@ def properties(device: Device) -> tuple[str, ...]:
     found = {
         "tab": own.tab_length > 0.0, "glue": own.glue_thickness > 0.0,
         "bare ends": own.bare_below + own.bare_above > 0.0, "taper": bool(own.profiles),
+        "tip extension": own.tip_extension > 0.0,
     }  # fmt: skip
     return tuple(name for name, has in found.items() if has)
-
-
-def _free(active: Section) -> Any:
-    """Capacitance per length (F/m) of a section that bends freely."""
-    return active.C + active.K**2 / active.EI
 
 
 def sections(
@@ -404,7 +346,7 @@ def _with_losses(factors: SectionFactors, device: Device, beam: Beam) -> Section
         factors,
         stiffness=factors.stiffness * beside(lambda one: one.EI),
         coupling=factors.coupling * beside(lambda one: one.K),
-        capacitance=factors.capacitance * beside(_free),
+        capacitance=factors.capacitance * beside(free_capacitance),
     )
 
 
@@ -418,7 +360,7 @@ def _corrected(own: Section, factors: SectionFactors, *, at_root: bool) -> Secti
         EI=stiffness,
         GA=own.GA * factors.shear,
         K=coupling,
-        C=_free(own) * factors.capacitance - coupling**2 / stiffness,
+        C=free_capacitance(own) * factors.capacitance - coupling**2 / stiffness,
     )
 
 

@@ -7,6 +7,7 @@ leaves out: Poisson's effect, d32, and the field that follows the strain inside 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,7 @@ def laminate_section(
     poisson: bool = True,
     d32: bool = True,
     varying_field: bool = True,
+    contracts: bool = True,
     lossy: bool = False,
 ) -> Section:
     """Section constants of the plate, no force and no moment across; all else as the beam's.
@@ -44,6 +46,8 @@ def laminate_section(
     varying_field : bool
         Let the field vary through each layer.  Without this and the two others the
         constants are those of the beam models.
+    contracts : bool
+        Whether the plate strains and curves across, as it does not next to a clamp.
     lossy : bool
         Losses of all layers.
     """
@@ -52,7 +56,7 @@ def laminate_section(
     for layer in stack(piece, device):
         _add(energy, layer, poisson=poisson, d32=d32, varying_field=varying_field, lossy=lossy)
     # what follows of itself: both strains, and the curvature across
-    free, kept = [0, 1, 3], [2, 4]
+    free, kept = [0, 1, 3] if contracts else [0], [2, 4]
     follows = np.linalg.solve(energy[np.ix_(free, free)], energy[np.ix_(free, kept)])
     (stiffness, coupling), (_, charge) = (
         energy[np.ix_(kept, kept)] - energy[np.ix_(kept, free)] @ follows
@@ -65,13 +69,7 @@ def laminate_section(
 
 
 def _add(
-    energy: Numbers,
-    layer: StackLayer,
-    *,
-    poisson: bool,
-    d32: bool,
-    varying_field: bool,
-    lossy: bool,
+    energy: Any, layer: StackLayer, *, poisson: bool, d32: bool, varying_field: bool, lossy: bool
 ) -> None:
     """Add a layer to the quadratic form (5, 5) of strains, curvatures and voltage, per width."""
     of, t, middle = layer.material, layer.thickness, 0.5 * (layer.low + layer.high)
@@ -97,7 +95,7 @@ def _add(
         energy[_VOLTAGE, _VOLTAGE] -= layer.hot**2 * clamped / t
 
 
-def _add_sheet(energy: Numbers, mean: Numbers, middle: float, own: Numbers) -> None:
+def _add_sheet(energy: Any, mean: Numbers, middle: float, own: Numbers) -> None:
     """Add a sheet that resists the strain at its middle, and curvature about that, both (2, 2)."""
     energy[_STRAIN, _STRAIN] += mean
     energy[_STRAIN, _CURVATURE] += mean * middle
@@ -118,7 +116,19 @@ def _sheet(of: Piezo | Shim | Glue, *, poisson: bool, lossy: bool) -> Numbers:
     else:
         nu, ratio = of.poisson_ratio, 1.0
     nu = nu if poisson else 0.0
-    return np.array([[1.0, nu * ratio], [nu * ratio, ratio]]) * young / (1.0 - nu**2 * ratio)
+    sheet = np.array([[1.0, nu * ratio], [nu * ratio, ratio]])
+    return np.asarray(sheet * young / (1.0 - nu**2 * ratio))
+
+
+def stretching(device: Device) -> tuple[float, float]:
+    """Stretching stiffness (N) of the layers of a beam, and where it lies along x (m)."""
+    layers = stack(Piece("bimorph", device.bimorph.length), device)
+    stiffness = np.array([
+        moduli(layer.material, lossy=False)[0] * layer.share * layer.thickness for layer in layers
+    ])  # fmt: skip
+    middles = np.array([0.5 * (layer.low + layer.high) for layer in layers])
+    whole = stiffness.sum()
+    return float(device.bimorph.width * whole), float(stiffness @ middles / whole)
 
 
 def energy_shear_correction(device: Device) -> float:
@@ -132,8 +142,7 @@ def energy_shear_correction(device: Device) -> float:
         for layer_moduli in np.array([moduli(layer.material, lossy=False) for layer in layers]).T
     )
     faces = np.array([(layer.low, layer.high) for layer in layers])
-    axis = (young @ (faces[:, 1] ** 2 - faces[:, 0] ** 2)) / (2.0 * young @ np.diff(faces)[:, 0])
-    faces = faces - axis
+    faces = faces - stretching(device)[1]
     bending = young @ (faces[:, 1] ** 3 - faces[:, 0] ** 3) / 3.0
     energy = outside = 0.0
     for (low, high), e, g in zip(faces[::-1], young[::-1], shear[::-1], strict=True):

@@ -45,14 +45,14 @@ def table(found: Sequence[Part]) -> str:
     return "\n".join(lines)
 
 
-def _bimorph(announce: Announce) -> dict[str, Any]:
+def _bimorph(announce: Announce, *, listed: bool = False) -> dict[str, Any]:
     from tactgen.validation.evidence import calibration_bimorph as part
 
-    observe = partial(part.observe_once, part.SEED)
-    observed = _observed(observe, part.DEVICES, "solid", announce)
+    observe = partial(part.observe_once, part.SEED, listed=listed)
+    observed = _observed(observe, part.LAMINATES if listed else part.DEVICES, "solid", announce)
     unusual = {
         what: _observed(partial(observe, what=what), part.EACH, f"solid with {what}", announce)
-        for what in part.UNUSUAL
+        for what in (part.UNUSUAL_LISTED if listed else part.UNUSUAL)
     }
     return part.calibrate(observed, unusual, announce)
 
@@ -67,6 +67,7 @@ def _reluctance(announce: Announce) -> dict[str, Any]:
 #: Calibrations by name: what makes each, and the file of the package that holds it.
 PARTS: dict[str, tuple[Callable[[Announce], dict[str, Any]], Path]] = {
     "bimorph": (_bimorph, beam.FILE),
+    "laminate": (partial(_bimorph, listed=True), beam.LISTED_FILE),
     "reluctance": (_reluctance, network.FILE),
 }
 

@@ -23,7 +23,6 @@ from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam import calibrated
 from tactgen.tmm.beam.calibrated import (
     ERRORS,
-    GROUPS,
     SOFT,
     Calibration,
     Fit,
@@ -34,29 +33,51 @@ from tactgen.tmm.beam.calibrated import (
     section_factors,
     sections,
 )
+from tactgen.tmm.beam.dimensionless_groups import (
+    amplitudes,
+    core_shear,
+    groups,
+    laminate,
+    plain,
+    root_length,
+)
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.chebyshev import Products, weighted_powers
 from tactgen.validation.evidence.coverage import PROMISED, cached_by_code
 from tactgen.validation.evidence.fit_record import evidence, products_record, rounded
-from tactgen.validation.evidence.random_devices import clamped_bimorph, sprung, unusual_bimorph
+from tactgen.validation.evidence.random_devices import (
+    accepted,
+    clamped_bimorph,
+    clamped_laminate,
+    sprung,
+    unusual_bimorph,
+)
 from tactgen.validation.scene.scene import Scene, load_scene
 
 #: Random devices of the shipped fit, their seed, and the share that is fitted to.
 DEVICES, SEED, FITTED = 6000, 1, 0.75
-#: Properties that the fit does not know, and devices of each that tell by how much its errors grow.
-UNUSUAL, EACH = ("tab", "glue", "bare ends", "range"), 120
+#: The same of listed layers.
+LAMINATES = 1200
+#: Properties that a fit does not know, and devices of each that tell by how much its errors grow.
+UNUSUAL, EACH = ("tab", "glue", "bare ends", "tip extension", "range"), 120
+UNUSUAL_LISTED = ("tab", "bare ends", "tip extension", "range")
 #: Level of bricks: within 1e-4 of much finer ones in all that is fitted.
 _LEVEL = 1
-#: Degree of a term, in which each group counts with its weight; of stiff and of soft cores.
-_DEGREE = 4.0
-_WEIGHTS = {
-    "stiff": (1.0, 1.0, 1.0, 1.0, 1.5, 2.0, 1.0, 3.0, 2.0, np.inf),
-    "soft": (1.0, 1.0, 2.0, 1.0, 2.0, 2.0, 1.0, 3.0, 3.0, 1.0),
+_OUT = np.inf
+#: Degree of a term, in which each group counts with its weight: of stiff cores, of soft ones and of
+#: listed layers.  The second is of what multiplies the effect of the width.
+_TERMS: dict[str, tuple[tuple[float, Sequence[float]], tuple[float, Sequence[float]]]] = {
+    "stiff": (
+        (4.0, (1.0, 1.0, 1.0, 1.0, 1.5, 2.0, 1.0, 3.0, 2.0, _OUT)),
+        (3.0, (1.0, 1.5, 1.5, 1.0, *[_OUT] * 6)),
+    ),
+    "soft": (
+        (4.0, (1.0, 1.0, 2.0, 1.0, 2.0, 2.0, 1.0, 3.0, 3.0, 1.0)),
+        (3.0, (1.0, 1.5, 1.5, 1.0, *[_OUT] * 6)),
+    ),
+    "layers": ((3.0, (1.0, 1.0, 1.0, 1.5, 1.0, 1.0)), (3.0, (1.0, 1.0, 1.5, _OUT, _OUT, _OUT))),
 }
-#: The same of what multiplies the effect of the width.
-_OF_TRANSITION = 3.0
-_TRANSITION = (1.0, 1.5, 1.5, 1.0, np.inf, np.inf, np.inf, np.inf, np.inf, np.inf)
 #: Ridge relative to the mean diagonal of the normal equations; Gauss-Newton steps.
 _RIDGE, _STEPS = 1e-6, 10
 #: Weights of the six static numbers: those of a displacement and the capacitance count more.
@@ -77,13 +98,13 @@ class Observed:
     #: (6,) Static numbers in the order of :func:`statics`
     statics: Floats
     #: (3,) First frequencies of bending in x (Hz): clamped with electrodes shorted, and open,
-    #: and on springs
+    #: and on springs; nan of those of a wide plate that lie above its modes across
     short: Floats
     opened: Floats
     sprung: Floats
 
 
-def observe(seed: int, number: int, what: str = "") -> Observed:
+def observe(seed: int, number: int, what: str = "", *, listed: bool = False) -> Observed:
     """Solve the solid of a random device, or of one with a property that the fit does not know."""
     from tactgen.fem.piezo.modes import natural_modes
     from tactgen.fem.piezo.ports import static_multiport
@@ -91,18 +112,24 @@ def observe(seed: int, number: int, what: str = "") -> Observed:
     from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 
     rng = np.random.default_rng([seed, number])
-    overrides = unusual_bimorph(rng, what) if what else clamped_bimorph(rng)
-    scene, _ = load_scene("prototype", overrides)
-    softer = sprung(
-        rng,
-        overrides,
-        calibrated.laminate(calibrated.plain(scene.device)).EI / scene.bimorph.length,
-    )
+
+    def drawn() -> tuple[list[str], Scene]:
+        found = clamped_laminate(rng) if listed else clamped_bimorph(rng)
+        found = unusual_bimorph(rng, found, what) if what else found
+        scene, _ = load_scene("prototype", found)
+        if listed:
+            calibrated.check_known(scene.device, scene.support)
+        return found, scene
+
+    overrides, scene = accepted(drawn)
+    softer = sprung(rng, overrides, laminate(plain(scene.device)).EI / scene.bimorph.length)
     system = assemble(scene.device, bimorph_bricks(scene.device, LEVELS[_LEVEL]), lossy=False)
 
     def first(ends: Any, *, open_circuit: bool = False) -> Floats:
-        found = natural_modes(system, ends, 3, open_circuit=open_circuit)
-        return np.array([mode.frequency for mode in found])
+        found = natural_modes(system, ends, 5 if listed else 3, open_circuit=open_circuit)
+        if listed:  # without a plane of symmetry they stretch in the same class of motion
+            found = [mode for mode in found if mode.kind == "bending_x"]
+        return np.array([*(mode.frequency for mode in found), *[np.nan] * 3][:3])
 
     return Observed(
         tuple(overrides),
@@ -122,11 +149,12 @@ def _of_ports(stiffness: Any) -> Floats:
     return np.asarray(np.abs([flexible[0, 0], flexible[0, 1], flexible[1, 1], *moved, free]))
 
 
-def observe_once(seed: int, number: int, what: str = "") -> Observed:
+def observe_once(seed: int, number: int, what: str = "", *, listed: bool = False) -> Observed:
     """Solid of a random device, cached."""
+    name = "laminate" if listed else "bimorph"
     one: Observed = cached_by_code(
-        "calibration", ("bimorph", seed, number, what), __name__,
-        partial(observe, seed, number, what),
+        "calibration", (name, seed, number, what), __name__,
+        partial(observe, seed, number, what, listed=listed),
     )  # fmt: skip
     return one
 
@@ -162,15 +190,17 @@ class Devices:
 def devices_of(observed: Sequence[Observed]) -> Devices:
     """Observed devices with their groups and their laminates."""
     scenes = tuple(load_scene("prototype", list(one.overrides))[0] for one in observed)
-    plain = [calibrated.laminate(scene.device) for scene in scenes]
+    plates = [laminate(scene.device) for scene in scenes]
     return Devices(
         scenes,
-        np.array([calibrated.groups(scene.device) for scene in scenes]),
-        np.array([calibrated.amplitudes(scene.device) for scene in scenes]),
-        np.array([calibrated.core_shear(scene.device) for scene in scenes]),
+        np.array([groups(scene.device) for scene in scenes]),
+        np.array([amplitudes(scene.device) for scene in scenes]),
+        np.array([core_shear(scene.device) for scene in scenes]),
         np.array([scene.bimorph.length for scene in scenes]),
-        np.array([calibrated.root_length(scene.device) for scene in scenes]),
-        Section(*(np.array([getattr(s, name) for s in plain]) for name in Section.__annotations__)),
+        np.array([root_length(scene.device) for scene in scenes]),
+        Section(
+            *(np.array([getattr(s, name) for s in plates]) for name in Section.__annotations__)
+        ),
         tuple(observed),
     )
 
@@ -204,21 +234,18 @@ def statics(factors: Floats, of: Devices) -> Floats:
 # ---- the fit ----
 
 
-def fit(
-    of: Devices, weights: Sequence[float], announce: Callable[[str], None]
-) -> tuple[Fit, dict[str, Any]]:
+def fit(of: Devices, kind: str, announce: Callable[[str], None]) -> tuple[Fit, dict[str, Any]]:
     """Fit to a part of the devices, with errors from the rest, and what these show."""
     training = np.random.default_rng(SEED).random(len(of.observed)) < FITTED
     known, fresh = of.part(training), of.part(~training)
     bounds = of.groups.min(axis=0), of.groups.max(axis=0)
     products, transition = (
-        Products(*bounds, weighted_powers(*of_weights))
-        for of_weights in ((weights, _DEGREE), (_TRANSITION, _OF_TRANSITION))
+        Products(*bounds, weighted_powers(weights, degree)) for degree, weights in _TERMS[kind]
     )
-    count = len(products.powers) + 3 * len(transition.powers)
+    count = len(products.powers) + of.amplitudes.shape[1] * len(transition.powers)
     found = Fit(
         products, transition, np.zeros((count, 6)), np.zeros((count, 3)),
-        np.zeros((1 + 2 * len(GROUPS), len(ERRORS))),
+        np.zeros((1 + 2 * of.groups.shape[1], len(ERRORS))),
     )  # fmt: skip
     announce("calibration: factors of the section")
     found = replace(found, factors=_fit_factors(known, found.terms(known.groups, known.amplitudes)))
@@ -335,14 +362,16 @@ def calibrate(
     unusual: Mapping[str, Sequence[Observed]],
     announce: Callable[[str], None],
 ) -> dict[str, Any]:
-    """Calibration as it is written to a file."""
+    """Calibration as it is written to a file: of piezo, shim and piezo, or of listed layers."""
     devices = devices_of(observed)
     which = {"stiff": devices.core_shear < SOFT[1], "soft": devices.core_shear > SOFT[0]}
+    if devices.scenes[0].bimorph.layers:
+        which = {"layers": np.ones(len(observed), dtype=bool)}
     record: dict[str, Any] = {"devices": len(observed), "seed": SEED}
     for kind, part in which.items():
-        found, shown = fit(devices.part(part), _WEIGHTS[kind], announce)
+        found, shown = fit(devices.part(part), kind, announce)
         record[kind] = {**_plain(found), "evidence": shown}
-    record["beyond"] = dict.fromkeys(UNUSUAL, 1.0)
+    record["beyond"] = dict.fromkeys(unusual, 1.0)
     known = calibrated.calibration_from(record)
     record["beyond"] = {what: _widening(known, those) for what, those in unusual.items()}
     return record

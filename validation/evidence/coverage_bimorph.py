@@ -20,7 +20,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.checks import beyond_plain_layers
-from tactgen.tmm.beam.calibrated import laminate
+from tactgen.tmm.beam.dimensionless_groups import laminate
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
 from tactgen.tmm.ports.elements import attach, base_stiffness
@@ -36,6 +36,7 @@ from tactgen.validation.evidence.random_devices import (
     between,
     bimorph_on_rod,
     clamped_bimorph,
+    clamped_laminate,
     slender_bimorph,
     solid_bimorph,
     sprung,
@@ -262,10 +263,11 @@ _TIP_MASS = (0.1, 3.0)
 def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
     """Modelling errors of the transfer matrix for a fresh device of those that it is calibrated on.
 
-    A third clamped and free, a third on springs, a third with a tip mass.
+    A third clamped and free, a third on springs, a third with a tip mass; a third of listed layers.
     """
     fresh = np.random.default_rng(int(rng.integers(2**62)))  # no stream of the calibration's own
-    overrides = clamped_bimorph(fresh)
+    listed = rng.random() < _ONE_IN_THREE
+    overrides = clamped_laminate(fresh) if listed else clamped_bimorph(fresh)
     scene, _ = load_scene("prototype", overrides)
     kind = fresh.random()
     if kind < _ONE_IN_THREE:

@@ -5,6 +5,7 @@ Coverage, the random scenes of the stress run, witnesses and tests all sample he
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias, TypeVar
 
@@ -227,6 +228,21 @@ _SLENDER, _WIDE, _THICK = (STOUTEST, 100.0), (0.4, 40.0), (0.12, 6.0)
 _STIFF, _SOFT, _MOSTLY_STIFF, _ISOTROPIC = (2.0, 400.0), (0.02, 2.0), 0.8, 0.6
 
 
+#: Length (mm), and what else all have.
+_LENGTH, _CLAMPED = 20.0, ("support.kind=clamped", "load.kind=none", "modes=3")
+#: Listed layers without their thickness, and thicknesses by kind beside each other; share of the
+#: ceramics that are the scene's own.
+_LAMINATES = (
+    "shim; piezo +x", "shim; glue; piezo +x", "piezo +x; shim; piezo +x",
+    "piezo +x; glue; shim; glue; piezo +x", "piezo +x; piezo +x", "piezo +x bare; piezo +x",
+    "piezo +x shorted; shim; piezo +x", "piezo +x bare; shim; piezo +x",
+    "piezo +x; piezo -x hot +x; shim; piezo -x hot -x; piezo +x",
+    "shim; piezo +x hot +x; piezo -x hot -x", "shim; glue; piezo +x; glue; shim",
+)  # fmt: skip
+_SIZES = {"shim": (0.2, 3.0), "glue": (0.01, 0.1), "piezo": (0.3, 1.5)}
+_OWN_CERAMIC = 0.7
+
+
 #: Ceramics with tensors of their own.
 _CERAMICS = (
     "M1876", "PZT-5H", "PZT-5A", "PZT-4", "PZT-8", "PIC255", "Pz26", "Pz27", "Pz29",
@@ -238,14 +254,47 @@ def clamped_bimorph(rng: np.random.Generator) -> list[str]:
 
     Not wider than 1.5 lengths.  d31 and s55 vary about those of the library's ceramics.
     """
-    length = 20.0
+    thickness, wide = _proportions(rng)
+    ratio = between(rng, *_THICK)
+    piezo = thickness / (2.0 + ratio)
+    young = between(rng, *(_STIFF if rng.random() < _MOSTLY_STIFF else _SOFT))
+    return [
+        f"bimorph.length={_LENGTH}mm", f"bimorph.width={wide * thickness:.6g}mm",
+        f"bimorph.piezo_thickness={piezo:.6g}mm", f"bimorph.shim_thickness={ratio * piezo:.6g}mm",
+        *_materials(rng, young), *_CLAMPED,
+    ]  # fmt: skip
+
+
+def clamped_laminate(rng: np.random.Generator) -> list[str]:
+    """The same of listed layers, of which elastic ones have 2 to 400 GPa and glue 1 to 10 GPa."""
+    thickness, wide = _proportions(rng)
+    layers = [layer.split(maxsplit=1) for layer in str(rng.choice(_LAMINATES)).split("; ")]
+    sizes = np.array([between(rng, *_SIZES[kind]) for kind, *_ in layers])
+    sizes *= thickness / sizes.sum()
+    others = [str(rng.choice(_CERAMICS)) for _ in layers]
+    own = rng.random(len(layers)) < _OWN_CERAMIC
+    listed = []
+    for (kind, *rest), size, other, of_scene in zip(layers, sizes, others, own, strict=True):
+        name = other if kind == "piezo" and not of_scene else kind
+        listed.append(" ".join([name, f"{size:.6g} mm", *rest]))
+    return [
+        f"bimorph.length={_LENGTH}mm", f"bimorph.width={wide * thickness:.6g}mm",
+        f"bimorph.layers={'; '.join(listed)}",
+        f"glue.youngs_modulus={between(rng, 1.0, 10.0):.5g}GPa",
+        *_materials(rng, between(rng, *_STIFF)), *_CLAMPED,
+    ]  # fmt: skip
+
+
+def _proportions(rng: np.random.Generator) -> tuple[float, float]:
+    """Thickness (mm), and width over thickness."""
     while True:
         slender, wide = between(rng, *_SLENDER), between(rng, *_WIDE)
         if wide <= BROADEST * slender:
-            break
-    thickness, ratio = length / slender, between(rng, *_THICK)
-    piezo = thickness / (2.0 + ratio)
-    young = between(rng, *(_STIFF if rng.random() < _MOSTLY_STIFF else _SOFT))
+            return _LENGTH / slender, wide
+
+
+def _materials(rng: np.random.Generator, young: float) -> list[str]:
+    """Overrides of ceramic and shim, whose modulus is given (GPa)."""
     poisson = rng.uniform(0.15, 0.45)
     shear = young / (2.0 * (1.0 + poisson))
     if rng.random() >= _ISOTROPIC:
@@ -253,13 +302,10 @@ def clamped_bimorph(rng: np.random.Generator) -> list[str]:
     material = str(rng.choice(_CERAMICS))
     own, density = LIBRARY[material].reduced(), rng.uniform(1500.0, 9000.0)
     return [
-        f"bimorph.length={length}mm", f"bimorph.width={wide * thickness:.6g}mm",
-        f"bimorph.piezo_thickness={piezo:.6g}mm", f"bimorph.shim_thickness={ratio * piezo:.6g}mm",
         f"piezo.material={material}", f"piezo.d31={own['d31'] * rng.uniform(0.3, 1.2):.6g}m/V",
         f"piezo.s55={own['s55'] * rng.uniform(0.8, 1.2):.6g}m^2/N",
         f"shim.youngs_modulus={young:.6g}GPa", f"shim.poisson_ratio={poisson:.4g}",
         f"shim.shear_modulus={shear:.6g}GPa", f"shim.density={density:.5g}kg/m^3",
-        "support.kind=clamped", "load.kind=none", "modes=3",
     ]  # fmt: skip
 
 
@@ -267,25 +313,29 @@ def clamped_bimorph(rng: np.random.Generator) -> list[str]:
 _STOUT, _THIN_SHIM = (2.0, STOUTEST), (0.03, 0.12)
 
 
-def unusual_bimorph(rng: np.random.Generator, what: str) -> list[str]:
-    """Overrides of a clamped bimorph with a tab, glue or bare ends, or beyond the usual ratios."""
-    value = dict(one.split("=", 1) for one in clamped_bimorph(rng))
+def unusual_bimorph(rng: np.random.Generator, overrides: Sequence[str], what: str) -> list[str]:
+    """The same clamped bimorph with one property more, or beyond the usual ratios."""
+    value = dict(one.split("=", 1) for one in overrides)
     length, width, piezo, shim = (
-        float(value[f"bimorph.{name}"].removesuffix("mm"))
+        float(value.get(f"bimorph.{name}", "0 mm").removesuffix("mm"))
         for name in ("length", "width", "piezo_thickness", "shim_thickness")
     )
+    listed = value.get("bimorph.layers", "")
     share = rng.uniform(0.02, 0.15)
     if what == "tab":
         value["bimorph.tab_length"] = f"{length * share:.5g}mm"
+    elif what == "tip extension":
+        value["bimorph.tip_extension"] = f"{length * share:.5g}mm"
     elif what == "glue":
         glue = min(piezo, shim) * between(rng, 0.03, 0.3)
         value["bimorph.glue_thickness"] = f"{max(glue, 1e-3):.5g}mm"
     elif what == "bare ends":
         value[f"bimorph.bare_{rng.choice(['below', 'above'])}"] = f"{length * share:.5g}mm"
-    elif rng.random() < 0.5:
+    elif not listed and rng.random() < 0.5:
         value["bimorph.shim_thickness"] = f"{piezo * between(rng, *_THIN_SHIM):.5g}mm"
     else:
-        shorter = (2.0 * piezo + shim) * between(rng, *_STOUT)
+        layers = sum(float(size) for size in re.findall(r"(\S+) mm", listed))
+        shorter = (layers or 2.0 * piezo + shim) * between(rng, *_STOUT)
         value["bimorph.length"] = f"{shorter:.5g}mm"
         value["bimorph.width"] = f"{min(width, BROADEST * shorter):.5g}mm"
     return [f"{key}={text}" for key, text in value.items()]

@@ -35,6 +35,58 @@ def test_only_ratios_matter():
     np.testing.assert_allclose(ten.knots, one.knots / 10.0, rtol=1e-9)
 
 
+#: The bimorph of :func:`sized` as a list, and a unimorph with glue.
+LISTED = "piezo 0.26 mm -x; shim 0.25 mm; piezo 0.26 mm -x"
+UNIMORPH = "brass 0.2 mm; glue 0.02 mm; PZT-5A 0.26 mm +x"
+
+
+def test_of_listed_layers_only_ratios_matter_and_no_side():
+    """Ten times as large, and upside down: the same factors and errors."""
+    ten = "brass 2 mm; glue 0.2 mm; PZT-5A 2.6 mm +x"
+    over = "PZT-5A 0.26 mm -x; glue 0.02 mm; brass 0.2 mm"
+    one, *others = (
+        calibrated.section_factors(s.device, s.beam)
+        for s in (
+            scene(
+                f"bimorph.length={14 * n}mm", f"bimorph.width={2.1 * n}mm", f"bimorph.layers={of}"
+            )
+            for n, of in ((1, UNIMORPH), (10, ten), (1, over))
+        )
+    )
+    for other in others:
+        for name in ("stiffness", "shear", "coupling", "capacitance", "root", "root_coupling"):
+            assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-9)
+        np.testing.assert_allclose(other.errors, one.errors, rtol=1e-9)
+
+
+def test_two_calibrations_of_one_bimorph_agree():
+    """Of three layers by their keys and by a list: two fits to two sets of solids."""
+    answers, errors = [], []
+    for s in (sized(1.0), sized(1.0, f"bimorph.layers={LISTED}")):
+        port, factors = solved(s, np.zeros(1))
+        d = port.stiffness[0].real
+        flexible = np.linalg.inv(d[2:4, 2:4])  # of the tip, the base being held
+        moved = -flexible @ d[2:4, 4]
+        answers.append([flexible[0, 0], moved[0], d[4, 4] + d[4, 2:4] @ moved])
+        errors.append(factors.errors[:3])
+    apart = np.abs(np.divide(*answers) - 1.0)
+    assert (apart < np.add(*errors)).all()
+    assert (np.add(*errors) < 0.05).all()
+
+
+@pytest.mark.parametrize(
+    ("layers", "words"),
+    [
+        ("brass 0.2 mm wide 1 mm; PZT-5A 0.26 mm +x", "of different widths"),
+        ("PZT-5A 0.26 mm +x; brass 0.2 mm; PZT-5A 0.26 mm -x", "hardly bend it"),
+    ],
+)
+def test_layers_that_no_fit_has_seen_are_refused(layers, words):
+    of = scene(f"bimorph.layers={layers}")
+    with pytest.raises(InputError, match=words):
+        calibrated.check_known(of.device, of.support)
+
+
 def test_a_slender_plate_is_its_laminate():
     """Far from ends and edges laminate theory is right."""
     of = scene("bimorph.length=60mm", "bimorph.width=12mm", "bimorph.piezo_thickness=0.2mm")

@@ -20,12 +20,12 @@ FOUR = (
 )
 
 
-def scene(layers, models="tmm", **bimorph):
+def scene(layers, models="tmm", level=2, **bimorph):
     """Bimorph of 20 mm x 5 mm on a bench."""
     values = {"length": "20 mm", "width": "5 mm", "layers": layers, **bimorph}
     return checked_scene(
         {"start_from": "neutral", "models": models, "bimorph": values, "frequency": FREQUENCY,
-         "mesh": {"level": 2}}
+         "mesh": {"level": level}}
     )  # fmt: skip
 
 
@@ -140,6 +140,21 @@ def test_in_series_the_lower_ceramic_is_poled_the_other_way():
     one, other = (answers(of, *NUMBERS, "admittance") for of in (own, listed["+x"]))
     np.testing.assert_allclose(one, other, rtol=1e-9)
     assert abs(answers(listed["-x"], STATIC[0])[0]) < 1e-9 * abs(one[0])
+
+
+def test_the_potential_of_a_bare_ceramic_has_a_level_and_no_more():
+    """Beside metal, whichever face has it: the same upside down, and near the beam.
+
+    That one face is equipotential is felt at the edges alone, on a layer's thickness of the width.
+    """
+    there = "PZT-5A 0.1 mm +x bare; PZT-5H 0.1 mm +x bare; brass 0.2 mm; PZT-5A 0.2 mm +x"
+    back = "PZT-5A 0.2 mm +x; brass 0.2 mm; PZT-5H 0.1 mm +x bare; PZT-5A 0.1 mm +x bare"
+    one, other = (
+        answers(scene(text, "solid", level=1), *STATIC, model="solid") for text in (there, back)
+    )
+    np.testing.assert_allclose(one, other, rtol=1e-3)
+    beam = answers(scene(there), *STATIC)
+    np.testing.assert_allclose(one, beam, rtol=0.1)
 
 
 def test_a_narrow_solid_is_a_beam():

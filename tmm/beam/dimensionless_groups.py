@@ -1,0 +1,169 @@
+"""Dimensionless groups of a bimorph, by which the difference of solid and laminate is known.
+
+Bimorphs of any size whose groups are alike differ alike from laminate theory.  The bimorph of
+piezo, shim and piezo has a group for each of its ratios; listed layers are described by their
+section.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.segments import Piece, stack
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Beam, Device, Piezo
+from tactgen.geometry.device.profile import UNIFORM
+from tactgen.tmm.beam.laminate import energy_shear_correction, laminate_section, stretching
+from tactgen.tmm.beam.sections import Section
+
+COUPLING = "coupling k31^2"
+#: Names of the groups in order, for people.
+GROUPS = (
+    "width/thickness", "ceramic/shim thickness", "shim/ceramic modulus", "end zone/length",
+    "Poisson's ratio of the shim", "shear modulus of the shim", COUPLING,
+    "shear compliance of the ceramic", "Poisson's ratio of the ceramic", "core shear",
+)  # fmt: skip
+#: The same of listed layers.
+LISTED_GROUPS = (
+    "width/thickness", "end zone/length", "shear beside bending", "lever of the ceramics",
+    "stiffness towards the faces", "eccentricity",
+)  # fmt: skip
+#: Eigenvalues λ of the first modes of a clamped beam.
+_LAMBDA = np.array([1.8751040687, 4.6940911330, 7.8547574382])
+
+
+def plain(device: Device) -> Device:
+    """Device with the mean layers all along, nothing below or above, electrodes all over.
+
+    Its glue is in the list of layers, or is left out.
+    """
+    own = device.bimorph
+    simple: dict[str, Any] = dict.fromkeys(
+        ("glue_thickness", "tab_length", "tip_extension", "bare_below", "bare_above"), 0.0
+    )
+    for name, profile in own.profiles.items():
+        z, size = np.array(profile).T
+        mean = float(np.trapezoid(size, z) / z[-1])
+        simple |= {name: UNIFORM, name.removesuffix("_profile"): mean}
+    return device.model_copy(update={"bimorph": own.model_copy(update=simple)})
+
+
+def groups(device: Device) -> Floats:
+    """Ratios (g,) on which the difference of solid and laminate depends; see :func:`names`."""
+    bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
+    if bimorph.layers:
+        return _listed_groups(device)
+    tp, ts, h, length = (
+        bimorph.piezo_thickness, bimorph.shim_thickness, bimorph.thickness, bimorph.length
+    )  # fmt: skip
+    ceramic = piezo.ceramic()
+    return np.array([
+        np.log(bimorph.width / h), np.log(tp / ts), np.log(shim.youngs_modulus * piezo.s11),
+        np.sqrt((0.5 * bimorph.width + h) / length), shim.poisson_ratio,
+        np.log(2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus / shim.youngs_modulus),
+        piezo.d31**2 / (piezo.s11 * piezo.eps33 * EPS0), piezo.s55 / piezo.s11,
+        -ceramic.s[0, 1] / ceramic.s[0, 0], np.log(core_shear(device)),
+    ])  # fmt: skip
+
+
+def names(device: Device) -> tuple[str, ...]:
+    """Names of the groups in order, for people."""
+    return LISTED_GROUPS if device.bimorph.layers else GROUPS
+
+
+def _listed_groups(device: Device) -> Floats:
+    """The same (6,) of listed layers, from their section alone."""
+    bimorph, h = device.bimorph, device.bimorph.thickness
+    own = laminate(device)
+    stretch, offset = stretching(device)
+    return np.array([
+        np.log(bimorph.width / h), np.sqrt((0.5 * bimorph.width + h) / bimorph.length),
+        np.log(own.EI / (own.GA * h**2)), lever(device), np.log(12.0 * own.EI / (stretch * h**2)),
+        np.abs(offset) / h,
+    ])  # fmt: skip
+
+
+def lever(device: Device) -> float:
+    """Mean lever of the driven ceramics about the neutral axis, over half the thickness."""
+    layers = stack(Piece("bimorph", device.bimorph.length), device)
+    force = sum(
+        np.abs(layer.hot * of.d31 / of.s11)
+        for layer in layers
+        if isinstance(of := layer.material, Piezo)
+    )
+    half = 0.5 * device.bimorph.width * device.bimorph.thickness
+    return float(np.abs(laminate(device).K) / (force * half))
+
+
+def amplitudes(device: Device) -> Floats:
+    """Logarithms (a,) of what the width changes of a section, by laminate theory.
+
+    From a strip to a plate of the stiffness, the coupling and the free capacitance; of listed
+    layers also from the plate to one held across, of the stiffness and the coupling.
+    """
+    plate, strip = (
+        laminate_section(device, Beam(), poisson=both, d32=both) for both in (True, False)
+    )
+    changes = [
+        plate.EI / strip.EI,
+        plate.K / strip.K if strip.K else 1.0,
+        free_capacitance(plate) / free_capacitance(strip),
+    ]
+    if device.bimorph.layers:
+        held = laminate_section(device, Beam(), contracts=False)
+        changes += [held.EI / plate.EI, held.K / plate.K]
+    return np.log(changes)
+
+
+def core_shear(device: Device) -> float:
+    """E_p t_p (t_s + t_p) / (G_s L²): shear of the core beside bending.
+
+    Of listed layers what that comes to of a soft core between thin ones.
+    """
+    bimorph = device.bimorph
+    if bimorph.layers:
+        own = laminate(device)
+        return float(2.0 * own.EI / (own.GA * bimorph.length**2))
+    tp, ts = bimorph.piezo_thickness, bimorph.shim_thickness
+    sliding = device.piezo.s11 * device.shim.shear_modulus * bimorph.length**2
+    return float(tp * (ts + tp) / sliding)
+
+
+def root_length(device: Device) -> float:
+    """Length (m) of the zone next to the clamp: part of the width, and where a soft core slides."""
+    bimorph = device.bimorph
+    if bimorph.layers:
+        own = laminate(device)
+        slides = np.sqrt(own.EI / own.GA)
+    else:
+        slides = np.sqrt(
+            bimorph.piezo_thickness * bimorph.shim_thickness
+            / (device.piezo.s11 * device.shim.shear_modulus)
+        )  # fmt: skip
+    return float(min(0.4 * bimorph.width + bimorph.thickness + slides, 0.5 * bimorph.length))
+
+
+def laminate(device: Device) -> Section:
+    """Section of laminate theory with the shear stiffness of its layers' energy."""
+    return laminate_section(device, Beam(shear_correction=energy_shear_correction(device)))
+
+
+def clamped_guess(active: Section, length: float) -> Floats:
+    """First frequencies (3,) in Hz of a clamped beam, by a closed form within some percent."""
+    bending = _LAMBDA**2 * np.sqrt(active.EI / active.m) / length**2
+    softer = 1.0 + _LAMBDA**2 * active.EI / (active.GA * length**2)
+    return np.asarray(bending / np.sqrt(softer) / (2.0 * np.pi))
+
+
+def ceramics(device: Device) -> list[Piezo]:
+    """Ceramics of a bimorph's layers."""
+    layers = stack(Piece("bimorph", device.bimorph.length), device)
+    return [layer.material for layer in layers if isinstance(layer.material, Piezo)]
+
+
+def free_capacitance(active: Section) -> Any:
+    """Capacitance per length (F/m) of a section that bends freely."""
+    return active.C + active.K**2 / active.EI
