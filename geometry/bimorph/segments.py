@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
+from math import fsum
 from typing import Any, Literal
 
 import numpy as np
@@ -156,16 +157,17 @@ def stack(piece: Piece, device: Device, share: Any = 0.5) -> list[StackLayer]:
 def _stated(device: Device, *, active: bool, electrodes: bool) -> list[StackLayer]:
     """Layers that the bimorph lists; where the ceramic ends those that go on."""
     layers = device.bimorph.layers
-    low, found = -0.5 * layers.thickness, []
+    sizes, found = [layer.thickness for layer in layers], []
+    # rounded alike from both sides, so that layers that mirror each other do so to the last digit
+    faces = [0.5 * (fsum(sizes[:n]) - fsum(sizes[n:])) for n in range(len(sizes) + 1)]
     for number, (layer, goes_on) in enumerate(zip(layers, layers.continues, strict=True)):
-        high = low + layer.thickness
+        low, high = faces[number : number + 2]
         if active or goes_on:
             at = electrodes and layer.electrodes != "bare"
             region, of = layers.region(number), material_of(device, layer)
             poling, hot = device.bimorph.drive_poling(number), layers.hot(number)
             share = layer.width / device.bimorph.width if layer.width else 1.0
             found.append(StackLayer(region, of, low, high, poling, hot, at, share))
-        low = high
     return found
 
 

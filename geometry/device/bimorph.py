@@ -119,8 +119,9 @@ class Bimorph(Parameters):
 
     @property
     def profiles(self) -> dict[str, Profile]:
-        """The dimensions that vary along the ceramic, by their key."""
-        names = ("width_profile", "piezo_thickness_profile", "shim_thickness_profile")
+        """The dimensions that vary along the ceramic, by their key; listed layers have theirs."""
+        thicknesses = () if self.layers else ("piezo_thickness_profile", "shim_thickness_profile")
+        names = ("width_profile", *thicknesses)
         return {name: getattr(self, name) for name in names if getattr(self, name)}
 
     def dimensions(self, low: float, high: float) -> tuple[Dimensions, Dimensions]:

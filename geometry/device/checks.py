@@ -178,8 +178,8 @@ def _check_layers(bimorph: Bimorph, support: Support) -> None:
     if bimorph.wiring == "series":
         if not _mirrored(layers):
             raise InputError(
-                f'bimorph.wiring = "series" is known for two driven ceramics that mirror each '
-                f"other, and not for {text}; use parallel"
+                'bimorph.wiring = "series" is known for layers that mirror each other in size, two '
+                f"ceramics of them driven, and not for {text}; use parallel, with both poled alike"
             )
         if any(layer.hot for layer in layers):
             raise InputError(
@@ -191,7 +191,7 @@ def _check_layers(bimorph: Bimorph, support: Support) -> None:
 def _check_contacts(layers: Laminate) -> None:
     """Refuse ceramics whose faces touch, or are joined by metal, at different voltages."""
     below: Layer | None = None
-    at_voltage = False
+    before, at_voltage = 0, False
     for number, layer in enumerate(layers):
         hot = layers.hot(number)
         if layer.material == "glue" or layer.electrodes == "bare":
@@ -199,11 +199,12 @@ def _check_contacts(layers: Laminate) -> None:
         elif layer.is_ceramic:
             if below is not None and at_voltage != (hot < 0):
                 raise InputError(
-                    f"bimorph.layers joins {below} and {layer} by faces of which one is at the "
+                    f"bimorph.layers joins layer {before} ({below}) and layer {number + 1} "
+                    f"({layer}) by faces of which one is at the "
                     'drive voltage and the other is not; say which faces are, as in "PZT-5A 0.2 mm '
                     '+x hot -x", or put glue between them'
                 )
-            below, at_voltage = layer, hot > 0
+            below, before, at_voltage = layer, number + 1, hot > 0
 
 
 def _mirrored(layers: Laminate) -> bool:

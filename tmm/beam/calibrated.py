@@ -286,7 +286,7 @@ def properties(device: Device) -> tuple[str, ...]:
     """Properties of a bimorph that the fit does not know."""
     own = device.bimorph
     found = {
-        "tab": own.tab_length > 0.0, "glue": own.glue_thickness > 0.0,
+        "tab": own.tab_length > 0.0, "glue": own.glue_thickness > 0.0 and not own.layers,
         "bare ends": own.bare_below + own.bare_above > 0.0, "taper": bool(own.profiles),
         "tip extension": own.tip_extension > 0.0,
     }  # fmt: skip

@@ -88,8 +88,11 @@ def test_ceramic_that_does_not_fit_is_refused(bimorph, words):
 def test_cad_and_tetrahedra_do_not_know_them(setting):
     """Plan and CAD refuse before any work, naming the key and the models that can."""
     key = setting.split("=")[0]
-    if key.endswith("_profile"):  # parts and tetrahedra know tapers, but none with listed layers
+    # parts and tetrahedra know tapers, but none with listed layers, and no step of a thickness
+    if key == "width_profile":
         setting = f"{setting}\nlayers=brass 0.2 mm; PZT-5A 0.26 mm +x"
+    elif key.endswith("_profile"):
+        setting = f"{key}=0 mm: 0.2 mm, 10 mm: 0.2 mm, 10 mm: 0.1 mm, 20 mm: 0.1 mm"
     scene, _ = load_scene("j1", [f"bimorph.{each}" for each in setting.split("\n")])
     refusals = (
         lambda: make_plan(scene, ("tmm", "cad"), ("capacitance_free",)),

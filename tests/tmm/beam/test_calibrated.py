@@ -59,6 +59,21 @@ def test_of_listed_layers_only_ratios_matter_and_no_side():
         np.testing.assert_allclose(other.errors, one.errors, rtol=1e-9)
 
 
+def test_keys_that_listed_layers_replace_change_no_error():
+    """Glue and thickness profiles of the three layers."""
+    listed = f"bimorph.layers={UNIMORPH}"
+    replaced = (
+        "bimorph.glue_thickness=0.03mm",
+        "bimorph.piezo_thickness_profile=0 mm: 0.2 mm, 14 mm: 0.1 mm",
+    )
+    one, *others = (
+        calibrated.section_factors(s.device, s.beam)
+        for s in (sized(1.0, listed), *(sized(1.0, listed, key) for key in replaced))
+    )
+    for other in others:
+        np.testing.assert_array_equal(other.errors, one.errors)
+
+
 def test_two_calibrations_of_one_bimorph_agree():
     """Of three layers by their keys and by a list: two fits to two sets of solids."""
     answers, errors = [], []

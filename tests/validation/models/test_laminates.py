@@ -139,7 +139,7 @@ def test_in_series_the_lower_ceramic_is_poled_the_other_way():
     }
     one, other = (answers(of, *NUMBERS, "admittance") for of in (own, listed["+x"]))
     np.testing.assert_allclose(one, other, rtol=1e-9)
-    assert abs(answers(listed["-x"], STATIC[0])[0]) < 1e-9 * abs(one[0])
+    assert answers(listed["-x"], STATIC[0])[0] == 0.0
 
 
 def test_the_potential_of_a_bare_ceramic_has_a_level_and_no_more():
@@ -147,8 +147,8 @@ def test_the_potential_of_a_bare_ceramic_has_a_level_and_no_more():
 
     That one face is equipotential is felt at the edges alone, on a layer's thickness of the width.
     """
-    there = "PZT-5A 0.1 mm +x bare; PZT-5H 0.1 mm +x bare; brass 0.2 mm; PZT-5A 0.2 mm +x"
-    back = "PZT-5A 0.2 mm +x; brass 0.2 mm; PZT-5H 0.1 mm +x bare; PZT-5A 0.1 mm +x bare"
+    there = "PZT-5H 0.1 mm +x bare; brass 0.1 mm; PZT-5A 0.1 mm +x"
+    back = "PZT-5A 0.1 mm +x; brass 0.1 mm; PZT-5H 0.1 mm +x bare"
     one, other = (
         answers(scene(text, "solid", level=1), *STATIC, model="solid") for text in (there, back)
     )
@@ -221,7 +221,7 @@ def test_what_a_list_cannot_be_combined_with_is_refused():
         scene("PZT-5A 0.2 mm wide 4 mm +x; brass 0.1 mm; PZT-5A 0.2 mm -x", wiring="series")
     with pytest.raises(InputError, match="leave out hot"):
         scene("PZT-5A 0.2 mm +x hot -x; PZT-5A 0.2 mm -x hot +x", wiring="series")
-    with pytest.raises(InputError, match=r"joins PZT-5A 0\.1 mm -x and PZT-5A 0\.2 mm"):
+    with pytest.raises(InputError, match=r"joins layer 1 \(PZT-5A 0\.1 mm -x\) and layer 3"):
         scene("PZT-5A 0.1 mm -x; brass 0.1 mm; PZT-5A 0.2 mm -x hot -x")
     with pytest.raises(InputError, match="no layer that goes on"):
         scene("PZT-5A 0.1 mm +x; PZT-5A 0.1 mm -x hot +x", tip_extension="2 mm")
