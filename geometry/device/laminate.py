@@ -29,6 +29,8 @@ _LAYER = re.compile(
     r"(?:\s+(?P<poling>[+-]x))?(?:\s+(?P<electrodes>hot [+-]x|shorted|bare))?",
     re.IGNORECASE | re.ASCII,
 )
+#: What is in no material's name: a size that stands in the wrong place, a tolerance.
+_MISPLACED = re.compile(r"\d\s*[µu]?m?m\b|±")
 #: Largest number of layers.
 _MOST = 50
 #: Materials of the scene's own, by the group that states them.
@@ -130,11 +132,11 @@ def read_layers(value: Any, info: ValidationInfo) -> Laminate:
 
 def _layer(text: str, info: ValidationInfo) -> Layer:
     found = _LAYER.fullmatch(text)
-    if found is None:
+    if found is None or _MISPLACED.search(found["material"]):
         raise ValueError(
             f"has the layer {quoted(text)}, which is not a material, a thickness with its unit, at "
             'most a width with its unit ("wide 3 mm"), and of a ceramic its poling and at most its '
-            f"electrodes; {_REMEDY}"
+            f"electrodes, in this order and without tolerances; {_REMEDY}"
         )
     sizes = {"thickness": 0.0, "width": 0.0}
     for (name, of), stated in zip(

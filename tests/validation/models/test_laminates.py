@@ -201,6 +201,8 @@ def test_a_bare_tip_carries_no_ceramic():
         ("brass 0.2 mm +x; PZT-5A 0.2 mm +x", "brass is not piezoelectric"),
         ("brass 0.2 mm", "no ceramic at the drive voltage"),
         ("brass 0.2; PZT-5A 0.2 mm +x", "not a material, a thickness"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm +x wide 4 mm", "in this order"),
+        ("brass 0.2 mm; PZT-5A 0.2 ± 0.01 mm +x", "without tolerances"),
         ("brss 0.2 mm; PZT-5A 0.2 mm +x", 'did you mean "brass"'),
         ("brass 200 mm; PZT-5A 0.2 mm +x", "must be"),
     ],
