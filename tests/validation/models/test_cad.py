@@ -200,9 +200,10 @@ def test_coupling_factor_counts_with_what_static_numbers_count_with(both):
     (with_it, opened), (without, _) = found
     k = with_it.value
     # f_open² = f_short² / (1 - k²): of k's relative error, k² / (1 - k²) is in f_open, and comes
-    # back as the whole of it, to the next order
+    # back as the whole of it, to the next order, which is the whole error beside k: the mesh,
+    # and with it the other errors, differs from run to run
     assert with_it.error - without.error == pytest.approx(
-        known.static_share * k, rel=known.static_share
+        known.static_share * k, rel=with_it.error / k
     )
     assert opened.rounding[0] >= known.static_share * k**2 / (1.0 - k**2)
 
