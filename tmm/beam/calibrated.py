@@ -40,10 +40,10 @@ from tactgen.tmm.beam.dimensionless_groups import (
     clamped_guess,
     core_shear,
     free_capacitance,
+    group_names,
     groups,
     laminate,
     lever,
-    names,
     plain,
     root_length,
 )
@@ -150,7 +150,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Fits for stiff and for soft cores, the same for listed layers, and factors on the errors."""
+    """Fits for stiff and for soft cores, factors on their errors; listed layers have one fit."""
 
     stiff: Fit
     soft: Fit
@@ -243,7 +243,7 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     ratios = np.exp(sum(weight * (of @ fit.ratios) for weight, fit, of in terms))
     errors = sum(weight * (fit.products.quadratic(at) @ fit.errors) for weight, fit in fits)
     beyond = sorted({i for _, fit in fits for i in fit.products.outside(at)})
-    outside = [names(simple)[i] for i in beyond]
+    outside = [group_names(simple)[i] for i in beyond]
     outside += _proportions(simple)
     unknown = (*properties(device), *(["range"] if outside else []))
     widened = float(np.prod([known.beyond.get(name, np.nan) for name in unknown]))

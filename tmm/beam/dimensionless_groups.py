@@ -52,7 +52,7 @@ def plain(device: Device) -> Device:
 
 
 def groups(device: Device) -> Floats:
-    """Ratios (g,) on which the difference of solid and laminate depends; see :func:`names`."""
+    """Ratios (g,) on which solid and laminate differ; see :func:`group_names`."""
     bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
     if bimorph.layers:
         return _listed_groups(device)
@@ -69,7 +69,7 @@ def groups(device: Device) -> Floats:
     ])  # fmt: skip
 
 
-def names(device: Device) -> tuple[str, ...]:
+def group_names(device: Device) -> tuple[str, ...]:
     """Names of the groups in order, for people."""
     return LISTED_GROUPS if device.bimorph.layers else GROUPS
 
@@ -121,7 +121,7 @@ def amplitudes(device: Device) -> Floats:
 def core_shear(device: Device) -> float:
     """E_p t_p (t_s + t_p) / (G_s L²): shear of the core beside bending.
 
-    Of listed layers what that comes to of a soft core between thin ones.
+    Of listed layers 2 EI / (GA L²), which is about the same of a soft core between thin ceramics.
     """
     bimorph = device.bimorph
     if bimorph.layers:

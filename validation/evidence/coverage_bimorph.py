@@ -263,7 +263,8 @@ _TIP_MASS = (0.1, 3.0)
 def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
     """Modelling errors of the transfer matrix for a fresh device of those that it is calibrated on.
 
-    A third clamped and free, a third on springs, a third with a tip mass; a third of listed layers.
+    A third clamped and free, a third on springs, a third with a tip mass.  Whichever it is, one in
+    three is of listed layers.
     """
     fresh = np.random.default_rng(int(rng.integers(2**62)))  # no stream of the calibration's own
     listed = rng.random() < _ONE_IN_THREE
