@@ -285,7 +285,9 @@ HEADLINE = (
 )  # fmt: skip
 
 
-def beam_to_solid(scene: Scene, announce: Announce, *, level: int = 1) -> list[Step]:
+def beam_to_solid(
+    scene: Scene, announce: Announce = lambda _: None, *, level: int = 1
+) -> list[Step]:
     """Steps from transfer matrices to the solid, on the scene's support (not a rod).
 
     A set of constants that no material could have is passed over: its assumption is given up

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -152,24 +152,31 @@ class Study:
         """Whether the scene asks for a field model of the lateral actuator."""
         return any(MODELS[name].theory == "solid" for name in self.scene.models)
 
+    @property
+    def has_steps(self) -> bool:
+        """Whether steps lead from the beam to the solid: a piezoelectric bimorph without rod."""
+        scene, bimorph = self.scene, self.scene.bimorph
+        simple = not (bimorph.layers or bimorph.tip_extension or scene.support.kind == "rod")
+        return "solid" in scene.models and simple and scene.piezo.d31 != 0.0
+
     @cached_property
     def steps(self) -> list[Step] | None:
-        """Steps from the beam to the solid, for a piezoelectric bimorph without rod."""
-        scene = self.scene
-        if "solid" not in scene.models or scene.support.kind == "rod" or scene.piezo.d31 == 0.0:
-            return None
-        if scene.bimorph.layers or scene.bimorph.tip_extension:
+        """Steps from the beam to the solid, where there are any."""
+        if not self.has_steps:
             return None
         from tactgen.validation.models.difference import beam_to_solid
 
-        return beam_to_solid(scene, self.announce, level=0 if self.quick else 1)
+        level = 0 if self.quick else 1
+        work = partial(beam_to_solid, self.scene, self.announce, level=level)
+        return self.begun("bridge", work)  # type: ignore[no-any-return]
 
     @cached_property
     def parameter_uncertainty(self) -> list[Uncertainty]:
         """Uncertainty of the headline numbers from the parameters' ranges."""
         from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
 
-        return list(parameter_uncertainty(self.scene, announce=self.announce))
+        work = partial(parameter_uncertainty, self.scene, announce=self.announce)
+        return list(self.begun("uncertainty", work))
 
     @cached_property
     def comparison(self) -> list[ComparedRow]:

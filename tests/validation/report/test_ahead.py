@@ -17,8 +17,10 @@ def study(name, *, quick=False):
 
 
 @pytest.mark.parametrize(("name", "quick", "begun"), [
-    ("paper", False, {"measurements"}), ("generator", False, {"amplitude", "measurements"}),
-    ("paper", True, set()), ("reluctance", False, set()), ("j1", False, set()),
+    ("paper", False, {"uncertainty", "bridge", "measurements"}),
+    ("generator", False, {"uncertainty", "amplitude", "measurements"}),
+    ("j1", False, {"uncertainty", "bridge"}),
+    ("paper", True, set()), ("reluctance", False, set()),
 ])  # fmt: skip
 def test_only_what_follows_from_the_scene_alone_is_begun(name, quick, begun):
     """And it can be sent: functions of modules, and scenes."""

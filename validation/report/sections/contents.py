@@ -52,6 +52,14 @@ def work_ahead(study: Study) -> dict[str, tuple[Any, ...]]:
         from tactgen.validation.report.sections.large_motion import VOLTAGES
 
         found["amplitude"] = rocking_states, scene, VOLTAGES
+    elif study.has_steps:
+        from tactgen.validation.models.difference import beam_to_solid
+
+        found["bridge"] = beam_to_solid, scene
+    if study.asks_field:  # else the other process would be there too late
+        from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
+
+        found["uncertainty"] = parameter_uncertainty, scene
     if is_papers_generator(scene):
         from tactgen.validation.studies.published_measurements import all_compared
 
