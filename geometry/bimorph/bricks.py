@@ -23,7 +23,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
-from tactgen.geometry.bimorph.segments import Piece, stack
+from tactgen.geometry.bimorph.segments import bimorph_stack
 from tactgen.geometry.device.checks import check_bonded, check_constant_section
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.meshing.mesh import Mesh
@@ -444,8 +444,7 @@ def _listed(
     low, high, n = ends
     x, slabs = [-0.5 * device.bimorph.thickness], []
     goes_on = device.bimorph.layers.continues
-    ceramic = Piece("bimorph", device.bimorph.length)
-    for number, (layer, on) in enumerate(zip(stack(ceramic, device), goes_on, strict=True)):
+    for number, (layer, on) in enumerate(zip(bimorph_stack(device), goes_on, strict=True)):
         is_ceramic, thickness = layer.poling != 0.0, float(layer.thickness)
         shares: tuple[float, ...] = (1.0,)
         if is_ceramic:

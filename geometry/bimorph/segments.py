@@ -127,6 +127,11 @@ class StackLayer:
         return self.high - self.low
 
 
+def bimorph_stack(device: Device) -> list[StackLayer]:
+    """Layers of the length that the ceramics cover, from −x to +x."""
+    return stack(Piece("bimorph", device.bimorph.length), device)
+
+
 def stack(piece: Piece, device: Device, share: Any = 0.5) -> list[StackLayer]:
     """Layers of a piece of section ``bimorph`` or ``shim`` from −x to +x.
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.segments import Piece, stack
+from tactgen.geometry.bimorph.segments import bimorph_stack
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Device, Piezo
 from tactgen.geometry.device.profile import UNIFORM
@@ -88,7 +88,7 @@ def _listed_groups(device: Device) -> Floats:
 
 def lever(device: Device) -> float:
     """Mean lever of the driven ceramics about the neutral axis, over half the thickness."""
-    layers = stack(Piece("bimorph", device.bimorph.length), device)
+    layers = bimorph_stack(device)
     force = sum(
         np.abs(layer.hot * of.d31 / of.s11)
         for layer in layers
@@ -160,7 +160,7 @@ def clamped_guess(active: Section, length: float) -> Floats:
 
 def ceramics(device: Device) -> list[Piezo]:
     """Ceramics of a bimorph's layers."""
-    layers = stack(Piece("bimorph", device.bimorph.length), device)
+    layers = bimorph_stack(device)
     return [layer.material for layer in layers if isinstance(layer.material, Piezo)]
 
 

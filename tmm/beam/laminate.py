@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Numbers
-from tactgen.geometry.bimorph.segments import Piece, StackLayer, stack
+from tactgen.geometry.bimorph.segments import Piece, StackLayer, bimorph_stack
 from tactgen.geometry.device.materials import lossy_coupling
 from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim
 from tactgen.tmm.beam.sections import Section, moduli, section
@@ -51,9 +51,8 @@ def laminate_section(
     lossy : bool
         Losses of all layers.
     """
-    piece = Piece("bimorph", device.bimorph.length)
     energy = np.zeros((5, 5), dtype=complex if lossy else float)
-    for layer in stack(piece, device):
+    for layer in bimorph_stack(device):
         _add(energy, layer, poisson=poisson, d32=d32, varying_field=varying_field, lossy=lossy)
     # what follows of itself: both strains, and the curvature across
     free, kept = [0, 1, 3] if contracts else [0], [2, 4]
@@ -63,7 +62,7 @@ def laminate_section(
     )
     b = device.bimorph.width
     return replace(
-        section(piece, device, beam, lossy=lossy),
+        section(Piece("bimorph", device.bimorph.length), device, beam, lossy=lossy),
         EI=b * stiffness, K=-b * coupling, C=-b * charge,
     )  # fmt: skip
 
@@ -122,7 +121,7 @@ def _sheet(of: Piezo | Shim | Glue, *, poisson: bool, lossy: bool) -> Numbers:
 
 def stretching(device: Device) -> tuple[float, float]:
     """Stretching stiffness (N) of the layers of a beam, and where it lies along x (m)."""
-    layers = stack(Piece("bimorph", device.bimorph.length), device)
+    layers = bimorph_stack(device)
     stiffness = np.array([
         moduli(layer.material, lossy=False)[0] * layer.share * layer.thickness for layer in layers
     ])  # fmt: skip
@@ -136,7 +135,7 @@ def energy_shear_correction(device: Device) -> float:
 
     Young's moduli are those of a beam (no transverse stress, short circuit).
     """
-    layers = stack(Piece("bimorph", device.bimorph.length), device)
+    layers = bimorph_stack(device)
     young, shear = (
         layer_moduli * np.array([layer.share for layer in layers])
         for layer_moduli in np.array([moduli(layer.material, lossy=False) for layer in layers]).T

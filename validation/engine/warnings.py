@@ -7,9 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from tactgen.geometry.bimorph.segments import Piece, bimorph_stack
+from tactgen.geometry.device.bimorph import Piezo
 from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import share as share_of
+from tactgen.tmm.beam.sections import section
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.excitation import excitation_of
 from tactgen.tmm.ports.loads import FINGER_RANGE, MeasuredLaw
@@ -35,6 +38,8 @@ _SMALL_DEFLECTION = 0.1
 _DEFLECTIONS = (Readout("w_tip", "motion"), Readout("w_tip", "motion", static=True))
 #: Modelling error of a number (relative) from which on it is given with a warning.
 _LARGE = 0.1
+#: Square of the section's coupling factor that is nothing but rounding.
+_NO_COUPLING = 1e-18
 #: Frequencies up to which the stress is looked at unasked; more take longer than what was asked.
 _FREQUENCIES = 5000
 
@@ -48,7 +53,8 @@ def request_warnings(
     """
     scene = scene.asking(models)
     _check_base(scene, quantities)
-    found = [*load_warnings(scene, quantities), *_of_threshold(scene, quantities)]
+    found = [*_no_bending(scene, quantities), *load_warnings(scene, quantities)]
+    found += _of_threshold(scene, quantities)
     found += _of_support_over_frequency(scene, quantities)
     if not scene.awaits_map:
         found += held_warnings(scene, models, quantities)
@@ -73,6 +79,26 @@ def _check_base(scene: Scene, quantities: Sequence[str]) -> None:
                 f"frequency = 0 Hz has no {row.name} under an acceleration of the base; choose "
                 "frequencies above it, for example 0.1 Hz for a constant acceleration"
             )
+
+
+def _no_bending(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
+    """Listed layers whose driven ceramics stretch the bimorph and do not bend it."""
+    asked = any(QUANTITIES[name].actuator == "bimorph" for name in quantities)
+    if not (asked and scene.bimorph.layers):
+        return
+    piece = Piece("bimorph", scene.bimorph.length)
+    found = section(piece, scene.device, scene.beam, lossy=False)
+    driven = any(
+        layer.hot and layer.material.d31
+        for layer in bimorph_stack(scene.device)
+        if isinstance(layer.material, Piezo)
+    )
+    if driven and found.K**2 <= _NO_COUPLING * found.EI * found.C:
+        yield (
+            f'the ceramics of bimorph.layers = "{scene.bimorph.layers}" stretch it and do not bend '
+            "it, so that voltage and bending do not couple; turn the poling of one, or name its "
+            "hot face"
+        )
 
 
 def held_warnings(

@@ -11,13 +11,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Any
 
-from tactgen.geometry.bimorph.segments import Piece, stack
-from tactgen.geometry.device.bimorph import Piezo
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.units import Unit
-from tactgen.tmm.beam.sections import section
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import (
     CONDITIONS,
@@ -214,7 +211,7 @@ def scene_warnings(
         # a file may describe both actuators, whichever is asked about today
         found.append(_idle(scene, key, quantities, asked=origin == ON_COMMAND_LINE))
     stated = [key for key in origins if key in scene_keys()]
-    found += [*unusual_values(scene, stated), no_solid(scene), _no_bending(scene)]
+    found += [*unusual_values(scene, stated), no_solid(scene)]
     found += _width_of_bare_shim(scene, origins)
     load = scene.load
     if load.kind == "mass" and load.mass == 0.0:
@@ -223,29 +220,6 @@ def scene_warnings(
         both = "load.stiffness = 0 N/m and load.damping = 0 N*s/m"
         found.append(f'load.kind = "spring_damper" with {both} is a free tip; set one of them')
     return tuple(filter(None, found))
-
-
-#: Square of the section's coupling factor that is nothing but rounding.
-_NO_COUPLING = 1e-18
-
-
-def _no_bending(scene: Scene) -> str:
-    """Listed layers whose driven ceramics stretch the bimorph and do not bend it, or ""."""
-    if not scene.bimorph.layers:
-        return ""
-    piece = Piece("bimorph", scene.bimorph.length)
-    found = section(piece, scene.device, scene.beam, lossy=False)
-    driven = any(
-        layer.hot and layer.material.d31
-        for layer in stack(piece, scene.device)
-        if isinstance(layer.material, Piezo)
-    )
-    if not driven or found.K**2 > _NO_COUPLING * found.EI * found.C:
-        return ""
-    return (
-        f'the ceramics of bimorph.layers = "{scene.bimorph.layers}" stretch it and do not bend it, '
-        "so that voltage and bending do not couple; turn the poling of one, or name its hot face"
-    )
 
 
 def idle(scene: Scene, key: str) -> str:

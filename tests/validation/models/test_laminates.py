@@ -7,7 +7,7 @@ import tactgen
 from tactgen.geometry.device.material_library import LIBRARY, SHIMS
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
-from tactgen.validation.scene.inputs import scene_warnings
+from tactgen.validation.engine.warnings import request_warnings
 from tactgen.validation.scene.scene import checked_scene
 
 STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
@@ -274,4 +274,5 @@ def test_the_solid_refuses_layers_of_different_widths():
 def test_ceramics_that_only_stretch_are_named(poling, warned):
     """Driven outside and poled away from each other both grow: no voltage from any bending."""
     of = scene(f"PZT-5A 0.2 mm +x; brass 0.1 mm; PZT-5A 0.2 mm {poling}")
-    assert any("stretch it and do not bend it" in w for w in scene_warnings(of, {})) is warned
+    found = request_warnings(of, of.models, of.quantities)
+    assert any("stretch it and do not bend it" in w for w in found) is warned
