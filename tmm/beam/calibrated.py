@@ -1,8 +1,9 @@
 """Transfer matrices with section constants calibrated on the solid.
 
 The section is that of laminate theory (no force and no moment across the width, the field follows
-the strain).  What it lacks depends on :mod:`tmm.beam.dimensionless_groups` only and was fitted to
-solids of random bimorphs, clamped in all layers (:mod:`validation.evidence.calibration`):
+the strain), with what the shear of a soft core changes by :mod:`tmm.beam.layerwise`.  What these
+lack depends on :mod:`tmm.beam.dimensionless_groups` only and was fitted to solids of random
+bimorphs, clamped in all layers (:mod:`validation.evidence.calibration`):
 
 * six factors: on bending stiffness, shear compliance, coupling and free capacitance of the section,
   and on flexibility and coupling next to the clamp, where the width cannot contract;
@@ -37,7 +38,6 @@ from tactgen.tmm.beam.dimensionless_groups import (
     GROUPS,
     amplitudes,
     ceramics,
-    clamped_guess,
     core_shear,
     free_capacitance,
     group_names,
@@ -48,6 +48,7 @@ from tactgen.tmm.beam.dimensionless_groups import (
     root_length,
 )
 from tactgen.tmm.beam.laminate import laminate_section
+from tactgen.tmm.beam.layerwise import beside_beam_theory
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section, section, without_electrode
@@ -66,14 +67,12 @@ FACTORS = ("stiffness", "root", "shear", "coupling", "root_coupling", "capacitan
 #: What an error is known of, in order: the tip's displacement per force and per voltage, the free
 #: capacitance, natural frequencies of bending in x, and the coupling factor of the first mode.
 ERRORS = ("compliance", "deflection", "capacitance", "f1", "f2", "f3", "coupling_factor")
-#: Core shear E_p t_p (t_s + t_p) / (G_s L²) from which on a core is soft; between both values the
-#: two fits are blended.
-SOFT = (0.01, 0.03)
-#: Relative error of the loss factor in motion, with a stiff core and with a soft one.  Not fitted:
+#: Relative error of the loss factor in motion with a stiff core and with a soft one, and the core
+#: shear E_p t_p (t_s + t_p) / (G_s L²) up to which it is stiff, from which on soft.  Not fitted:
 #: with a core shear below 0.01 the height of the first resonance was within it for 53 of 54 random
 #: bimorphs.  Where most of the energy is in the shear of a core without losses, it is off by
 #: factors.
-DAMPING = (0.1, 10.0)
+DAMPING, SOFT = (0.1, 10.0), (0.01, 0.03)
 #: Least length over thickness, and largest width over length, of the bimorphs of the fit.
 STOUTEST, BROADEST = 4.0, 1.5
 #: Width over length from which on each of the first modes may be one across the width.
@@ -150,10 +149,9 @@ class Fit:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Fits for stiff and for soft cores, factors on their errors; listed layers have one fit."""
+    """A fit, and factors on its errors."""
 
-    stiff: Fit
-    soft: Fit
+    fit: Fit
     #: Factors on all errors by property that the fit does not know (tab, glue, bare ends), and of
     #: ratios beyond its range; of others, such as a taper, no error is known
     beyond: dict[str, float]
@@ -161,15 +159,13 @@ class Calibration:
 
 def calibration_from(record: dict[str, Any]) -> Calibration:
     """Calibration as read from a file."""
-    stiff, soft = (
-        Fit(
-            Products(*(np.array(one[name]) for name in ("low", "high", "powers"))),
-            Products(*(np.array(one[name]) for name in ("low", "high", "transition"))),
-            *(np.array(one[name]) for name in ("factors", "ratios", "errors")),
-        )
-        for one in (record.get(core) or record["layers"] for core in ("stiff", "soft"))
+    one = record["fit"]
+    fit = Fit(
+        Products(*(np.array(one[name]) for name in ("low", "high", "powers"))),
+        Products(*(np.array(one[name]) for name in ("low", "high", "transition"))),
+        *(np.array(one[name]) for name in ("factors", "ratios", "errors")),
     )
-    return Calibration(stiff, soft, record["beyond"])
+    return Calibration(fit, record["beyond"])
 
 
 @cache
@@ -211,7 +207,7 @@ def check_known(device: Device, support: Support) -> None:
         return
     squared, most = (
         float(at[GROUPS.index(COUPLING)])
-        for at in (groups(plain(device)), calibration(listed=False).stiff.products.high)
+        for at in (groups(plain(device)), calibration(listed=False).fit.products.high)
     )
     if squared > _COUPLES_MORE * most:
         raise InputError(
@@ -229,34 +225,31 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     known : Calibration, optional
         By default the one that is shipped.
     """
-    simple = plain(device)
+    # the fit does not know glue, the theories do
+    simple, glued = plain(device), plain(device, glue=True)
     known = known or calibration(listed=bool(simple.bimorph.layers))
-    at, amplitude = groups(simple), amplitudes(simple)
+    fit, at, amplitude = known.fit, groups(simple), amplitudes(simple)
+    terms = fit.terms(at, amplitude)
+    near, whole = root_length(simple), laminate(glued)
+    theory = beside_beam_theory(glued, whole, near)
+    stiffness, root, shear, coupling, root_coupling, capacitance = np.exp(
+        theory.factors + terms @ fit.factors
+    )
+    errors = fit.products.quadratic(at) @ fit.errors
+    outside = [group_names(simple)[i] for i in fit.products.outside(at)] + _proportions(simple)
     low, high = np.log(SOFT)
     share = float(np.clip((np.log(core_shear(simple)) - low) / (high - low), 0.0, 1.0))
-    fits = [(1.0 - share, known.stiff), (share, known.soft)]
-    fits = [(weight, fit) for weight, fit in fits if weight > 0.0]
-    terms = [(weight, fit, fit.terms(at, amplitude)) for weight, fit in fits]
-    stiffness, root, shear, coupling, root_coupling, capacitance = np.exp(
-        sum(weight * (of @ fit.factors) for weight, fit, of in terms)
-    )
-    ratios = np.exp(sum(weight * (of @ fit.ratios) for weight, fit, of in terms))
-    errors = sum(weight * (fit.products.quadratic(at) @ fit.errors) for weight, fit in fits)
-    beyond = sorted({i for _, fit in fits for i in fit.products.outside(at)})
-    outside = [group_names(simple)[i] for i in beyond]
-    outside += _proportions(simple)
     unknown = (*properties(device), *(["range"] if outside else []))
     widened = float(np.prod([known.beyond.get(name, np.nan) for name in unknown]))
-    whole = laminate(simple)
-    own = section(Piece("bimorph", simple.bimorph.length), simple, beam, lossy=False)
+    own = section(Piece("bimorph", glued.bimorph.length), glued, beam, lossy=False)
     active = replace(whole, EI=whole.EI * stiffness, GA=whole.GA / shear)
     return SectionFactors(
         stiffness=active.EI / own.EI,
         shear=active.GA / own.GA,
         coupling=coupling * (whole.K / own.K if own.K else 1.0),
         capacitance=capacitance * free_capacitance(whole) / free_capacitance(own),
-        root=float(root), root_coupling=float(root_coupling), root_length=root_length(simple),
-        knots=clamped_guess(active, simple.bimorph.length), ratios=ratios,
+        root=float(root), root_coupling=float(root_coupling), root_length=near,
+        knots=theory.frequencies, ratios=np.exp(theory.ratios + terms @ fit.ratios),
         errors=widened * np.exp(errors), lengthwise=lengthwise_modes(simple),
         damping_error=float(DAMPING[0] ** (1.0 - share) * DAMPING[1] ** share),
         beyond=tuple(outside),

@@ -16,7 +16,8 @@ from tactgen.geometry.bimorph.segments import bimorph_stack
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Device, Piezo
 from tactgen.geometry.device.profile import UNIFORM
-from tactgen.tmm.beam.laminate import energy_shear_correction, laminate_section, stretching
+from tactgen.tmm.beam.laminate import laminate_section, stretching
+from tactgen.tmm.beam.layerwise import layerwise_beam
 from tactgen.tmm.beam.sections import Section
 
 COUPLING = "coupling k31^2"
@@ -31,19 +32,19 @@ LISTED_GROUPS = (
     "width/thickness", "end zone/length", "shear beside bending", "lever of the ceramics",
     "stiffness towards the faces", "eccentricity",
 )  # fmt: skip
-#: Eigenvalues λ of the first modes of a clamped beam.
-_LAMBDA = np.array([1.8751040687, 4.6940911330, 7.8547574382])
 
 
-def plain(device: Device) -> Device:
+def plain(device: Device, *, glue: bool = False) -> Device:
     """Device with the mean layers all along, nothing below or above, electrodes all over.
 
-    Its glue is in the list of layers, or is left out.
+    Glue that is not in the list of layers is left out, unless it is asked for.
     """
     own = device.bimorph
     simple: dict[str, Any] = dict.fromkeys(
-        ("glue_thickness", "tab_length", "tip_extension", "bare_below", "bare_above"), 0.0
+        ("tab_length", "tip_extension", "bare_below", "bare_above"), 0.0
     )
+    if not glue:
+        simple["glue_thickness"] = 0.0
     for name, profile in own.profiles.items():
         z, size = np.array(profile).T
         mean = float(np.trapezoid(size, z) / z[-1])
@@ -101,21 +102,20 @@ def lever(device: Device) -> float:
 def amplitudes(device: Device) -> Floats:
     """Logarithms (a,) of what the width changes of a section, by laminate theory.
 
-    From a strip to a plate of the stiffness, the coupling and the free capacitance; of listed
-    layers also from the plate to one held across, of the stiffness and the coupling.
+    From a strip to a plate of the stiffness, the coupling and the free capacitance; from the plate
+    to one held across, as next to a clamp, of the stiffness and the coupling.
     """
     plate, strip = (
         laminate_section(device, Beam(), poisson=both, d32=both) for both in (True, False)
     )
-    changes = [
+    held = laminate_section(device, Beam(), contracts=False)
+    return np.log([
         plate.EI / strip.EI,
         plate.K / strip.K if strip.K else 1.0,
         free_capacitance(plate) / free_capacitance(strip),
-    ]
-    if device.bimorph.layers:
-        held = laminate_section(device, Beam(), contracts=False)
-        changes += [held.EI / plate.EI, held.K / plate.K]
-    return np.log(changes)
+        held.EI / plate.EI,
+        held.K / plate.K if plate.K else 1.0,
+    ])  # fmt: skip
 
 
 def core_shear(device: Device) -> float:
@@ -147,15 +147,9 @@ def root_length(device: Device) -> float:
 
 
 def laminate(device: Device) -> Section:
-    """Section of laminate theory with the shear stiffness of its layers' energy."""
-    return laminate_section(device, Beam(shear_correction=energy_shear_correction(device)))
-
-
-def clamped_guess(active: Section, length: float) -> Floats:
-    """First frequencies (3,) in Hz of a clamped beam, by a closed form within some percent."""
-    bending = _LAMBDA**2 * np.sqrt(active.EI / active.m) / length**2
-    softer = 1.0 + _LAMBDA**2 * active.EI / (active.GA * length**2)
-    return np.asarray(bending / np.sqrt(softer) / (2.0 * np.pi))
+    """Section of laminate theory with the shear stiffness of layerwise theory."""
+    correction = layerwise_beam(device).shear_correction
+    return laminate_section(device, Beam(shear_correction=correction))
 
 
 def ceramics(device: Device) -> list[Piezo]:

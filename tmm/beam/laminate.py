@@ -1,4 +1,4 @@
-"""Section of laminate theory, and the shear stiffness of its layers' energy.
+"""Section of laminate theory.
 
 A wide plate of layers bends along z, without force or moment across.  It has what a beam's section
 leaves out: Poisson's effect, d32, and the field that follows the strain inside each layer.
@@ -128,27 +128,3 @@ def stretching(device: Device) -> tuple[float, float]:
     middles = np.array([0.5 * (layer.low + layer.high) for layer in layers])
     whole = stiffness.sum()
     return float(device.bimorph.width * whole), float(stiffness @ middles / whole)
-
-
-def energy_shear_correction(device: Device) -> float:
-    """Factor by which ``Σ G A`` of the layers is to be multiplied.
-
-    Young's moduli are those of a beam (no transverse stress, short circuit).
-    """
-    layers = bimorph_stack(device)
-    young, shear = (
-        layer_moduli * np.array([layer.share for layer in layers])
-        for layer_moduli in np.array([moduli(layer.material, lossy=False) for layer in layers]).T
-    )
-    faces = np.array([(layer.low, layer.high) for layer in layers])
-    faces = faces - stretching(device)[1]
-    bending = young @ (faces[:, 1] ** 3 - faces[:, 0] ** 3) / 3.0
-    energy = outside = 0.0
-    for (low, high), e, g in zip(faces[::-1], young[::-1], shear[::-1], strict=True):
-        # what equilibrium asks for, Jourawski's S = a − b x² within the layer
-        b = 0.5 * e
-        a = outside + b * high**2
-        first, third, fifth = (high**n - low**n for n in (1, 3, 5))
-        energy += (a**2 * first - 2.0 * a * b * third / 3.0 + b**2 * fifth / 5.0) / g
-        outside = a - b * low**2
-    return float(bending**2 / (energy * (shear @ np.diff(faces)[:, 0])))

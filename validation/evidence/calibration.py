@@ -31,7 +31,7 @@ def table(found: Sequence[Part]) -> str:
             if not isinstance(part, dict) or "evidence" not in part:
                 continue
             head = f"{kind}: {record['devices']} devices, seed {record['seed']}"
-            lines.append(f"{head}, {len(part['powers'])} products; errors on devices not fitted to")
+            lines.append(f"{head}; errors on devices not fitted to")
             lines.append(
                 f"  {'error of':24} {'devices':>7} {'median':>8} {'95 %':>8} {'largest':>8} "
                 f"{'covered':>8} {'stated/error':>12}"

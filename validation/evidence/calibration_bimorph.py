@@ -41,6 +41,8 @@ from tactgen.tmm.beam.dimensionless_groups import (
     plain,
     root_length,
 )
+from tactgen.tmm.beam.layerwise import Beside, beside_beam_theory
+from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.chebyshev import Products, weighted_powers
@@ -65,23 +67,22 @@ UNUSUAL_LISTED = ("tab", "bare ends", "tip extension", "range")
 #: Level of bricks: within 1e-4 of much finer ones in all that is fitted.
 _LEVEL = 1
 _OUT = np.inf
-#: Degree of a term, in which each group counts with its weight: of stiff cores, of soft ones and of
+#: Degree of a term, in which each group counts with its weight: of piezo, shim and piezo, and of
 #: listed layers.  The second is of what multiplies the effect of the width.
 _TERMS: dict[str, tuple[tuple[float, Sequence[float]], tuple[float, Sequence[float]]]] = {
-    "stiff": (
-        (4.0, (1.0, 1.0, 1.0, 1.0, 1.5, 2.0, 1.0, 3.0, 2.0, _OUT)),
+    "three": (
+        (5.0, (1.0, 1.0, 1.0, 1.0, 1.5, 2.0, 1.0, 3.0, 2.0, 2.0)),
         (3.0, (1.0, 1.5, 1.5, 1.0, *[_OUT] * 6)),
     ),
-    "soft": (
-        (4.0, (1.0, 1.0, 2.0, 1.0, 2.0, 2.0, 1.0, 3.0, 3.0, 1.0)),
-        (3.0, (1.0, 1.5, 1.5, 1.0, *[_OUT] * 6)),
-    ),
-    "layers": ((3.0, (1.0, 1.0, 1.0, 1.5, 1.0, 1.0)), (3.0, (1.0, 1.0, 1.5, _OUT, _OUT, _OUT))),
+    "listed": ((3.0, (1.0, 1.0, 1.0, 1.5, 1.0, 1.0)), (3.0, (1.0, 1.0, 1.5, _OUT, _OUT, _OUT))),
 }
 #: Ridge relative to the mean diagonal of the normal equations; Gauss-Newton steps.
 _RIDGE, _STEPS = 1e-6, 10
 #: Weights of the six static numbers: those of a displacement and the capacitance count more.
 _COUNTS = np.array([3.0, 1.0, 1.0, 3.0, 1.0, 3.0])
+#: Relative change by layerwise theory at which they count half: there a section's factors describe
+#: the device less well, first the rotation of a soft core's face.  The same of a frequency's ratio.
+_TRUSTED, _TRUSTED_RATIO = np.array([0.1, 0.003, 0.003, 0.1, 0.003, np.inf]), 0.02
 #: Weight of equal ratios at neighbouring knots beside that of a frequency; least ratio.
 _SMOOTH, _LEAST_RATIO = 1e-2, 0.2
 #: Quantile of held-out errors that a stated error covers, and the least error (that of the bricks).
@@ -169,7 +170,7 @@ class Devices:
     scenes: tuple[Scene, ...]
     groups: Floats  #: (n, g)
     amplitudes: Floats  #: (n, 3)
-    core_shear: Floats  #: (n,)
+    theory: Beside  #: Of layerwise theory, arrays (n, ...)
     length: Floats
     root: Floats  #: (n,) Length of the zone next to the clamp (m)
     sections: Section  #: Of laminate theory, arrays (n,)
@@ -180,7 +181,8 @@ class Devices:
         numbers = np.arange(len(self.observed))[which]
         return Devices(
             tuple(self.scenes[i] for i in numbers),
-            self.groups[numbers], self.amplitudes[numbers], self.core_shear[numbers],
+            self.groups[numbers], self.amplitudes[numbers],
+            Beside(*(of[numbers] for of in self.theory)),
             self.length[numbers], self.root[numbers],
             Section(*(getattr(self.sections, name)[numbers] for name in Section.__annotations__)),
             tuple(self.observed[i] for i in numbers),
@@ -191,11 +193,15 @@ def devices_of(observed: Sequence[Observed]) -> Devices:
     """Observed devices with their groups and their laminates."""
     scenes = tuple(load_scene("prototype", list(one.overrides))[0] for one in observed)
     plates = [laminate(scene.device) for scene in scenes]
+    theory = [
+        beside_beam_theory(scene.device, plate, root_length(scene.device))
+        for scene, plate in zip(scenes, plates, strict=True)
+    ]
     return Devices(
         scenes,
         np.array([groups(scene.device) for scene in scenes]),
         np.array([amplitudes(scene.device) for scene in scenes]),
-        np.array([core_shear(scene.device) for scene in scenes]),
+        Beside(*(np.array(of) for of in zip(*theory, strict=True))),
         np.array([scene.bimorph.length for scene in scenes]),
         np.array([root_length(scene.device) for scene in scenes]),
         Section(
@@ -206,12 +212,14 @@ def devices_of(observed: Sequence[Observed]) -> Devices:
 
 
 def statics(factors: Floats, of: Devices) -> Floats:
-    """Logarithms (n, 6) of the six static numbers, from those of the factors (n, 6).
+    """Logarithms (n, 6) of the six static numbers, from those of what the fit puts on the factors.
 
     Displacement per force, rotation per force, rotation per moment, displacement and rotation per
     voltage, free capacitance.
     """
-    stiffness, root, shear, coupling, root_coupling, capacitance = np.exp(factors).T
+    stiffness, root, shear, coupling, root_coupling, capacitance = np.exp(
+        of.theory.factors + factors
+    ).T
     active, length, near = of.sections, of.length, of.root
     bend = 1.0 / (active.EI * stiffness)
     curve = np.abs(active.K) * coupling * bend
@@ -234,8 +242,10 @@ def statics(factors: Floats, of: Devices) -> Floats:
 # ---- the fit ----
 
 
-def fit(of: Devices, kind: str, announce: Callable[[str], None]) -> tuple[Fit, dict[str, Any]]:
-    """Fit to a part of the devices, with errors from the rest, and what these show."""
+def fit(
+    of: Devices, kind: str, announce: Callable[[str], None]
+) -> tuple[Fit, dict[str, dict[str, Any]]]:
+    """Fit to a part of the devices, with errors from the rest, and what these show by group."""
     training = np.random.default_rng(SEED).random(len(of.observed)) < FITTED
     known, fresh = of.part(training), of.part(~training)
     bounds = of.groups.min(axis=0), of.groups.max(axis=0)
@@ -256,19 +266,32 @@ def fit(of: Devices, kind: str, announce: Callable[[str], None]) -> tuple[Fit, d
     left = np.array([left_over(*one, alone(found)) for one in pairs])
     found = replace(found, errors=_fit_errors(fresh, left, found))
     stated = np.exp(found.products.quadratic(fresh.groups) @ found.errors)
-    devices = [one.overrides for one in fresh.observed]
-    return found, evidence(ERRORS, left, stated, devices)
+    shown = {}
+    for group, which in _groups_shown(fresh, kind).items():
+        devices = [one.overrides for one in fresh.part(which).observed]
+        shown[group] = {"evidence": evidence(ERRORS, left[which], stated[which], devices)}
+    return found, shown
+
+
+def _groups_shown(of: Devices, kind: str) -> dict[str, Bools]:
+    """Devices (n,) of the groups whose errors are shown apart."""
+    if kind == "listed":
+        return {"layers": np.ones(len(of.observed), dtype=bool)}
+    soft = np.array([core_shear(scene.device) for scene in of.scenes]) > SOFT[0]
+    return {"stiff": ~soft, "soft": soft}
 
 
 def alone(known: Fit) -> Calibration:
     """Calibration that knows nothing but one fit."""
-    return Calibration(known, known, {})
+    return Calibration(known, {})
 
 
 def _fit_factors(of: Devices, terms: Floats) -> Floats:
     """Coefficients (t, 6) of the logarithms of the factors."""
     measured = np.log([one.statics for one in of.observed])
     count, step = terms.shape[1], 1e-6
+    layered = np.pad(of.theory.statics, ((0, 0), (0, 1)))
+    counts = _COUNTS / (1.0 + np.abs(layered) / _TRUSTED)
     found = np.zeros((count, 6))
     for _ in range(_STEPS):
         factors = terms @ found
@@ -276,9 +299,9 @@ def _fit_factors(of: Devices, terms: Floats) -> Floats:
         slopes = np.stack(
             [(statics(factors + step * np.eye(6)[k], of) - now) / step for k in range(6)], axis=2
         )
-        rows = np.einsum("nij,nt->nijt", slopes * _COUNTS[:, None], terms)
+        rows = np.einsum("nij,nt->nijt", slopes * counts[..., None], terms)
         rows = rows.reshape(-1, 6 * count)
-        right = ((measured - now) * _COUNTS).ravel()
+        right = ((measured - now) * counts).ravel()
         normal, flat = rows.T @ rows, found.T.ravel()
         ridge = _RIDGE * np.trace(normal) / len(normal)
         normal[np.diag_indices_from(normal)] += ridge
@@ -293,9 +316,14 @@ def _fit_ratios(of: Devices, known: Fit) -> Floats:
         _ratios(scene, one.short, alone(known))
         for one, scene in zip(of.observed, of.scenes, strict=True)
     ])  # fmt: skip
-    normal = terms.T @ terms
-    normal[np.diag_indices_from(normal)] += _RIDGE * np.trace(normal) / len(normal)
-    return np.asarray(np.linalg.solve(normal, terms.T @ np.log(sought)))
+    found = []
+    for left, known_part in zip(np.log(sought).T, of.theory.ratios.T, strict=True):
+        counts = 1.0 / (1.0 + np.abs(known_part) / _TRUSTED_RATIO)
+        rows = terms * counts[:, None]
+        normal = rows.T @ rows
+        normal[np.diag_indices_from(normal)] += _RIDGE * np.trace(normal) / len(normal)
+        found.append(np.linalg.solve(normal, rows.T @ (counts * (left - known_part))))
+    return np.array(found).T
 
 
 def _solved(scene: Scene, known: Calibration) -> tuple[SectionFactors, list[Element]]:
@@ -311,7 +339,7 @@ def _ratios(scene: Scene, solid: Floats, known: Calibration) -> Floats:
     Modes that may be across the width are left out: the ratio of the one below goes on.
     """
     factors, row = _solved(scene, known)
-    beam = bending_frequencies(row, factors, scene.ends, 3, open_circuit=False)
+    beam = natural_frequencies(row, scene.ends, 3, open_circuit=False).frequencies
     knots = np.append(0.0, factors.knots)
     shares = np.array([np.interp(solid, knots, one) for one in np.eye(4)]).T[:, 1:]
     clear = slice(lengthwise_modes(scene.device))
@@ -364,13 +392,9 @@ def calibrate(
 ) -> dict[str, Any]:
     """Calibration as it is written to a file: of piezo, shim and piezo, or of listed layers."""
     devices = devices_of(observed)
-    which = {"stiff": devices.core_shear < SOFT[1], "soft": devices.core_shear > SOFT[0]}
-    if devices.scenes[0].bimorph.layers:
-        which = {"layers": np.ones(len(observed), dtype=bool)}
-    record: dict[str, Any] = {"devices": len(observed), "seed": SEED}
-    for kind, part in which.items():
-        found, shown = fit(devices.part(part), kind, announce)
-        record[kind] = {**_plain(found), "evidence": shown}
+    kind = "listed" if devices.scenes[0].bimorph.layers else "three"
+    found, shown = fit(devices, kind, announce)
+    record: dict[str, Any] = {"devices": len(observed), "seed": SEED, "fit": _plain(found), **shown}
     record["beyond"] = dict.fromkeys(unusual, 1.0)
     known = calibrated.calibration_from(record)
     record["beyond"] = {what: _widening(known, those) for what, those in unusual.items()}

@@ -25,7 +25,8 @@ from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
-from tactgen.tmm.beam.laminate import energy_shear_correction, laminate_section
+from tactgen.tmm.beam.laminate import laminate_section
+from tactgen.tmm.beam.layerwise import layerwise_beam
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section, without_electrode
@@ -298,7 +299,7 @@ def beam_to_solid(
     level : int
         Index of the division into bricks, one for all steps.
     """
-    factor = energy_shear_correction(scene.device)
+    factor = layerwise_beam(scene.device).shear_correction
     consistent = _with(scene, "beam", shear_correction=factor)
     start, sheared = beam_values(scene), beam_values(consistent)
     plain = (

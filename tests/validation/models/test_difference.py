@@ -7,7 +7,7 @@ import pytest
 from tactgen.geometry.bimorph import bricks as bimorph_bricks
 from tactgen.geometry.device.parameters import Device, Piezo
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.laminate import energy_shear_correction
+from tactgen.tmm.beam.layerwise import layerwise_beam
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.difference import (
     BEAM_ASSUMPTIONS,
@@ -37,7 +37,7 @@ def paper(*overrides):
 
 
 def with_energy_shear(scene):
-    factor = energy_shear_correction(scene.device)
+    factor = layerwise_beam(scene.device).shear_correction
     return scene.model_copy(
         update={"beam": scene.beam.model_copy(update={"shear_correction": factor})}
     )

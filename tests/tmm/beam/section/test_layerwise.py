@@ -1,0 +1,88 @@
+"""Layerwise theory of a cantilever: its limits, a sandwich in closed form, and a solid."""
+
+import numpy as np
+import pytest
+
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import static_multiport
+from tactgen.fem.piezo.solid import assemble
+from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.segments import Piece
+from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Piezo, Shim
+from tactgen.tmm.beam.dimensionless_groups import laminate
+from tactgen.tmm.beam.layerwise import beside_beam_theory, layerwise_beam
+from tactgen.tmm.beam.sections import section
+from tactgen.validation.scene.scene import load_scene
+
+LISTS = ("", "brass 0.2 mm; glue 0.02 mm; PZT-5A 0.3 mm +x", "PZT-5A 0.1 mm +x; PZT-5A 0.3 mm -x")
+
+
+@pytest.mark.parametrize("layers", LISTS)
+def test_without_modes_that_decay_it_is_beam_theory(layers):
+    """Of the section that the beam models have, of any layers."""
+    device = Device(bimorph=Bimorph(layers=layers))
+    own = layerwise_beam(device)
+    length = device.bimorph.length
+    beam = section(Piece("bimorph", length), device, Beam(), lossy=False)
+    slide = 1.0 / (own.shear_correction * own.rigidity)
+    expected = [
+        length**3 / 3.0 / beam.EI + length * slide, length**2 / 2.0 / beam.EI, length / beam.EI,
+        length**2 / 2.0 * beam.K / beam.EI, length * beam.K / beam.EI,
+    ]  # fmt: skip
+    np.testing.assert_allclose(np.abs(own.beam_statics(length)), np.abs(expected), rtol=1e-10)
+
+
+def test_long_beams_and_waves_are_beam_theory():
+    """What decays from the ends and varies slowly along z counts for nothing."""
+    own = layerwise_beam(Device())
+    np.testing.assert_allclose(own.statics(2.0) / own.beam_statics(2.0), 1.0, atol=1e-5)
+    k = np.array([1.0])
+    assert own.flexibility(k) == pytest.approx(own.bending / k**2 + own.shear, rel=1e-9)
+
+
+@pytest.mark.parametrize("shear", [1e5, 1e7, 1e9])
+def test_allens_sandwich(shear):
+    """Thick faces that do not shear, on a core that does nothing else (Allen 1969)."""
+    face, core, length, width = 0.3e-3, 0.4e-3, 20e-3, 2e-3
+    device = Device(
+        bimorph=Bimorph(piezo_thickness=face, shim_thickness=core, length=length, width=width),
+        shim=Shim(youngs_modulus=1e2, shear_modulus=shear), piezo=Piezo(s55=1e-15),
+    )  # fmt: skip
+    young = width / device.piezo.s11
+    apart = face + core
+    of_faces, whole = young * face**3 / 6.0, young * face * (face**2 / 6.0 + apart**2 / 2.0)
+    rigid = shear * width * apart**2 / core
+    b = np.sqrt(rigid * whole / of_faces / (whole - of_faces))
+    slip = (1.0 - of_faces / whole) ** 2 / rigid * (length - np.tanh(b * length) / b)
+    found = layerwise_beam(device).statics(length)[0]
+    assert found == pytest.approx(length**3 / 3.0 / whole + slip, rel=1e-5)  # the core's own EI
+
+
+def test_a_soft_core_is_that_of_the_solid():
+    """Narrow, on a core a thousandth as stiff, where beam theory is a fifth off."""
+    soft = ["shim.youngs_modulus=20MPa", "shim.shear_modulus=7.6923MPa", "bimorph.width=0.5mm"]
+    scene = load_scene("j1", soft)[0]
+    device = scene.device
+    solid = assemble(device, bimorph_bricks(device, LEVELS[0]), lossy=False)
+    compliance = np.linalg.inv(static_multiport(solid).stiffness[0].real[2:4, 2:4])[0, 0]
+    own, length = layerwise_beam(device, varying_field=True), device.bimorph.length
+    # within what a width of 0.65 thicknesses and a clamp that holds it across are worth
+    assert own.statics(length)[0] == pytest.approx(compliance, rel=5e-3)
+    assert own.beam_statics(length)[0] > 1.15 * compliance
+    frequencies = [mode.frequency for mode in natural_modes(solid, scene.ends, 2)]
+    found = beside_beam_theory(device, laminate(device), 1e-3).frequencies
+    np.testing.assert_allclose(found[:2], frequencies, rtol=5e-3)
+
+
+def test_factors_give_a_beam_the_tips_compliance():
+    """A section with a zone at its clamp moves as far as layerwise theory says."""
+    device = Device(shim=Shim(youngs_modulus=50e6, shear_modulus=20e6))
+    plate, length, root = laminate(device), device.bimorph.length, 2e-3
+    _, less, shear, coupling, *_ = np.exp(beside_beam_theory(device, plate, root).factors)
+    far = (length - root) ** 3
+    bend = (less * (length**3 - far) + far) / 3.0 / plate.EI
+    beam = length**3 / 3.0 / plate.EI + length / plate.GA
+    own = layerwise_beam(device, varying_field=True)
+    ratio = own.statics(length) / own.beam_statics(length)
+    assert (bend + shear * length / plate.GA) / beam == pytest.approx(ratio[0], rel=1e-12)
+    assert coupling == pytest.approx(ratio[3], rel=1e-12)

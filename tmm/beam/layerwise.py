@@ -1,0 +1,246 @@
+"""Layerwise theory of a cantilever: each layer stretches and shears on its own, all deflect alike.
+
+The displacement along z is a cubic through each layer and continuous, u(x, z) = Σ φᵢ(x) uᵢ(z); the
+deflection w(z) is common (narrow beam).  The shear force Q gives w′, and without
+it the equations are diagonal in modes of slip: uₖ″ − κₖ² uₖ = gₖ Q.  Two modes have κ = 0,
+stretching and bending, and are beam theory.  The others decay from the ends; a soft core adds them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import Legendre
+from numpy.polynomial.legendre import leggauss, legvander
+
+from tactgen.geometry.arrays import Floats
+from tactgen.geometry.bimorph.segments import bimorph_stack
+from tactgen.geometry.device.bimorph import Piezo
+from tactgen.geometry.device.materials import EPS0
+from tactgen.geometry.device.parameters import Device
+from tactgen.tmm.beam.sections import Section, moduli
+
+#: κ times a length below which limits take the place of hyperbolic functions: within 1e-6.
+_SLOW = 1e-3
+#: The same above which cosh is out of range; its reciprocal is then 0.
+_FAST = 300.0
+
+
+#: Thickness of a layer, as a share of the whole, that is as good as none.
+_THINNEST = 1e-9
+
+
+@dataclass(frozen=True)
+class LayerwiseBeam:
+    """Modes of slip of a section."""
+
+    rigidity: float  #: ∫ G dA (N)
+    decay: Floats  #: (k,) κ (1/m); the first two are 0
+    #: (k,) Source of each mode per shear force, per moment on the tip (the mean rotation of the
+    #: tip's face that it makes), and per voltage
+    by_force: Floats
+    by_moment: Floats
+    by_voltage: Floats
+
+    @property
+    def shear(self) -> float:
+        """Slope per shear force (1/N) far from the ends, by shear alone."""
+        slips = self.by_force[2:] / self.decay[2:]
+        return float(1.0 / self.rigidity + slips @ slips)
+
+    @property
+    def bending(self) -> float:
+        """Curvature per moment (1/(N m²)) far from the ends."""
+        return float(self.by_force[:2] @ self.by_force[:2])
+
+    @property
+    def shear_correction(self) -> float:
+        """Factor by which ∫ G dA is to be multiplied in beam theory."""
+        return 1.0 / (self.rigidity * self.shear)
+
+    def statics(self, length: float) -> Floats:
+        """Motion (5,) of the tip of a cantilever, its base held in all layers.
+
+        Displacement per force, rotation per force and per moment, displacement and rotation per
+        voltage.
+        """
+        slow, x = self.decay * length < _SLOW, np.maximum(self.decay * length, _SLOW)
+        once = length * np.where(slow, 1.0, np.tanh(x) / x)
+        decayed = (1.0 - 1.0 / np.cosh(np.minimum(x, _FAST))) / x**2
+        twice = length**2 * np.where(slow, 0.5, decayed)
+        thrice = length**3 * np.where(slow, 1.0 / 3.0, (1.0 - np.tanh(x) / x) / x**2)
+        return self._moved(length / self.rigidity, once, twice, thrice)
+
+    def beam_statics(self, length: float) -> Floats:
+        """The same (5,) by beam theory."""
+        at = np.array([1.0, 1.0, *np.zeros(self.decay.size - 2)])
+        slide = length * self.shear
+        return self._moved(slide, length * at, length**2 / 2.0 * at, length**3 / 3.0 * at)
+
+    def _moved(self, slide: float, once: Floats, twice: Floats, thrice: Floats) -> Floats:
+        force, turn, volt = self.by_force, self.by_moment, self.by_voltage
+        return np.array([
+            slide + force**2 @ thrice, force * turn @ twice, turn**2 @ once,
+            force * volt @ twice, turn * volt @ once,
+        ])  # fmt: skip
+
+    def flexibility(self, wavenumber: Floats) -> Floats:
+        """Slope per shear force (n,) in 1/N that varies along z with wavenumbers (n,) in 1/m."""
+        each = self.by_force**2 / (self.decay**2 + wavenumber[:, None] ** 2)
+        return np.asarray(1.0 / self.rigidity + each.sum(axis=1))
+
+
+def layerwise_beam(device: Device, *, varying_field: bool = False) -> LayerwiseBeam:
+    """Modes of slip of the length that the ceramics cover.
+
+    If the field may vary through each ceramic, only its mean is that of the voltage; strain that
+    varies then meets the stiffness at constant charge.
+    """
+    thinnest = _THINNEST * device.bimorph.thickness
+    layers = [layer for layer in bimorph_stack(device) if layer.thickness > thinnest]
+    count, (at, weights, shape, slope) = len(layers), _cubics()
+    size = 3 * count + 1
+    strain, shear = np.zeros((size, size)), np.zeros((size, size))
+    slip, turn, volt = np.zeros((3, size))
+    rigidity = inertia = 0.0
+    for i, layer in enumerate(layers):
+        young, rigid = moduli(layer.material, lossy=False)
+        wide, t = device.bimorph.width * layer.share, layer.thickness
+        x, area = layer.low + at * t, wide * t * weights
+        own = [i, i + 1, count + 1 + 2 * i, count + 2 + 2 * i]
+        strain[np.ix_(own, own)] += young * (shape * area) @ shape.T
+        shear[np.ix_(own, own)] += rigid * (slope / t * area) @ slope.T / t
+        slip[own] += rigid * slope @ area / t
+        turn[own] += shape @ (area * x)
+        inertia += area @ x**2
+        rigidity += rigid * wide * t
+        if isinstance(layer.material, Piezo):
+            mean = shape @ weights if layer.electrodes else np.zeros(4)
+            varies = shape - mean[:, None]
+            stiffer = varying_field * _at_constant_charge(layer.material)
+            strain[np.ix_(own, own)] += stiffer * young * (varies * area) @ varies.T
+            field = layer.hot * layer.poling / t if layer.electrodes else 0.0
+            volt[own] += young * layer.material.d31 * field * shape @ area
+    squares, modes = _eigenpairs(shear - np.outer(slip, slip) / rigidity, strain)
+    squares[:2] = 0.0  # but for rounding
+    sources = (of @ modes for of in (slip / rigidity, turn / inertia, volt))
+    return LayerwiseBeam(float(rigidity), np.sqrt(squares), *sources)
+
+
+def _eigenpairs(matrix: Floats, mass: Floats) -> tuple[Floats, Floats]:
+    """Ascending eigenvalues (n,) of both symmetric matrices (n, n), and vectors of unit mass."""
+    root = np.linalg.inv(np.linalg.cholesky(mass))  # in numpy, as scipy takes long to import
+    values, vectors = np.linalg.eigh(root @ matrix @ root.T)
+    return values, root.T @ vectors
+
+
+def _at_constant_charge(of: Piezo) -> float:
+    """Relative rise k²/(1 − k²) of Young's modulus along z at a constant charge."""
+    squared = of.d31**2 / (of.s11 * of.eps33 * EPS0)
+    return float(squared / (1.0 - squared))
+
+
+@cache
+def _cubics() -> tuple[Floats, Floats, Floats, Floats]:
+    """Gauss points and weights (4,) over 0 to 1, and four cubics and their slopes (4, 4) there.
+
+    One is 1 at the lower face, one at the upper, two are 0 at both.
+    """
+    x, weights = leggauss(4)
+    one = np.ones(4)
+    shape = np.array([0.5 * (1.0 - x), 0.5 * (1.0 + x), x**2 - 1.0, x**3 - x])
+    slope = np.array([-one, one, 4.0 * x, 6.0 * x**2 - 2.0])
+    return 0.5 * (x + 1.0), 0.5 * weights, shape, slope
+
+
+# ---- what it adds to beam theory ----
+
+
+#: Least share of beam theory's deflection per voltage that a factor stands for.
+_LEAST = 0.05
+
+
+class Beside(NamedTuple):
+    """What layerwise theory adds to beam theory, for a clamped bimorph."""
+
+    #: (6,) Logarithms of factors, see :data:`tmm.beam.calibrated.FACTORS`
+    factors: Floats
+    #: (3,) Frequencies (Hz), and logarithms of the ratio of the beam's with these factors to them
+    frequencies: Floats
+    ratios: Floats
+    #: (5,) Relative change of :meth:`LayerwiseBeam.statics`
+    statics: Floats
+
+
+def beside_beam_theory(device: Device, plate: Section, root: float) -> Beside:
+    """Factors that give a section the statics and the frequencies of layerwise theory.
+
+    Parameters
+    ----------
+    plate : Section
+        Whose bending stiffness takes the place of the narrow beam's.
+    root : float
+        Length (m) of the zone next to the clamp that has factors of its own.
+    """
+    length, own = device.bimorph.length, layerwise_beam(device, varying_field=True)
+    ratio = own.statics(length) / own.beam_statics(length)
+    # the zone at the clamp and the shear take what the tip moves less per force
+    bend, slide = length**3 / 3.0 / plate.EI, length / plate.GA
+    beyond = bend * (1.0 - root / length) ** 3
+    less = float((ratio[0] * (bend + slide) - beyond) / (bend + slide - beyond))
+    factors = np.array([1.0, less, less, max(ratio[3], _LEAST), 1.0, 1.0])
+    return Beside(np.log(factors), *_frequencies(own, plate, length, root, less), ratio - 1.0)
+
+
+#: Polynomials of the shear force, and waves that they are made of: 1e-5 of the third frequency.
+_FORCES, _WAVES = 8, 64
+
+
+def _frequencies(
+    own: LayerwiseBeam, plate: Section, length: float, root: float, less: float
+) -> tuple[Floats, Floats]:
+    """First frequencies (3,) in Hz by layerwise theory, and logarithms of the beam's over them.
+
+    Ritz's method on the shear force Q of a cantilever: q = −Q′ is its inertia, and the slope that
+    a sine of Q makes is a sine, so that layerwise theory is diagonal in them.
+    """
+    waves, forces, shears, bends, inertia, turned, at, weights = _cantilever()
+    k = waves / length
+    slopes = own.flexibility(k) + (1.0 / plate.EI - own.bending) / k**2 - 1.0 / own.rigidity
+    near = root / length
+    moments = turned @ legvander(2.0 * near * at - 1.0, len(turned[0]) - 1).T
+    root_bends = bends + (less - 1.0) * near * (moments * weights) @ moments.T
+    layered, beam = (
+        _eigenpairs(flexible, inertia)[0][:-4:-1]
+        for flexible in (
+            (forces * slopes) @ forces.T + shears / own.rigidity,
+            shears * less / plate.GA + root_bends * length**2 / plate.EI,
+        )
+    )
+    frequencies = 1.0 / (2.0 * np.pi * length * np.sqrt(plate.m * layered))
+    return frequencies, 0.5 * np.log(layered / beam)
+
+
+@cache
+def _cantilever() -> tuple[Floats, ...]:
+    """Wavenumbers (n,), parts (p, n) of the forces in their sines, and matrices (p, p).
+
+    These are of the forces, of their moments and of their slopes, over a length from 0 to 1 whose
+    end at 1 is free.  Then the moments' coefficients (p, c), Gauss points and weights.
+    """
+    free = Legendre([0.5, -0.5], domain=(0.0, 1.0))
+    forces = [Legendre.basis(n, domain=(0.0, 1.0)) * free for n in range(_FORCES)]
+    moments, slopes = [of.integ(lbnd=1.0) for of in forces], [of.deriv() for of in forces]
+    waves = (np.arange(_WAVES) + 0.5) * np.pi
+    x, weights = (0.5 * of for of in leggauss(4 * _WAVES))
+    x += 0.5
+    values = [np.array([one(x) for one in of]) for of in (forces, moments, slopes)]
+    sines = np.sqrt(2.0) * np.sin(np.outer(waves, x))
+    matrices = ((of * weights) @ of.T for of in values)
+    most = max(of.coef.size for of in moments)
+    turned = np.array([np.pad(of.coef, (0, most - of.coef.size)) for of in moments])
+    at, own = (0.5 * of for of in leggauss(2 * _FORCES))
+    return waves, (values[0] * weights) @ sines.T, *matrices, turned, at + 0.5, own
