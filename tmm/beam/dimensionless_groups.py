@@ -16,7 +16,12 @@ from tactgen.geometry.bimorph.segments import bimorph_stack
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Device, Piezo
 from tactgen.geometry.device.profile import UNIFORM
-from tactgen.tmm.beam.laminate import laminate_section, stretching
+from tactgen.tmm.beam.laminate import (
+    bending_constants,
+    laminate_energy,
+    laminate_section,
+    stretching,
+)
 from tactgen.tmm.beam.layerwise import layerwise_beam
 from tactgen.tmm.beam.sections import Section
 
@@ -105,16 +110,15 @@ def amplitudes(device: Device) -> Floats:
     From a strip to a plate of the stiffness, the coupling and the free capacitance; from the plate
     to one held across, as next to a clamp, of the stiffness and the coupling.
     """
-    plate, strip = (
-        laminate_section(device, Beam(), poisson=both, d32=both) for both in (True, False)
+    wide, narrow = (laminate_energy(device, poisson=both, d32=both) for both in (True, False))
+    (plate, k_plate, c_plate), (strip, k_strip, c_strip), (held, k_held, _) = (
+        bending_constants(device, of, contracts=contracts)
+        for of, contracts in ((wide, True), (narrow, True), (wide, False))
     )
-    held = laminate_section(device, Beam(), contracts=False)
+    free_plate, free_strip = c_plate + k_plate**2 / plate, c_strip + k_strip**2 / strip
     return np.log([
-        plate.EI / strip.EI,
-        plate.K / strip.K if strip.K else 1.0,
-        free_capacitance(plate) / free_capacitance(strip),
-        held.EI / plate.EI,
-        held.K / plate.K if plate.K else 1.0,
+        plate / strip, k_plate / k_strip if k_strip else 1.0, free_plate / free_strip,
+        held / plate, k_held / k_plate if k_plate else 1.0,
     ])  # fmt: skip
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Numbers
 from tactgen.geometry.bimorph.segments import Piece, StackLayer, bimorph_stack
-from tactgen.geometry.device.materials import lossy_coupling
+from tactgen.geometry.device.materials import Piezoceramic, lossy_coupling
 from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim
 from tactgen.tmm.beam.sections import Section, moduli, section
 
@@ -22,14 +22,7 @@ _STRAIN, _CURVATURE, _VOLTAGE = slice(0, 2), slice(2, 4), 4
 
 
 def laminate_section(
-    device: Device,
-    beam: Beam,
-    *,
-    poisson: bool = True,
-    d32: bool = True,
-    varying_field: bool = True,
-    contracts: bool = True,
-    lossy: bool = False,
+    device: Device, beam: Beam, *, lossy: bool = False, **simplified: bool
 ) -> Section:
     """Section constants of the plate, no force and no moment across; all else as the beam's.
 
@@ -39,6 +32,30 @@ def laminate_section(
         Dimensions and materials; glue counts as one more layer that does not slide.
     beam : Beam
         Shear correction.
+    lossy : bool
+        Losses of all layers.
+    simplified : bool
+        What :func:`laminate_energy` leaves out.
+    """
+    stiffness, coupling, capacitance = bending_constants(
+        device, laminate_energy(device, lossy=lossy, **simplified)
+    )
+    own = section(Piece("bimorph", device.bimorph.length), device, beam, lossy=lossy)
+    return replace(own, EI=stiffness, K=coupling, C=capacitance)
+
+
+def laminate_energy(
+    device: Device,
+    *,
+    poisson: bool = True,
+    d32: bool = True,
+    varying_field: bool = True,
+    lossy: bool = False,
+) -> Any:
+    """Quadratic form (5, 5) of strains, curvatures and voltage, per width, of the layers.
+
+    Parameters
+    ----------
     poisson : bool
         Poisson's effect.
     d32 : bool
@@ -46,14 +63,20 @@ def laminate_section(
     varying_field : bool
         Let the field vary through each layer.  Without this and the two others the
         constants are those of the beam models.
-    contracts : bool
-        Whether the plate strains and curves across, as it does not next to a clamp.
-    lossy : bool
-        Losses of all layers.
     """
     energy = np.zeros((5, 5), dtype=complex if lossy else float)
     for layer in bimorph_stack(device):
         _add(energy, layer, poisson=poisson, d32=d32, varying_field=varying_field, lossy=lossy)
+    return energy
+
+
+def bending_constants(
+    device: Device, energy: Any, *, contracts: bool = True
+) -> tuple[Any, Any, Any]:
+    """Bending stiffness EI, coupling K and capacitance C per length, as of a section.
+
+    If it does not contract, the plate neither strains nor curves across, as next to a clamp.
+    """
     # what follows of itself: both strains, and the curvature across
     free, kept = [0, 1, 3] if contracts else [0], [2, 4]
     follows = np.linalg.solve(energy[np.ix_(free, free)], energy[np.ix_(free, kept)])
@@ -61,10 +84,7 @@ def laminate_section(
         energy[np.ix_(kept, kept)] - energy[np.ix_(kept, free)] @ follows
     )
     b = device.bimorph.width
-    return replace(
-        section(Piece("bimorph", device.bimorph.length), device, beam, lossy=lossy),
-        EI=b * stiffness, K=-b * coupling, C=-b * charge,
-    )  # fmt: skip
+    return b * stiffness, -b * coupling, -b * charge
 
 
 def _add(
@@ -73,13 +93,14 @@ def _add(
     """Add a layer to the quadratic form (5, 5) of strains, curvatures and voltage, per width."""
     of, t, middle = layer.material, layer.thickness, 0.5 * (layer.low + layer.high)
     own = t**3 / 12.0  # second moment about the layer's middle
-    sheet = layer.share * _sheet(of, poisson=poisson, lossy=lossy)
+    ceramic = of.ceramic() if isinstance(of, Piezo) else None
+    sheet = layer.share * _sheet(of, ceramic, poisson=poisson, lossy=lossy)
     _add_sheet(energy, sheet * t, middle, sheet * own)
-    if not isinstance(of, Piezo):
+    if not isinstance(of, Piezo) or ceramic is None:
         return
-    across = of.ceramic().d[2, 1] if d32 else 0.0
+    across = ceramic.d[2, 1] if d32 else 0.0
     d = lossy_coupling(np.array([of.d31, across]), of.coupling_loss, lossy=lossy)
-    permittivity = of.ceramic().eps_t[2, 2] * (1.0 - 1j * of.loss_tangent if lossy else 1.0)
+    permittivity = ceramic.eps_t[2, 2] * (1.0 - 1j * of.loss_tangent if lossy else 1.0)
     stress = layer.poling * (sheet @ d)
     clamped = layer.share * permittivity - d @ sheet @ d
     # by the field that follows the strain at a constant charge; electrodes hold its mean
@@ -102,11 +123,14 @@ def _add_sheet(energy: Any, mean: Numbers, middle: float, own: Numbers) -> None:
     energy[_CURVATURE, _CURVATURE] += mean * middle**2 + own
 
 
-def _sheet(of: Piezo | Shim | Glue, *, poisson: bool, lossy: bool) -> Numbers:
+def _sheet(
+    of: Piezo | Shim | Glue, ceramic: Piezoceramic | None, *, poisson: bool, lossy: bool
+) -> Numbers:
     """(2, 2) stiffness (Pa) of a material without stress through the thickness."""
     young, _ = moduli(of, lossy=lossy)
     if isinstance(of, Piezo):
-        s = of.ceramic().s
+        assert ceramic is not None
+        s = ceramic.s
         ratio, nu = s[0, 0] / s[1, 1], -s[0, 1] / s[0, 0]
     elif isinstance(of, Shim):
         nu = of.poisson_ratio
