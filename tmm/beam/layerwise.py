@@ -168,7 +168,7 @@ class Beside(NamedTuple):
 
     #: (6,) Logarithms of factors, see :data:`tmm.beam.calibrated.FACTORS`
     factors: Floats
-    #: (3,) Frequencies (Hz), and logarithms of the ratio of the beam's with these factors to them
+    #: (5,) Frequencies (Hz), and logarithms of the ratio of the beam's with these factors to them
     frequencies: Floats
     ratios: Floats
     #: (5,) Relative change of :meth:`LayerwiseBeam.statics`
@@ -195,14 +195,15 @@ def beside_beam_theory(device: Device, plate: Section, root: float) -> Beside:
     return Beside(np.log(factors), *_frequencies(own, plate, length, root, less), ratio - 1.0)
 
 
-#: Polynomials of the shear force, and waves that they are made of: 1e-5 of the third frequency.
-_FORCES, _WAVES = 8, 64
+#: Frequencies that are asked for; polynomials of the shear force, and waves that they are made of:
+#: within 1e-4 of the fifth frequency.
+_MODES, _FORCES, _WAVES = 5, 11, 64
 
 
 def _frequencies(
     own: LayerwiseBeam, plate: Section, length: float, root: float, less: float
 ) -> tuple[Floats, Floats]:
-    """First frequencies (3,) in Hz by layerwise theory, and logarithms of the beam's over them.
+    """First frequencies (5,) in Hz by layerwise theory, and logarithms of the beam's over them.
 
     Ritz's method on the shear force Q of a cantilever: q = −Q′ is its inertia, and the slope that
     a sine of Q makes is a sine, so that layerwise theory is diagonal in them.
@@ -214,7 +215,7 @@ def _frequencies(
     moments = turned @ legvander(2.0 * near * at - 1.0, len(turned[0]) - 1).T
     root_bends = bends + (less - 1.0) * near * (moments * weights) @ moments.T
     layered, beam = (
-        _eigenpairs(flexible, inertia)[0][:-4:-1]
+        _eigenpairs(flexible, inertia)[0][: -_MODES - 1 : -1]
         for flexible in (
             (forces * slopes) @ forces.T + shears / own.rigidity,
             shears * less / plate.GA + root_bends * length**2 / plate.EI,

@@ -317,7 +317,7 @@ def _fit_ratios(of: Devices, known: Fit) -> Floats:
         for one, scene in zip(of.observed, of.scenes, strict=True)
     ])  # fmt: skip
     found = []
-    for left, known_part in zip(np.log(sought).T, of.theory.ratios.T, strict=True):
+    for left, known_part in zip(np.log(sought).T, of.theory.ratios.T[:3], strict=True):
         counts = 1.0 / (1.0 + np.abs(known_part) / _TRUSTED_RATIO)
         rows = terms * counts[:, None]
         normal = rows.T @ rows
@@ -340,7 +340,7 @@ def _ratios(scene: Scene, solid: Floats, known: Calibration) -> Floats:
     """
     factors, row = _solved(scene, known)
     beam = natural_frequencies(row, scene.ends, 3, open_circuit=False).frequencies
-    knots = np.append(0.0, factors.knots)
+    knots = np.append(0.0, factors.knots[:3])
     shares = np.array([np.interp(solid, knots, one) for one in np.eye(4)]).T[:, 1:]
     clear = slice(lengthwise_modes(scene.device))
     smooth = _SMOOTH * (np.eye(3) - np.eye(3, k=-1))

@@ -53,7 +53,7 @@ def test_the_statics_that_are_fitted_are_those_of_a_cantilever():
     section = Section(*(np.array([v]) for v in (ei, ga, 0.01, 1e-9, k, c)))
     for root in (1e-3, 8e-3):
         at = np.array([length]), np.array([root])
-        theory = Beside(*(np.zeros((1, size)) for size in (6, 3, 3, 5)))
+        theory = Beside(*(np.zeros((1, size)) for size in (6, 5, 5, 5)))
         of = Devices((), np.zeros((1, 10)), np.zeros((1, 5)), theory, *at, section, ())
         found = np.exp(statics(np.zeros((1, 6)), of))[0]
         expected = [
@@ -123,7 +123,8 @@ def test_resonances_are_covered():
             continue
         apart = abs(peak.value - right.value)
         inside.append(apart <= peak.expected_error + right.error)
-        widths.append(peak.expected_error / max(apart, 1e-300))
+        widths.append(peak.expected_error / right.value)
     assert len(inside) > 12
     assert np.mean(inside) >= PROMISED
-    assert np.median(widths) < 100.0
+    # told at one frequency, where 0.3 % of the stiffness is a third of a peak of Q = 80
+    assert np.median(widths) < 0.4
