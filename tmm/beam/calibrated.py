@@ -48,7 +48,7 @@ from tactgen.tmm.beam.dimensionless_groups import (
     root_length,
 )
 from tactgen.tmm.beam.laminate import laminate_section
-from tactgen.tmm.beam.layerwise import beside_beam_theory
+from tactgen.tmm.beam.layerwise import layerwise_change
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section, section, without_electrode
@@ -141,7 +141,7 @@ class Fit:
     errors: Floats  #: (1 + 2 g, 7) Of the logarithms of :data:`ERRORS`
 
     def terms(self, at: Floats, amplitude: Floats) -> Floats:
-        """Terms (..., t) at groups (..., g) and amplitudes (..., 3)."""
+        """Terms (..., t) at groups (..., g) and amplitudes (..., a)."""
         across = amplitude[..., :, None] * self.transition(at)[..., None, :]
         flat = across.reshape(*across.shape[:-2], -1)
         return np.concatenate([self.products(at), flat], axis=-1)
@@ -232,7 +232,7 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     terms = fit.terms(at, amplitude)
     further = terms @ fit.ratios  # of the higher modes as of the third
     near, whole = root_length(simple), laminate(glued)
-    theory = beside_beam_theory(glued, whole, near)
+    theory = layerwise_change(glued, whole, near)
     stiffness, root, shear, coupling, root_coupling, capacitance = np.exp(
         theory.factors + terms @ fit.factors
     )

@@ -1,9 +1,9 @@
 """Layerwise theory of a cantilever: each layer stretches and shears on its own, all deflect alike.
 
 The displacement along z is a cubic through each layer and continuous, u(x, z) = Σ φᵢ(x) uᵢ(z); the
-deflection w(z) is common (narrow beam).  The shear force Q gives w′, and without
-it the equations are diagonal in modes of slip: uₖ″ − κₖ² uₖ = gₖ Q.  Two modes have κ = 0,
-stretching and bending, and are beam theory.  The others decay from the ends; a soft core adds them.
+deflection w(z) is common (narrow beam).  The shear force Q gives w′, and the rest is diagonal in
+modes of slip: uₖ″ − κₖ² uₖ = gₖ Q.  Two of them have κ = 0, stretching and bending, and are beam
+theory.  The others decay from the ends; they matter where a core is soft.
 """
 
 from __future__ import annotations
@@ -27,8 +27,6 @@ from tactgen.tmm.beam.sections import Section, moduli
 _SLOW = 1e-3
 #: The same above which cosh is out of range; its reciprocal is then 0.
 _FAST = 300.0
-
-
 #: Thickness of a layer, as a share of the whole, that is as good as none.
 _THINNEST = 1e-9
 
@@ -158,12 +156,11 @@ def _cubics() -> tuple[Floats, Floats, Floats, Floats]:
 
 # ---- what it adds to beam theory ----
 
-
 #: Least share of beam theory's deflection per voltage that a factor stands for.
 _LEAST = 0.05
 
 
-class Beside(NamedTuple):
+class LayerwiseChange(NamedTuple):
     """What layerwise theory adds to beam theory, for a clamped bimorph."""
 
     #: (6,) Logarithms of factors, see :data:`tmm.beam.calibrated.FACTORS`
@@ -175,7 +172,7 @@ class Beside(NamedTuple):
     statics: Floats
 
 
-def beside_beam_theory(device: Device, plate: Section, root: float) -> Beside:
+def layerwise_change(device: Device, plate: Section, root: float) -> LayerwiseChange:
     """Factors that give a section the statics and the frequencies of layerwise theory.
 
     Parameters
@@ -186,13 +183,16 @@ def beside_beam_theory(device: Device, plate: Section, root: float) -> Beside:
         Length (m) of the zone next to the clamp that has factors of its own.
     """
     length, own = device.bimorph.length, layerwise_beam(device, varying_field=True)
-    ratio = own.statics(length) / own.beam_statics(length)
+    beam = own.beam_statics(length)  # without coupling 0 per voltage
+    ratio = np.divide(own.statics(length), beam, out=np.ones(beam.size), where=beam != 0.0)
     # the zone at the clamp and the shear take what the tip moves less per force
     bend, slide = length**3 / 3.0 / plate.EI, length / plate.GA
     beyond = bend * (1.0 - root / length) ** 3
     less = float((ratio[0] * (bend + slide) - beyond) / (bend + slide - beyond))
     factors = np.array([1.0, less, less, max(ratio[3], _LEAST), 1.0, 1.0])
-    return Beside(np.log(factors), *_frequencies(own, plate, length, root, less), ratio - 1.0)
+    return LayerwiseChange(
+        np.log(factors), *_frequencies(own, plate, length, root, less), ratio - 1.0
+    )
 
 
 #: Frequencies that are asked for; polynomials of the shear force, and waves that they are made of:

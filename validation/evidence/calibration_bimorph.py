@@ -41,7 +41,7 @@ from tactgen.tmm.beam.dimensionless_groups import (
     plain,
     root_length,
 )
-from tactgen.tmm.beam.layerwise import Beside, beside_beam_theory
+from tactgen.tmm.beam.layerwise import LayerwiseChange, layerwise_change
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section
@@ -169,8 +169,8 @@ class Devices:
 
     scenes: tuple[Scene, ...]
     groups: Floats  #: (n, g)
-    amplitudes: Floats  #: (n, 3)
-    theory: Beside  #: Of layerwise theory, arrays (n, ...)
+    amplitudes: Floats  #: (n, a)
+    theory: LayerwiseChange  #: Of layerwise theory, arrays (n, ...)
     length: Floats
     root: Floats  #: (n,) Length of the zone next to the clamp (m)
     sections: Section  #: Of laminate theory, arrays (n,)
@@ -182,7 +182,7 @@ class Devices:
         return Devices(
             tuple(self.scenes[i] for i in numbers),
             self.groups[numbers], self.amplitudes[numbers],
-            Beside(*(of[numbers] for of in self.theory)),
+            LayerwiseChange(*(of[numbers] for of in self.theory)),
             self.length[numbers], self.root[numbers],
             Section(*(getattr(self.sections, name)[numbers] for name in Section.__annotations__)),
             tuple(self.observed[i] for i in numbers),
@@ -194,14 +194,14 @@ def devices_of(observed: Sequence[Observed]) -> Devices:
     scenes = tuple(load_scene("prototype", list(one.overrides))[0] for one in observed)
     plates = [laminate(scene.device) for scene in scenes]
     theory = [
-        beside_beam_theory(scene.device, plate, root_length(scene.device))
+        layerwise_change(scene.device, plate, root_length(scene.device))
         for scene, plate in zip(scenes, plates, strict=True)
     ]
     return Devices(
         scenes,
         np.array([groups(scene.device) for scene in scenes]),
         np.array([amplitudes(scene.device) for scene in scenes]),
-        Beside(*(np.array(of) for of in zip(*theory, strict=True))),
+        LayerwiseChange(*(np.array(of) for of in zip(*theory, strict=True))),
         np.array([scene.bimorph.length for scene in scenes]),
         np.array([root_length(scene.device) for scene in scenes]),
         Section(

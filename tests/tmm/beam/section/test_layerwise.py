@@ -10,7 +10,7 @@ from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Piezo, Shim
 from tactgen.tmm.beam.dimensionless_groups import laminate
-from tactgen.tmm.beam.layerwise import beside_beam_theory, layerwise_beam
+from tactgen.tmm.beam.layerwise import layerwise_beam, layerwise_change
 from tactgen.tmm.beam.sections import section
 from tactgen.validation.scene.scene import load_scene
 
@@ -70,7 +70,7 @@ def test_a_soft_core_is_that_of_the_solid():
     assert own.statics(length)[0] == pytest.approx(compliance, rel=5e-3)
     assert own.beam_statics(length)[0] > 1.15 * compliance
     frequencies = [mode.frequency for mode in natural_modes(solid, scene.ends, 2)]
-    found = beside_beam_theory(device, laminate(device), 1e-3).frequencies
+    found = layerwise_change(device, laminate(device), 1e-3).frequencies
     np.testing.assert_allclose(found[:2], frequencies, rtol=5e-3)
 
 
@@ -78,7 +78,7 @@ def test_factors_give_a_beam_the_tips_compliance():
     """A section with a zone at its clamp moves as far as layerwise theory says."""
     device = Device(shim=Shim(youngs_modulus=50e6, shear_modulus=20e6))
     plate, length, root = laminate(device), device.bimorph.length, 2e-3
-    _, less, shear, coupling, *_ = np.exp(beside_beam_theory(device, plate, root).factors)
+    _, less, shear, coupling, *_ = np.exp(layerwise_change(device, plate, root).factors)
     far = (length - root) ** 3
     bend = (less * (length**3 - far) + far) / 3.0 / plate.EI
     beam = length**3 / 3.0 / plate.EI + length / plate.GA
