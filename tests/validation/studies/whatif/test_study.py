@@ -346,15 +346,18 @@ def test_a_group_of_warnings_is_its_worst_with_its_point():
 
 
 def test_of_wide_beams_the_widest_is_the_worst():
-    """By the sentences that the models say, in any order of the points."""
-    widths = (25, 40, 30, 36)
+    """By the sentences that the models say, in any order of the points; up to 1.5 lengths wide.
+
+    Beyond, the range of the calibration decides which is worst.
+    """
+    widths = (25, 30, 26, 28)
     said = []
     for width in widths:
         scene, _ = load_scene("paper", [f"bimorph.width={width}mm"])
         said.append(solve(scene, ["tmm"], ["static_tip_displacement"]).warnings)
     (each,) = zip(*said, strict=True)
     (found,) = told(*(text for text in each for _ in ("tmm", "lumped")), points=len(widths))
-    assert found.endswith(f"at gap = 0.2 mm: {each[widths.index(40)]}")
+    assert found.endswith(f"at gap = 0.2 mm: {each[widths.index(30)]}")
 
 
 def test_an_axis_that_changes_nothing_is_named_with_its_reason():
