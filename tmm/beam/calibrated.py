@@ -152,8 +152,8 @@ class Calibration:
     """A fit, and factors on its errors."""
 
     fit: Fit
-    #: Factors on all errors by property that the fit does not know (tab, glue, bare ends), and of
-    #: ratios beyond its range; of others, such as a taper, no error is known
+    #: Factors on all errors by property that the fit does not know, such as a tab, and of ratios
+    #: beyond its range; of others, such as a taper, no error is known
     beyond: dict[str, float]
 
 

@@ -37,8 +37,8 @@ class LayerwiseBeam:
 
     rigidity: float  #: ∫ G dA (N)
     decay: Floats  #: (k,) κ (1/m); the first two are 0
-    #: (k,) Source of each mode per shear force, per moment on the tip (the mean rotation of the
-    #: tip's face that it makes), and per voltage
+    #: (k,) Source of each mode per shear force, per moment on the tip, and per voltage; the second
+    #: is also the mean rotation of the tip's face per unit of the mode
     by_force: Floats
     by_moment: Floats
     by_voltage: Floats
@@ -62,8 +62,9 @@ class LayerwiseBeam:
     def statics(self, length: float) -> Floats:
         """Motion (5,) of the tip of a cantilever, its base held in all layers.
 
-        Displacement per force, rotation per force and per moment, displacement and rotation per
-        voltage.
+        Displacement per force (m/N), rotation per force (rad/N) and per moment (rad/(N m)),
+        displacement (m/V) and rotation (rad/V) per voltage.  The signs are those of the modes: only
+        ratios to :meth:`beam_statics` are used.
         """
         slow, x = self.decay * length < _SLOW, np.maximum(self.decay * length, _SLOW)
         once = length * np.where(slow, 1.0, np.tanh(x) / x)
@@ -94,8 +95,11 @@ class LayerwiseBeam:
 def layerwise_beam(device: Device, *, varying_field: bool = False) -> LayerwiseBeam:
     """Modes of slip of the length that the ceramics cover.
 
-    If the field may vary through each ceramic, only its mean is that of the voltage; strain that
-    varies then meets the stiffness at constant charge.
+    Parameters
+    ----------
+    varying_field : bool
+        Let the field vary through each ceramic, its mean being that of the voltage: strain that
+        varies through the ceramic then meets its stiffness at constant charge.
     """
     thinnest = _THINNEST * device.bimorph.thickness
     layers = [layer for layer in bimorph_stack(device) if layer.thickness > thinnest]

@@ -56,7 +56,7 @@ def work_ahead(study: Study) -> dict[str, tuple[Any, ...]]:
         from tactgen.validation.models.difference import beam_to_solid
 
         found["bridge"] = beam_to_solid, scene
-    if study.asks_field:  # else the other process would be there too late
+    if study.asks_field:  # without solids this process is done before the other has started
         from tactgen.validation.studies.parameter_uncertainty import parameter_uncertainty
 
         found["uncertainty"] = parameter_uncertainty, scene
