@@ -19,7 +19,7 @@ The coefficients come from finite elements: this model is no witness of its own.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -47,8 +47,8 @@ from tactgen.tmm.beam.dimensionless_groups import (
     plain,
     root_length,
 )
-from tactgen.tmm.beam.laminate import laminate_section
-from tactgen.tmm.beam.layerwise import layerwise_change
+from tactgen.tmm.beam.laminate import bending_constants, laminate_energy
+from tactgen.tmm.beam.layerwise import layerwise_change, layerwise_loss
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section, section, without_electrode
@@ -58,10 +58,23 @@ from tactgen.tmm.ports.multiport import Multiport
 #: Coefficients, their ranges and their errors, as ``tactgen calibrate`` writes them: of the bimorph
 #: of piezo, shim and piezo, and of listed layers.
 FILE, LISTED_FILE = (Path(__file__).with_name(f"calibration{of}.json") for of in ("", "_laminate"))
+#: Up to how many times a natural frequency the error is that of this mode.  The next one is at 1.6
+#: times, of a wide plate the first across at 2.8.
+_ALIKE = 1.25
 #: Times the most of the fit up to which its widened errors hold.
 _COUPLES_MORE = 1.15
 #: Least lever of the ceramics, see :func:`lever`: below it their motion is a small difference.
 _LEVER = 0.05
+#: Theories between which losses lie, and whether their section contracts: a wide plate's, a narrow
+#: beam's, without stress across anywhere, the beam models', and that of a plate held across.
+_THEORIES: tuple[tuple[bool, dict[str, bool]], ...] = (
+    (True, {}),
+    (True, {"poisson": False, "d32": False}),
+    (True, {"poisson": False, "d32": False, "varying_field": False}),
+    (False, {}),
+)
+#: Width in thicknesses at which a bimorph is half-way from a narrow beam to a wide plate.
+_BROAD = 1.5
 #: What the six factors act on, in order; see :class:`SectionFactors`.
 FACTORS = ("stiffness", "root", "shear", "coupling", "root_coupling", "capacitance")
 #: What an error is known of, in order: the tip's displacement per force and per voltage, the free
@@ -69,10 +82,9 @@ FACTORS = ("stiffness", "root", "shear", "coupling", "root_coupling", "capacitan
 ERRORS = ("compliance", "deflection", "capacitance", "f1", "f2", "f3", "coupling_factor")
 #: Relative error of the loss factor in motion with a stiff core and with a soft one, and the core
 #: shear E_p t_p (t_s + t_p) / (G_s L²) up to which it is stiff, from which on soft.  Not fitted:
-#: with a core shear below 0.01 the height of the first resonance was within it for 53 of 54 random
-#: bimorphs.  Where most of the energy is in the shear of a core without losses, it is off by
-#: factors.
-DAMPING, SOFT = (0.1, 10.0), (0.01, 0.03)
+#: chosen on the heights of the first resonance of 280 random bimorphs, half of them with losses in
+#: the core.
+DAMPING, _CORES = (0.015, 1.0), (0.03, 1.5)
 #: Least length over thickness, and largest width over length, of the bimorphs of the fit.
 STOUTEST, BROADEST = 4.0, 1.5
 #: Width over length from which on each of the first modes may be one across the width.
@@ -112,10 +124,13 @@ class SectionFactors:
     def frequency_error(self, frequency: Floats) -> Floats:
         """Relative errors (n,) of frequencies: of the first mode, then between the modes'.
 
-        nan beyond the last mode whose error is known.
+        nan well above the last mode whose error is known.
         """
-        known = self.mode_error(self.knots.size)
-        return np.interp(frequency, self.knots, known, right=np.nan)
+        known = self.mode_error(self.lengthwise)
+        last = self.knots[self.lengthwise - 1]
+        knots = np.append(self.knots[: self.lengthwise], _ALIKE * last)
+        found = np.interp(frequency, knots, np.append(known, known[-1]), right=np.nan)
+        return np.asarray(found)
 
     def mode_error(self, count: int) -> Floats:
         """Relative errors (n,) of the first natural frequencies, nan where they are not known.
@@ -238,7 +253,7 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     )
     errors = fit.products.quadratic(at) @ fit.errors
     outside = [group_names(simple)[i] for i in fit.products.outside(at)] + _proportions(simple)
-    low, high = np.log(SOFT)
+    low, high = np.log(_CORES)
     share = float(np.clip((np.log(core_shear(simple)) - low) / (high - low), 0.0, 1.0))
     unknown = (*properties(device), *(["range"] if outside else []))
     widened = float(np.prod([known.beyond.get(name, np.nan) for name in unknown]))
@@ -322,26 +337,46 @@ def sections(
 
 
 def _with_losses(factors: SectionFactors, device: Device, beam: Beam) -> SectionFactors:
-    """Complex factors, so that the losses are those of the laminate, not of the beam.
+    """Complex factors, so that the losses are those of the theories, not of the beam.
 
-    In a bending layer the field that follows the strain costs dielectric losses as well.
+    In a bending layer the field that follows the strain costs dielectric losses as well: most next
+    to the clamp, which holds it across, least in a narrow bimorph.  A soft core loses in shear.
     """
-    simple = plain(device)
-    plate, strip = (
-        [laminate_section(simple, beam, lossy=q, **simplified) for q in (True, False)]
-        for simplified in ({}, {"poisson": False, "d32": False, "varying_field": False})
+    simple, size = plain(device, glue=True), device.bimorph
+    lossless, lossy = (
+        np.array([_bending(simple, contracts, lossy=q, **of) for contracts, of in _THEORIES])
+        for q in (False, True)
     )
-
-    def beside(of: Callable[[Section], Any]) -> Any:
-        lossy, lossless = (of(a) / of(b) if of(b) else 1.0 for a, b in (plate, strip))
-        return lossy / lossless
-
+    lost = np.divide(lossy, lossless, out=np.ones_like(lossy), where=lossless != 0.0)
+    plate, narrow, strip, held = lost
+    whole = Piece("bimorph", size.length)
+    shears = [section(whole, simple, beam, lossy=q).GA for q in (False, True)]
+    slides = layerwise_loss(simple, lossy[0, 0], factors.root_length)
+    as_held = _share(slides.less / factors.root, lossless[3, 0] / lossless[0, 0])
+    as_narrow = 1.0 / (1.0 + (size.width / size.thickness / _BROAD) ** 2)
+    bends, couples, charges = plate / strip
     return replace(
         factors,
-        stiffness=factors.stiffness * beside(lambda one: one.EI),
-        coupling=factors.coupling * beside(lambda one: one.K),
-        capacitance=factors.capacitance * beside(free_capacitance),
+        stiffness=factors.stiffness * bends * (narrow[0] / plate[0]) ** as_narrow,
+        root=factors.root * (plate[0] / held[0]) ** as_held * (1.0 + 1j * slides.less_loss),
+        shear=factors.shear * (1.0 + 1j * slides.loss) * shears[0] / shears[1],
+        coupling=factors.coupling * couples,
+        capacitance=factors.capacitance * charges,
     )
+
+
+def _bending(device: Device, contracts: bool, **of: bool) -> list[Any]:
+    """Bending stiffness, coupling and free capacitance per length of a theory."""
+    stiffness, coupling, clamped = bending_constants(
+        device, laminate_energy(device, **of), contracts=contracts
+    )
+    return [stiffness, coupling, clamped + coupling**2 / stiffness]
+
+
+def _share(factor: float, whole: float) -> float:
+    """How far a factor leads towards another one: from 0 to 1, on a logarithmic scale."""
+    way = np.log(whole)
+    return float(np.clip(np.log(factor) / way, 0.0, 1.0)) if way else 0.0
 
 
 def _corrected(own: Section, factors: SectionFactors, *, at_root: bool) -> Section:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.geometry.bimorph.segments import Piece, beam_pieces, stack
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.scattering import Element, element_stiffness
@@ -21,6 +21,7 @@ from tactgen.tmm.beam.sections import Section, ceramic_stresses, section
 from tactgen.tmm.beam.span import wavenumbers
 from tactgen.tmm.beam.transfer_matrix import elements
 from tactgen.tmm.ports.elements import tip_matrix
+from tactgen.tmm.ports.excitation import Excitation
 from tactgen.tmm.ports.multiport import Response
 
 #: Heights at which the stress is looked for, along the ceramic from its root: a mode of order n
@@ -29,69 +30,91 @@ _HEIGHTS = 20
 #: Where bending waves decay by more than this exponent along the ceramic, its root cannot be told
 #: from its tip: e^20 leaves seven of sixteen digits.
 _DECAY = 20.0
+#: Ω² m l⁴/EI of a part up to which its inertia is that of rest: there both that and its rounding
+#: are off by a few 1e-9.
+_AT_REST = 2e-6
 #: Frequencies at which all heights are worked out at once: some megabytes.
 _AT_ONCE = 500
 
 
 @dataclass(frozen=True)
 class DrivenCeramic:
-    """Per volt of the drive, peak amplitudes, (n,) over the frequencies."""
+    """Peak amplitudes, (n,) over the frequencies."""
 
-    #: (n,) Largest axial stress along the ceramic, at the faces of its layers (Pa/V); nan where
-    #: bending waves die out along the ceramic
+    #: Largest axial stress along the ceramic, at the faces of its layers (Pa); nan where bending
+    #: waves die out along the ceramic
     stress: Floats
-    field: float  #: Field in a layer (1/m)
-    current: Floats  #: (n,) Drawn by one bimorph (A/V)
+    field: Floats  #: Largest field in a layer (V/m)
+    current: Floats  #: Drawn by one bimorph (A)
 
 
 def driven_ceramic(
-    device: Device, beam: Beam, ends: Ends, frequencies: Floats, response: Response
+    device: Device,
+    beam: Beam,
+    ends: Ends,
+    frequencies: Floats,
+    response: Response,
+    excitation: Excitation,
 ) -> DrivenCeramic:
-    """Stress state of the ceramic, from the tip's motion and the charge at 1 V.
+    """Stress state of the ceramic, from the tip's motion, the voltage and the charge.
 
     Parameters
     ----------
     frequencies : (n,) float
         Hz.
     response : Response
-        Motions `w_tip`, `psi_tip` (m, rad) and effort `voltage` (C) of the terminated actuator.
+        Motions `w_tip`, `psi_tip` (m, rad), `voltage` (V) and effort `voltage` (C) of the
+        terminated actuator, relative to its base.
+    excitation : Excitation
+        To which it responds.
     """
     bimorph = device.bimorph
-    layer = 0.5 if bimorph.wiring == "series" else 1.0
-    charge = response.effort["voltage"]
+    layer = (0.5 if bimorph.wiring == "series" else 1.0) * response.motion["voltage"]
+    tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
+    effort = -(tip_matrix(ends.tip, frequencies) @ tip[:, :, None])[:, :, 0]
+    effort[:, 0] += excitation.force
+    if isinstance(ends.tip, TipLoad):
+        effort -= excitation.acceleration * ends.tip.mass * np.array(ends.tip.arm)
     return DrivenCeramic(
-        stress=_stress(device, beam, ends, frequencies, response, layer),
-        field=layer / bimorph.thinnest_driven,
-        current=np.abs(2.0 * np.pi * frequencies * charge),
+        stress=_stress(device, beam, frequencies, tip, effort, layer, excitation.acceleration),
+        field=np.abs(layer) / bimorph.thinnest_driven,
+        current=np.abs(2.0 * np.pi * frequencies * response.effort["voltage"]),
     )
 
 
 def _stress(
-    device: Device, beam: Beam, ends: Ends, frequencies: Floats, response: Response, layer: float
+    device: Device,
+    beam: Beam,
+    frequencies: Floats,
+    tip: Complex,
+    effort: Complex,
+    layer: Complex,
+    acceleration: float,
 ) -> Floats:
-    """Largest stress over height and faces (n,), Pa per volt of the drive.
+    """Largest stress over height and faces (n,) in Pa.
 
-    From the tip's motion down, element by element, through whatever lies above the ceramic's lower
-    edge.
+    From the tip's motion and what acts on it down, element by element, through whatever lies above
+    the ceramic's lower edge.
     """
     row = _down_to_the_ceramic(device, beam)
     omega = 2.0 * np.pi * frequencies
     beams = [(of, length) for one in row for of, length in one.beams if isinstance(of, Section)]
     decay = sum((wavenumbers(*beam, omega)[1] for beam in beams), np.zeros(omega.size))
     known = np.flatnonzero(decay < _DECAY)
-    tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
-    effort = -(tip_matrix(ends.tip, frequencies) @ tip[:, :, None])[:, :, 0]
     largest = np.full(frequencies.shape, np.nan)
     for first in range(0, known.size, _AT_ONCE):
         at = known[first : first + _AT_ONCE]
-        motion, on_top, found = tip[at], effort[at], np.zeros(at.size)
+        motion, on_top, found, across = tip[at], effort[at], np.zeros(at.size), layer[at]
         for one in row:
             for element, length in one.beams[::-1]:
                 part = element_stiffness(element, length, omega[at])
-                motion, on_top = _below(part, motion, on_top, layer)
+                own = part[..., 4] * across[:, None]
+                if acceleration and isinstance(element, Section):
+                    own[:, :4] -= acceleration * _inertia(element, length, omega[at])
+                motion, on_top = _below(part, motion, on_top, own)
             for per_curvature, per_volt in one.stresses:
-                curvature = (on_top[:, 1] + one.section.K * layer) / one.section.EI
-                found = np.maximum(found, np.abs(per_curvature * curvature + per_volt * layer))
+                curvature = (on_top[:, 1] + one.section.K * across) / one.section.EI
+                found = np.maximum(found, np.abs(per_curvature * curvature + per_volt * across))
         largest[at] = found
     return largest
 
@@ -135,7 +158,20 @@ def _slice_from(
     return _Slice(beams, of, ceramic_stresses(stack(piece, device, share)) if ceramic else [])
 
 
-def _below(part: Complex, top: Complex, effort: Complex, voltage: float) -> tuple[Complex, Complex]:
+def _inertia(element: Section, length: float, omega: Floats) -> Complex:
+    """Efforts (n, 4) at the ends of a part per acceleration of the base; nan at 0 Hz.
+
+    As of :func:`tmm.ports.excitation.inertia`, a small difference of large stiffnesses; below
+    some frequency it is that of rest within 1e-8.
+    """
+    slowest = np.sqrt(_AT_REST * abs(element.EI) / element.m) / length**2
+    at = np.maximum(np.where(omega > 0.0, omega, np.nan), slowest)
+    translation = np.array([1.0, 0.0, 1.0, 0.0])
+    held = element_stiffness(element, length, at)[:, :4, :4] @ translation
+    return np.asarray(held / at[:, None] ** 2)
+
+
+def _below(part: Complex, top: Complex, effort: Complex, own: Complex) -> tuple[Complex, Complex]:
     """Motion below a part, and what the part exerts there on what is below it.
 
     Parameters
@@ -146,10 +182,12 @@ def _below(part: Complex, top: Complex, effort: Complex, voltage: float) -> tupl
         w and ψ above it.
     effort : (n, 2) complex
         Force and moment that act on it there.
+    own : (n, 5) complex
+        Efforts that hold its ends at rest, by its voltage and its inertia.
     """
     to_top, to_base = part[..., 2:4, 2:4], part[..., 2:4, 0:2]
-    rest = effort - np.einsum("...ij,...j->...i", to_top, top) - part[..., 2:4, 4] * voltage
+    rest = effort - np.einsum("...ij,...j->...i", to_top, top) - own[..., 2:4]
     base = np.linalg.solve(to_base, rest[..., None])[..., 0]
     on_base = np.einsum("...ij,...j->...i", part[..., 0:2, 0:2], base)
-    on_base += np.einsum("...ij,...j->...i", part[..., 0:2, 2:4], top) + part[..., 0:2, 4] * voltage
+    on_base += np.einsum("...ij,...j->...i", part[..., 0:2, 2:4], top) + own[..., 0:2]
     return base, -on_base

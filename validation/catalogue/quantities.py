@@ -66,9 +66,10 @@ class AnswerReadout:
 class DrivenReadout:
     """Load of ceramic and amplifier of the driven bimorph."""
 
-    #: Takes a :class:`tmm.beam.ceramic_stress.DrivenCeramic`, the scene's limits and the drive
-    #: voltage (V), gives an array (n,) over the frequencies
-    of: Callable[[Any, Limits, float], Any]
+    #: Takes a :class:`tmm.beam.ceramic_stress.DrivenCeramic` and the scene's limits, gives an array
+    #: (n,) over the frequencies
+    of: Callable[[Any, Limits], Any]
+    under: Excitation | None = None  #: The scene's if None
 
 
 @dataclass(frozen=True)
@@ -203,7 +204,7 @@ REASONS = ("the ceramic's strength", "the field against the poling", "the amplif
 
 
 def voltage_limits(driven: DrivenCeramic, limits: Limits) -> Floats:
-    """Voltage (3, n) at which each of :data:`REASONS` is reached (V).
+    """Voltage (3, n) at which each of :data:`REASONS` is reached (V), of a ceramic driven by 1 V.
 
     Infinite where nothing is strained or drawn, or where the stress is not known.
     """
@@ -237,12 +238,12 @@ def coupling_rounding(value: float, of: float) -> float:
 
 
 TIP_DISPLACEMENT = QuantityRow(
-    "tip_displacement", "m", "lateral displacement of the tip under the drive voltage",
+    "tip_displacement", "m", "lateral displacement of the tip under the drive",
     Readout("w_tip", "motion"), varied=True,
     curve=Unit("m", "displacement", "12.3 um", limits=(1e-15, _LARGEST)),
 )  # fmt: skip
 TIP_VELOCITY = QuantityRow(
-    "tip_velocity", "m/s", "lateral velocity of the tip under the drive voltage",
+    "tip_velocity", "m/s", "lateral velocity of the tip under the drive",
     Readout("w_tip", "motion", rate=1),
     curve=Unit("m/s", "velocity", "12.3 mm/s", limits=(1e-12, _LARGEST)),
 )  # fmt: skip
@@ -265,11 +266,11 @@ BLOCKED_FORCE = QuantityRow(
     Readout("w_tip", "effort", held=("w_tip",)),
 )  # fmt: skip
 THRESHOLD_VOLTAGE = QuantityRow(
-    "threshold_voltage", "V", "drive voltage at which the tip reaches the detection threshold",
+    "threshold_voltage", "V", "voltage that alone moves the tip by the detection threshold",
     Readout("w_tip", "motion", under=UNIT_VOLTAGE, level=DISPLAY_THRESHOLD.at),
 )  # fmt: skip
 DETECTION_RATIO = QuantityRow(
-    "detection_ratio", "1", "tip displacement at the drive voltage over the detection threshold",
+    "detection_ratio", "1", "tip displacement under the drive over the detection threshold",
     Readout("w_tip", "motion", level=DISPLAY_THRESHOLD.at),
 )  # fmt: skip
 STATIC_TIP_DISPLACEMENT = QuantityRow(
@@ -305,13 +306,16 @@ DYNAMIC_STIFFNESS = QuantityRow(
 )  # fmt: skip
 
 CERAMIC_STRESS = QuantityRow(
-    "ceramic_stress", "Pa", "largest stress amplitude along the ceramic at the drive voltage",
-    DrivenReadout(lambda driven, _, voltage: driven.stress * abs(voltage)),
+    "ceramic_stress", "Pa",
+    "largest stress amplitude along the ceramic, by beam theory from the tip's motion",
+    DrivenReadout(lambda driven, _: driven.stress),
 )  # fmt: skip
 VOLTAGE_LIMIT = QuantityRow(
     "voltage_limit", "V",
-    "drive voltage at the first limit: strength, depoling field, amplifier current",
-    DrivenReadout(lambda driven, limits, _: np.min(voltage_limits(driven, limits), axis=0)),
+    "voltage that alone reaches the first limit: strength, depoling field, amplifier current",
+    DrivenReadout(
+        lambda driven, limits: np.min(voltage_limits(driven, limits), axis=0), under=UNIT_VOLTAGE
+    ),
     is_limit=True,
 )  # fmt: skip
 

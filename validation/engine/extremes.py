@@ -2,11 +2,13 @@
 
 A resonance of quality factor Q is 1/Q wide, so a sweep steps over its top.  The reciprocal of a
 response is smooth there: its size is least near the same point of any grid, and is followed in.
+So is that of each result that judges the model's, whose resonance may be at another frequency.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -40,36 +42,49 @@ def extreme(row: QuantityRow, model: Model, around: float | None = None) -> Extr
     asked = np.unique(np.asarray(model.scene.frequency, dtype=float))
     if not row.is_response or not isinstance(model, BimorphModel) or asked.size < _SWEEP:
         return None
-
-    def level(at: Floats) -> Floats:
-        there = model.at(at.ravel(), judged=False)
-        with np.errstate(divide="ignore"):
-            found = np.log(np.abs(read(row, there).value)).reshape(at.shape)
-        found = np.where(np.isnan(found), -np.inf, -found if row.is_limit else found)
-        return np.asarray(found)
-
-    centre: Floats
-    reach: Floats
-    if around in (asked[0], asked[-1]):
-        centre, reach, rounds = np.array([around]), np.zeros(1), 0
-    elif around is not None:
-        centre, rounds = np.array([around]), _ROUNDS - 1
-        reach = _AROUND * centre
-    else:
-        centre, reach = _tops(asked, level)
-        rounds = _ROUNDS
-    if not centre.size:
+    best = _top(row, partial(model.at, judged=False), asked, around)
+    if best is None:
         return None
-    best = float(centre[0])
-    for _ in range(rounds):
+    found = read(row, model.at(np.array([best]), judged=False))
+    value, error = float(np.abs(found.value[0])), float(found.error[0])
+    for n, (_, factor) in enumerate(model.at(np.array([best])).versions):
+        version = partial(_version, model, n)
+        top = _top(row, version, asked, best)
+        error += factor * abs(value - abs(read(row, version(np.array([top]))).value[0]))
+    return Extreme(best, value, float(error))
+
+
+def _version(model: BimorphModel, n: int, frequencies: Floats) -> BimorphModel:
+    """Model at other frequencies, by one of the results that judge its own."""
+    return model.at(frequencies).versions[n][0]
+
+
+def _top(
+    row: QuantityRow, at: Callable[[Floats], Model], asked: Floats, around: float | None
+) -> float | None:
+    """Frequency of the extreme, of a model at any frequencies of the band; None if it has none."""
+
+    def level(frequencies: Floats) -> Floats:
+        size = np.abs(read(row, at(frequencies.ravel())).value)
+        with np.errstate(divide="ignore"):
+            found = np.log(size).reshape(frequencies.shape)
+        return np.asarray(np.where(np.isnan(found), -np.inf, -found if row.is_limit else found))
+
+    if around in (asked[0], asked[-1]):
+        return around
+    if around is None:
+        centre, reach = _tops(asked, level)
+    else:
+        centre, reach = np.array([around]), np.array([_AROUND * around])
+    best = float(centre[0]) if centre.size else None
+    for _ in range(_ROUNDS if centre.size else 0):
         near = centre[:, None] + reach[:, None] * np.linspace(-1.0, 1.0, _OF_A_ROUND)
         near = np.clip(near, asked[0], asked[-1])
         levels = level(near)
         centre = near[np.arange(centre.size), levels.argmax(axis=1)]
         reach = reach / _NARROWER
         best = float(centre[levels.max(axis=1).argmax()])
-    found = read(row, model.at(np.array([best])))
-    return Extreme(best, float(np.abs(found.value[0])), float(found.error[0]))
+    return best
 
 
 def _tops(asked: Floats, level: Callable[[Floats], Floats]) -> tuple[Floats, Floats]:

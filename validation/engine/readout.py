@@ -16,7 +16,6 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.tmm.beam.ceramic_stress import driven_ceramic
 from tactgen.tmm.ports.elements import attach, load_motion, tip_stiffness
 from tactgen.tmm.ports.excitation import (
-    UNIT_VOLTAGE,
     Excitation,
     electrical,
     excitation_of,
@@ -73,9 +72,10 @@ def _read(row: QuantityRow, model: Model, ends: Ends) -> Estimate:
         case ModalReadout():
             return _combination(row.read, answers)
         case DrivenReadout():
-            of_ceramic = _of_ceramic(row.read, model.scene, ends)
+            excitation = row.read.under or _excitation(model.scene)
+            of_ceramic = _of_ceramic(row.read, model.scene, ends, excitation)
             return _of_response(
-                of_ceramic, model, answers[0], ends, UNIT_VOLTAGE, rounding=_OF_A_MOMENT
+                of_ceramic, model, answers[0], ends, excitation, rounding=_OF_A_MOMENT
             )
         case LoadReadout():
             of_load = _of_load(row.read, model.scene, ends)
@@ -169,13 +169,15 @@ def balanced_size(matrix: Array) -> Array:
     return np.asarray(np.maximum(np.abs(matrix), own[:, :, None] * own[:, None, :]))
 
 
-def _of_ceramic(readout: DrivenReadout, scene: Scene, ends: Ends) -> Callable[[Response], Array]:
+def _of_ceramic(
+    readout: DrivenReadout, scene: Scene, ends: Ends, excitation: Excitation
+) -> Callable[[Response], Array]:
     """Read the ceramic's load off the tip's motion and the charge."""
     frequencies = np.asarray(scene.frequency, dtype=float)
 
     def of(response: Response) -> Array:
-        driven = driven_ceramic(scene.device, scene.beam, ends, frequencies, response)
-        return np.asarray(readout.of(driven, scene.limits, scene.drive.voltage))
+        driven = driven_ceramic(scene.device, scene.beam, ends, frequencies, response, excitation)
+        return np.asarray(readout.of(driven, scene.limits))
 
     return of
 

@@ -367,10 +367,13 @@ def _of_stress(
 ) -> Iterator[str]:
     """Stress of the ceramic beyond its strength, from what was `found` if it was asked for."""
     asked = [
-        name for name in quantities if QUANTITIES[name].by_frequency and _follows_voltage(name)
+        name
+        for name in quantities
+        if QUANTITIES[name].by_frequency
+        and (_follows_voltage(name) or isinstance(QUANTITIES[name].read, CircuitReadout))
     ]
     able = [name for name in models if any(gives(name, quantity) for quantity in asked)]
-    if not able or len(scene.frequency) > _FREQUENCIES or scene.circuit.kind != "source":
+    if not able or len(scene.frequency) > _FREQUENCIES:
         return
     limit, stresses = scene.limits.ceramic_strength, []
     for name in able:
@@ -390,9 +393,23 @@ def _of_stress(
         yield (
             f"the stress in the ceramic reaches {1e-6 * stress:.3g} MPa at {frequency:.4g} Hz "
             f"(model {name}), more than limits.ceramic_strength = {1e-6 * limit:g} MPa, and the "
-            "ceramic may break; drive.voltage = "
-            f"{_rounded_down(abs(scene.drive.voltage) * limit / stress)} V keeps it below {band}"
+            f"ceramic may break; {_lower_drive(scene, limit / stress)} it below {band}"
         )
+
+
+def _lower_drive(scene: Scene, share: float) -> str:
+    """What keeps a response to the whole drive within a share of it."""
+    excitation = excitation_of(scene.circuit, scene.drive)
+    parts = {
+        "voltage": (excitation.source, "V"),
+        "base_acceleration": (excitation.acceleration, "m/s^2"),
+        "tip_force": (excitation.force, "N"),
+    }
+    lower = [
+        f"drive.{name} = {_rounded_down(abs(size) * share)} {unit}"
+        for name, (size, unit) in parts.items() if size
+    ]  # fmt: skip
+    return f"{' and '.join(lower)} {'keeps' if len(lower) == 1 else 'keep'}"
 
 
 def _rounded_down(value: float) -> str:

@@ -23,7 +23,6 @@ from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam import calibrated
 from tactgen.tmm.beam.calibrated import (
     ERRORS,
-    SOFT,
     Calibration,
     Fit,
     SectionFactors,
@@ -64,6 +63,8 @@ LAMINATES = 1200
 #: Properties that a fit does not know, and devices of each that tell by how much its errors grow.
 UNUSUAL, EACH = ("tab", "glue", "bare ends", "tip extension", "range"), 120
 UNUSUAL_LISTED = ("tab", "bare ends", "tip extension", "range")
+#: Core shear above which a core is called soft where errors are shown.
+_SOFT = 0.01
 #: Level of bricks: within 1e-4 of much finer ones in all that is fitted.
 _LEVEL = 1
 _OUT = np.inf
@@ -277,7 +278,7 @@ def _groups_shown(of: Devices, kind: str) -> dict[str, Bools]:
     """Devices (n,) of the groups whose errors are shown apart."""
     if kind == "listed":
         return {"layers": np.ones(len(of.observed), dtype=bool)}
-    soft = np.array([core_shear(scene.device) for scene in of.scenes]) > SOFT[0]
+    soft = np.array([core_shear(scene.device) for scene in of.scenes]) > _SOFT
     return {"stiff": ~soft, "soft": soft}
 
 

@@ -225,8 +225,9 @@ def rounding_of_ports(
     refined: Refined[Multiport], attached: Multiport, driven: Sequence[str] = ("voltage",)
 ) -> Any:
     """Relative rounding (n,) of the port equations that no other result shows."""
-    bound = round_off(attached, driven)
-    return np.full_like(bound, np.finfo(float).eps) if refined.rounds_apart else bound
+    if refined.rounds_apart:
+        return np.full(attached.frequencies.shape, np.finfo(float).eps)
+    return round_off(attached, driven)
 
 
 # ---- stages and models ----

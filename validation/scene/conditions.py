@@ -6,7 +6,6 @@ neutral conditions, which suit a bimorph on a bench.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 from tactgen.geometry.device.material_library import curve_in_words
@@ -33,7 +32,7 @@ def conditions(scene: Scene) -> str:
             _support(scene.support),
             _load(scene.load),
             f"{scene.bimorph.wiring} wiring",
-            *_driven(scene.drive, scene.circuit),
+            driven_in_words(scene.drive, scene.circuit),
         ]
         if scene.piezo.grows:
             parts.append(f"field in the ceramic {engineering(scene.field, 'V/m')}")
@@ -75,7 +74,7 @@ def _support(support: Support) -> str:
             return support.kind
 
 
-def _driven(drive: Drive, circuit: Circuit) -> Iterator[str]:
+def driven_in_words(drive: Drive, circuit: Circuit) -> str:
     """Excitation and circuit in words."""
     parts = [
         engineering(size, unit)
@@ -86,15 +85,16 @@ def _driven(drive: Drive, circuit: Circuit) -> Iterator[str]:
     ]  # fmt: skip
     joined = f"{' and '.join(parts)}{f' in {circuit.connection}' if len(parts) > 1 else ''}"
     if circuit.kind == "source":
-        yield f"{engineering(drive.voltage, 'V')} peak{f' behind {joined}' if parts else ''}"
+        found = [f"{engineering(drive.voltage, 'V')} peak{f' behind {joined}' if parts else ''}"]
     elif circuit.kind == "open":
-        yield "open electrodes"
+        found = ["open electrodes"]
     else:
-        yield f"{joined or 'short circuit'} across the electrodes"
+        found = [f"{joined or 'short circuit'} across the electrodes"]
     if drive.base_acceleration:
-        yield f"base at {engineering(drive.base_acceleration, 'm/s^2')} peak"
+        found.append(f"base at {engineering(drive.base_acceleration, 'm/s^2')} peak")
     if drive.tip_force:
-        yield f"{engineering(drive.tip_force, 'N')} peak on the tip"
+        found.append(f"{engineering(drive.tip_force, 'N')} peak on the tip")
+    return ", ".join(found)
 
 
 def beyond_voltage(scene: Scene) -> str:

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from tactgen.fem.piezo.ports import direct_multiport
+from tactgen.fem.piezo.solid import assemble
+from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam import calibrated
+from tactgen.tmm.beam import calibrated, transfer_matrix
 from tactgen.tmm.beam.laminate import laminate_section
 from tactgen.tmm.ports.multiport import BIMORPH
 from tactgen.validation.scene.scene import load_scene
@@ -144,3 +147,29 @@ def test_a_rod_is_refused():
     scene = load_scene("bimorph_on_rod")[0]
     with pytest.raises(InputError, match="--model cad, which takes both"):
         calibrated.check_known(scene.device, scene.support)
+
+
+@pytest.mark.parametrize(
+    ("width", "young", "shear"),
+    [("6mm", "60GPa", "25GPa"), ("0.1mm", "60GPa", "25GPa"), ("2mm", "30MPa", "10MPa")],
+)
+def test_losses_are_those_of_the_solid(width, young, shear):
+    """Held across at the clamp, narrow, and on a soft core that loses most."""
+    s = scene(
+        "bimorph.length=20mm", f"bimorph.width={width}", "bimorph.piezo_thickness=0.22mm",
+        "bimorph.shim_thickness=0.04mm", "piezo.d31=-3.5e-10m/V", "piezo.quality_factor=80",
+        "piezo.loss_tangent=0.03", "shim.loss_factor=0.05",
+        f"shim.youngs_modulus={young}", f"shim.shear_modulus={shear}",
+    )  # fmt: skip
+    factors = calibrated.section_factors(s.device, s.beam)
+    row = calibrated.sections(s.device, s.support, s.beam, factors, lossy=True)
+    plain = transfer_matrix.multiport(s.device, s.support, s.beam, np.zeros(1), lossy=True)
+    mesh = bimorph_bricks(s.device, LEVELS[0])
+    solid = direct_multiport(assemble(s.device, mesh, lossy=True), np.zeros(1))
+    flexible = [
+        np.linalg.inv(port.stiffness[0][2:4, 2:4])[0, 0]
+        for port in (calibrated.multiport(row, factors, np.zeros(1)), plain, solid)
+    ]
+    own, beam, right = (-one.imag / one.real for one in flexible)
+    assert own == pytest.approx(right, rel=factors.damping_error)
+    assert beam < 0.9 * right

@@ -11,6 +11,7 @@ from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import wavenumbers
 from tactgen.tmm.beam.transfer_matrix import multiport
 from tactgen.tmm.ports.elements import attach, load_tip, tip_matrix
+from tactgen.tmm.ports.excitation import UNIT_VOLTAGE, Excitation, excited
 from tactgen.tmm.ports.multiport import in_series, respond
 
 DEVICE, BEAM = Device(), Beam()
@@ -22,7 +23,7 @@ def driven(ends, frequencies=FREQUENCIES, device=DEVICE):
     if device.bimorph.wiring == "series":
         port = in_series(port)
     response = respond(attach(port, ends), {"voltage": 1.0})
-    return ceramic.driven_ceramic(device, BEAM, ends, frequencies, response)
+    return ceramic.driven_ceramic(device, BEAM, ends, frequencies, response, UNIT_VOLTAGE)
 
 
 def test_a_free_bimorph_at_rest_has_the_stress_of_its_layers():
@@ -53,7 +54,7 @@ def test_the_moment_at_the_root_is_the_clamp_s(tip):
     response = respond(load_tip(port, tip), held)
     moved = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
     effort = -(tip_matrix(tip, FREQUENCIES) @ moved[:, :, None])[:, :, 0]
-    found = ceramic._below(port.stiffness, moved, effort, 1.0)[1][:, 1]
+    found = ceramic._below(port.stiffness, moved, effort, port.stiffness[..., 4])[1][:, 1]
     # at 1 Hz the moment is what is left of K U, 1e-6 N m, to its rounding
     np.testing.assert_allclose(found, -response.effort["psi_base"], rtol=1e-9, atol=1e-19)
 
@@ -113,7 +114,7 @@ def test_a_taper_has_its_force_s_moment_over_its_section():
     for part in row:
         for element, length in part.beams[::-1]:
             matrix = ceramic.element_stiffness(element, length, np.zeros(1))
-            motion, on_top = ceramic._below(matrix, motion, on_top, 0.0)
+            motion, on_top = ceramic._below(matrix, motion, on_top, np.zeros((1, 5)))
         (per_curvature, _) = part.stresses[-1]
         stress.append(abs(on_top[0, 1] / part.section.EI * per_curvature))
     expected = force * 20e-3 * abs(row[0].stresses[-1][0] / root.EI)
@@ -139,6 +140,38 @@ def test_digits_hold_up_to_where_it_is_unknown():
     port = multiport(long, Support(kind="clamped"), BEAM, at)
     response = respond(port, {"w_base": 0.0, "psi_base": 0.0, "voltage": 1.0})
     tip = np.stack([response.motion["w_tip"], response.motion["psi_tip"]], axis=1)
-    found = ceramic._below(port.stiffness, tip, np.zeros((1, 2)), 1.0)[1][:, 1]
+    found = ceramic._below(port.stiffness, tip, np.zeros((1, 2)), port.stiffness[..., 4])[1][:, 1]
     # e^20 of rounding
     np.testing.assert_allclose(found, -response.effort["psi_base"], rtol=1e-6)
+
+
+def test_a_force_on_the_tip_bends_the_root():
+    """At rest, electrodes in short circuit: σ = Y x F L/EI at the outer face."""
+    at, force = np.array([0.01]), 0.1
+    port = multiport(DEVICE, Support(kind="clamped"), BEAM, at)
+    pushed = Excitation(force=force)
+    found = ceramic.driven_ceramic(
+        DEVICE, BEAM, Ends(), at, excited(port, Ends(), pushed), pushed
+    ).stress[0]
+    b, cross = DEVICE.bimorph, section(Piece("bimorph", 20e-3), DEVICE, BEAM, lossy=True)
+    modulus = (1.0 + 1j / DEVICE.piezo.quality_factor) / DEVICE.piezo.s11
+    moment = force * b.length
+    # inertia is 1e-9 of it
+    expected = np.abs(modulus * 0.5 * b.thickness * moment / cross.EI)
+    assert found == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_moving_base_strains_as_seen_from_outside():
+    """Motions relative to the base and absolute ones, with a mass on an arm."""
+    tip = TipLoad(mass=1e-5, offset=2e-3, inertia=3e-12)
+    moved, ends = Excitation(acceleration=2.0), Ends(tip=tip)
+    at = np.array([1e-3, 1.0, *FREQUENCIES[1:]])
+    port = multiport(DEVICE, Support(kind="clamped"), BEAM, at)
+    found = ceramic.driven_ceramic(DEVICE, BEAM, ends, at, excited(port, ends, moved), moved)
+    base = -2.0 / (2.0 * np.pi * at) ** 2
+    absolute = respond(load_tip(port, tip), {"w_base": base, "psi_base": 0.0, "voltage": 0.0})
+    right = ceramic.driven_ceramic(DEVICE, BEAM, ends, at, absolute, Excitation())
+    # slower, the base moves 1e5 times as far as the tip bends, and digits of that are lost
+    np.testing.assert_allclose(found.stress[2:], right.stress[2:], rtol=1e-7)
+    # the square of 1 Hz over the first resonance
+    assert found.stress[0] == pytest.approx(found.stress[1], rel=3e-6)

@@ -5,7 +5,6 @@ import pytest
 
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.tmm.beam import calibrated
-from tactgen.tmm.beam.dimensionless_groups import core_shear
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence import calibration
@@ -106,25 +105,21 @@ def test_higher_modes_are_covered():
 
 @pytest.mark.heavy
 def test_resonances_are_covered():
-    """Heights of the first resonance with losses, of stiff cores, with an error worth having."""
-    inside, widths = [], []
+    """Heights of the first resonance, of stiff and soft cores, half of them with losses."""
+    inside, ratios = [], []
     for number in range(40):
-        overrides = clamped_bimorph(np.random.default_rng([9, number]))
+        rng = np.random.default_rng([10, number])
+        overrides = [*clamped_bimorph(rng), f"shim.loss_factor={rng.choice([0.0, 0.05])}"]
         scene, _ = load_scene("prototype", overrides)
-        if core_shear(scene.device) > calibrated.SOFT[0]:
-            continue
         (first,) = solve(scene, ("calibrated",), ("short_circuit_frequencies",)).quantities
         f = float(first.value[0])
         sweep = f"frequency={0.85 * f:.6g}:{1.15 * f:.6g}:9"
         scene, _ = load_scene("prototype", [*overrides, sweep, "mesh.level=2"])
         found = solve(scene, ("calibrated", "solid"), ("tip_displacement",))
         peak, right = (found.get("tip_displacement", m).extreme for m in ("calibrated", "solid"))
-        if np.isnan(peak.expected_error):  # of a wide plate it is not known, and says so
-            continue
         apart = abs(peak.value - right.value)
         inside.append(apart <= peak.expected_error + right.error)
-        widths.append(peak.expected_error / right.value)
-    assert len(inside) > 12
+        ratios.append(peak.expected_error / (apart + right.error))
     assert np.mean(inside) >= PROMISED
-    # told at one frequency, where 0.3 % of the stiffness is a third of a peak of Q = 80
-    assert np.median(widths) < 0.4
+    # a peak's error is that of its own height, not of a slope beside it, which is tens of times it
+    assert np.median(ratios) <= 5.0

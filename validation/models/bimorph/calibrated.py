@@ -41,6 +41,7 @@ class CalibratedModel(TmmModel):
         super().__init__(scene, stages)
         self._against_solid = against_solid
         self._known: dict[bool, Refined[Modes]] = {}
+        self._rows: dict[tuple[bool, int], list[Element]] = {}
 
     @classmethod
     def check(cls, scene: Scene) -> None:
@@ -64,10 +65,12 @@ class CalibratedModel(TmmModel):
         return None
 
     def _row(self, *, lossy: bool, segments: int = transfer_matrix.SEGMENTS) -> list[Element]:
-        s = self.scene
-        return calibrated.sections(
-            s.device, s.support, s.beam, self.factors, lossy=lossy, segments=segments
-        )
+        s, key = self.scene, (lossy, segments)
+        if key not in self._rows:
+            self._rows[key] = calibrated.sections(
+                s.device, s.support, s.beam, self.factors, lossy=lossy, segments=segments
+            )
+        return self._rows[key]
 
     def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
         def solved(segments: int, at: Floats = frequencies) -> Multiport:

@@ -112,6 +112,16 @@ class BimorphModel(Model):
         self._at_others[key] = other
         return other
 
+    @property
+    def versions(self) -> list[tuple[Self, float]]:
+        """Copies with each of the harmonic answers that judge this one's, and its factor."""
+        of = self.answer("harmonic")
+        found = [(copy(self), factor) for _, factor in of.coarser]
+        for (version, _), (port, _) in zip(found, of.coarser, strict=True):
+            # whose own rounding is of no interest, and may not be known where an error is not
+            version._between = replace(of, fine=port, coarser=(), rounds_apart=True)
+        return found
+
     def _ports_between(self, frequencies: Floats, *, judged: bool) -> Refined[Multiport]:
         """D(Ω) between the scene's frequencies, by splines over Ω², in which it is smooth."""
         known = self.ports()

@@ -22,6 +22,7 @@ from tactgen.validation.report.sections.bimorph_figures import difference_plot
 from tactgen.validation.report.sections.drive_limits import drive_limits_section
 from tactgen.validation.report.sections.model_differences import bridge_section
 from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.scene.conditions import driven_in_words
 
 
 def _models(study: Study) -> Context:
@@ -62,6 +63,7 @@ def _response(study: Study) -> Context:
         study.solution.by_model(row.name) for row in (TIP_DISPLACEMENT, ADMITTANCE)
     )
     return {
+        "driven": driven_in_words(study.scene.drive, study.scene.circuit),
         "peaks": [
             (model, representative(displacement[model]), representative(admittance[model]))
             for model in ranked(displacement)

@@ -8,7 +8,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.tmm.beam.ceramic_stress import driven_ceramic
 from tactgen.tmm.beam.transfer_matrix import multiport
 from tactgen.tmm.ports.elements import attach
-from tactgen.tmm.ports.excitation import ELECTRICAL
+from tactgen.tmm.ports.excitation import ELECTRICAL, UNIT_VOLTAGE, excitation_of
 from tactgen.tmm.ports.multiport import in_series, respond
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import (
@@ -21,6 +21,7 @@ from tactgen.validation.engine.answers import representative
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.bimorph_figures import MODEL_STYLE
 from tactgen.validation.report.sections.section import Context
+from tactgen.validation.scene.conditions import driven_in_words
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import BLUE, GREEN, ORANGE, panels, svg
 
@@ -37,6 +38,7 @@ def drive_limits_section(study: Study) -> Context | None:
     return {
         "rows": [(m, representative(stress[m]), representative(limit[m])) for m in models],
         "picture": _picture(study, models),
+        "driven": driven_in_words(study.scene.drive, study.scene.circuit),
         "limits": study.scene.limits,
         "stress_still": study.shown.get("modes", {}).get("stress"),
     }
@@ -52,15 +54,16 @@ def _picture(study: Study, models: list[str]) -> str:
     strength = 1e-6 * scene.limits.ceramic_strength
     left.axhline(strength, color="black", linewidth=0.9, linestyle=":", label="strength")
     left.set(yscale="log", xlabel="frequency (Hz)", ylabel="stress in the ceramic (MPa)",
-             title=f"at {abs(scene.drive.voltage):g} V")  # fmt: skip
+             title=driven_in_words(scene.drive, scene.circuit))  # fmt: skip
     found = _limits(scene)
     if found is not None:
         at, limits = found
         for reason, curve, colour in zip(REASONS, limits, (ORANGE, BLUE, GREEN), strict=True):
             right.plot(at, curve, color=colour, label=reason)
         right.fill_between(at, limits.min(axis=0), color=BLUE, alpha=0.08, linewidth=0.0)
-        right.axhline(abs(scene.drive.voltage), color="black", linewidth=0.9, linestyle=":",
-                      label="drive voltage")  # fmt: skip
+        if source := abs(excitation_of(scene.circuit, scene.drive).source):
+            right.axhline(source, color="black", linewidth=0.9, linestyle=":",
+                          label="drive voltage")  # fmt: skip
     right.set(yscale="log", xlabel="frequency (Hz)", ylabel="voltage, peak (V)",
               title="voltage at which each limit is reached (tmm)")  # fmt: skip
     for axis in (left, right):
@@ -80,7 +83,9 @@ def _limits(scene: Scene) -> tuple[Floats, Floats] | None:
     port = multiport(scene.device, scene.support, scene.beam, frequencies)
     port = in_series(port) if scene.bimorph.wiring == "series" else port
     response = respond(attach(port, scene.ends), {ELECTRICAL: 1.0})
-    driven = driven_ceramic(scene.device, scene.beam, scene.ends, frequencies, response)
+    driven = driven_ceramic(
+        scene.device, scene.beam, scene.ends, frequencies, response, UNIT_VOLTAGE
+    )
     return (
         None
         if np.isnan(driven.stress).any()
