@@ -6,7 +6,8 @@ linkage and force are its slopes, so they stay consistent:
 
     W' = e^P W,  λ = ∂W'/∂i = e^P (λ₀ + W P_i),  F = −∂W'/∂g = e^P (F₀ − W P_g).
 
-The coefficients come from finite elements: this is no witness of its own.
+Beyond the range of the fit P is that at its end, and the errors are larger by a factor that such
+actuators showed.  The coefficients come from finite elements: this is no witness of its own.
 """
 
 from __future__ import annotations
@@ -30,12 +31,12 @@ from tactgen.tmm.reluctance.circuit import pole_area
 FILE = Path(__file__).with_name("calibration.json")
 #: Ratios in order, for people.
 GROUPS = (
-    "gap", "flux density in the shaft", "shaft radius", "wall of the sleeve",
+    "gap", "ampere turns", "shaft radius", "wall of the sleeve",
     "collar over the coil", "head thickness", "coil length", "gap at the flange",
     "flange thickness", "sleeve radius", "step between head and sleeve", "steel at 1 kA/m",
     "steel at 10 kA/m",
 )  # fmt: skip
-_GAP, _FLUX = 0, 1
+_GAP, _TURNS = 0, 1
 #: Names of the values that it corrects, in order.
 VALUES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
 #: Fields (A/m) at which the curve of a steel is read.
@@ -62,6 +63,14 @@ class Fit:
     products: Products  #: Of t terms
     coefficients: Floats  #: (t,) Of P
     errors: Floats  #: (1 + 2 g, 4) Of the logarithms of the errors of :data:`VALUES`
+    beyond: float = 1.0  #: Factor on the errors beyond the range, up to twice its ends
+
+    def outside(self, at: Floats) -> list[str]:
+        """Ratios (g,) beyond the range; few ampere turns are none, as the steel is then linear."""
+        return [
+            GROUPS[n] for n in self.products.outside(at)
+            if n != _TURNS or at[n] > self.products.high[n]
+        ]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -72,12 +81,20 @@ class Calibration:
     saturating: Fit
 
 
+def _widening(fit: Fit, at: Floats) -> float:
+    """Factor on the errors at ratios (g,): as often as the end of the range is doubled."""
+    outside = [GROUPS.index(name) for name in fit.outside(at)]
+    ends = np.clip(at, fit.products.low, fit.products.high)
+    farthest = np.abs(at - ends)[outside].max(initial=0.0) / np.log(2.0)
+    return float(fit.beyond ** max(1.0, farthest)) if outside else 1.0
+
+
 def calibration_from(record: dict[str, Any]) -> Calibration:
     """Calibration as read from a file."""
     fits = (
         Fit(
             Products(*(np.array(one[name]) for name in ("low", "high", "powers"))),
-            np.array(one["coefficients"]), np.array(one["errors"]),
+            np.array(one["coefficients"]), np.array(one["errors"]), one["beyond"],
         )
         for one in (record["straight"], record["saturating"])
     )  # fmt: skip
@@ -94,12 +111,16 @@ def sizes(state: State, current: Floats, gap: Floats) -> Floats:
     """Sizes (4, n) that errors of :data:`VALUES` are shares of, at currents and gaps (n,).
 
     A force that is small beside W'/g, since its parts cancel, has no error smaller for it, nor has
-    an incremental inductance that is small beside λ/i.
+    an incremental inductance that is small beside λ/i.  All are 0 without a current but that.
     """
     force = np.abs(state.force) + _CANCELS * np.abs(state.coenergy) / gap
     linkage = np.abs(state.flux_linkage)
-    slope = np.abs(state.incremental_inductance) + _CANCELS * linkage / np.abs(current)
+    slope = np.abs(state.incremental_inductance) + _CANCELS * linkage / _size(current)
     return np.stack([force, linkage, np.abs(state.coenergy), slope])
+
+
+def _size(current: Floats) -> Floats:
+    return np.maximum(np.abs(current), 1e-12)
 
 
 def is_straight(device: Device) -> bool:
@@ -113,7 +134,8 @@ def groups(device: Device, current: Floats, gap: Floats) -> Floats:
     r = rod.head_radius
     curve = magnetisation_curve(device.steel)
     at = np.array([np.interp(field, curve.field, curve.flux_density) for field in _FIELDS])
-    flux = MU0 * coil.turns * np.maximum(np.abs(current), 1e-12) / gap * pole_area(device)
+    # flux density in the shaft if the ampere turns had to cross a gap of the head's radius
+    flux = MU0 * coil.turns * _size(current) / r * pole_area(device)
     density = flux / (np.pi * rod.radius**2 * at[-1])
     collar = (sleeve.inner_radius - sleeve.collar_radius) * sleeve.collar_thickness
     fixed = (
@@ -126,6 +148,11 @@ def groups(device: Device, current: Floats, gap: Floats) -> Floats:
     steel = np.log(at)
     columns = [np.log(gap / r), np.log(density), *fixed, step / (step + gap), *steel]
     return np.column_stack([np.broadcast_to(one, np.shape(gap)) for one in columns])
+
+
+def fit_of(device: Device) -> Fit:
+    """Fit that is shipped for a device's steel."""
+    return calibration().straight if is_straight(device) else calibration().saturating
 
 
 def corrected(
@@ -147,18 +174,17 @@ def corrected(
     (4, n) array
         Errors of :data:`VALUES`, as shares of :func:`sizes`.
     """
-    fit = known or (calibration().straight if is_straight(device) else calibration().saturating)
+    fit = known or fit_of(device)
     at = groups(device, current, gap)
     factor = np.exp(fit.products(at) @ fit.coefficients)
-    by_flux = fit.products.slope(at, _FLUX) @ fit.coefficients
-    by_gap = (fit.products.slope(at, _GAP) @ fit.coefficients - by_flux) / gap
-    size = np.maximum(np.abs(current), 1e-12)
+    by_gap = fit.products.slope(at, _GAP) @ fit.coefficients / gap
+    size = _size(current)
 
     def slope_by_current(current: Floats) -> Floats:
         there = groups(device, current, gap)
-        return np.asarray(fit.products.slope(there, _FLUX) @ fit.coefficients / current)
+        return np.asarray(fit.products.slope(there, _TURNS) @ fit.coefficients / current)
 
-    by_current = np.copysign(by_flux / size, current)
+    by_current = np.copysign(slope_by_current(size), current)
     step = _STEP * size
     bend = (slope_by_current(size + step) - slope_by_current(size - step)) / (2.0 * step)
     energy, linkage = network.coenergy, network.flux_linkage
@@ -171,5 +197,5 @@ def corrected(
             + energy * (bend + by_current**2)
         ),
     )  # fmt: skip
-    errors = np.exp(fit.products.quadratic(at) @ fit.errors).T
-    return found, errors
+    wider = [_widening(fit, one) for one in at]
+    return found, np.exp(fit.products.quadratic(at) @ fit.errors).T * wider

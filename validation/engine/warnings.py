@@ -11,6 +11,7 @@ from tactgen.geometry.bimorph.segments import Piece, bimorph_stack
 from tactgen.geometry.device.bimorph import Piezo
 from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import engineering
 from tactgen.geometry.formats import share as share_of
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.ports.elements import outside_known_range
@@ -26,6 +27,7 @@ from tactgen.validation.catalogue.quantities import (
     LoadReadout,
 )
 from tactgen.validation.engine.answers import representative
+from tactgen.validation.engine.base_moment import base_moment
 from tactgen.validation.engine.extremes import extreme
 from tactgen.validation.engine.readout import read
 from tactgen.validation.models.model import Extreme, Model, Quantity
@@ -131,6 +133,7 @@ def answer_warnings(
     quantities = tuple(dict.fromkeys(q.name for q in found))
     return (
         *own, *number_warnings(scene, found), *_of_stress(scene, models, quantities, found),
+        *_of_tipping(scene, quantities),
     )  # fmt: skip
 
 
@@ -394,6 +397,22 @@ def _of_stress(
             f"the stress in the ceramic reaches {1e-6 * stress:.3g} MPa at {frequency:.4g} Hz "
             f"(model {name}), more than limits.ceramic_strength = {1e-6 * limit:g} MPa, and the "
             f"ceramic may break; {_lower_drive(scene, limit / stress)} it below {band}"
+        )
+
+
+def _of_tipping(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
+    """Motions for which the rod's head would tip on its stop, which a linear support cannot."""
+    asked = any(QUANTITIES[q].by_frequency and _follows_voltage(q) for q in quantities)
+    if scene.support.kind != "contact" or not asked or len(scene.frequency) > _FREQUENCIES:
+        return
+    found = base_moment(scene)
+    if found.largest > found.tipping:
+        lower = _lower_drive(scene, found.tipping / found.largest)
+        yield (
+            f"the moment on the head reaches {engineering(found.largest, 'N m', 2)} at "
+            f"{found.at:.4g} Hz and the head tips at {engineering(found.tipping, 'N m', 2)}: the "
+            f"linear answers are not valid there; {lower} it on its stop, and tactgen backbone "
+            "follows the head that rocks"
         )
 
 

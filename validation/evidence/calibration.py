@@ -60,8 +60,11 @@ def _bimorph(announce: Announce, *, listed: bool = False) -> dict[str, Any]:
 def _reluctance(announce: Announce) -> dict[str, Any]:
     from tactgen.validation.evidence import calibration_reluctance as part
 
-    observed = _observed(partial(part.observe_once, part.SEED), part.DEVICES, "field", announce)
-    return part.calibrate(observed, announce)
+    observe = partial(part.observe_once, part.SEED)
+    observed = _observed(observe, part.DEVICES, "field", announce)
+    wider = partial(observe, wider=part.WIDER)
+    beyond = _observed(wider, part.BEYOND, "field beyond the range", announce)
+    return part.calibrate(observed, beyond, announce)
 
 
 #: Calibrations by name: what makes each, and the file of the package that holds it.

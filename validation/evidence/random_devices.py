@@ -351,38 +351,44 @@ def sprung(rng: np.random.Generator, overrides: Sequence[str], stiffness: float)
     ]  # fmt: skip
 
 
-def any_actuator(rng: np.random.Generator) -> list[str]:
+def any_actuator(rng: np.random.Generator, wider: float = 1.0) -> list[str]:
     """Overrides of an actuator of any ratios about a head of 1.15 mm, at one current and gap.
 
-    Gaps of 2 to 35 % of the head's radius, flux densities of an ideal gap up to 2.5 T; two in five
-    with a collar above the coil, half with head and sleeve flush; all built-in steels, and
-    permeabilities from 10 on.
+    Gaps of 0.5 to 35 % of the head's radius, and 0.3 to 500 ampere turns, which saturate the steel
+    up to some 100 kA/m; two in five with a collar above the coil, half with head and sleeve flush;
+    all built-in steels, and permeabilities from 10 on.  `wider` is a factor on both ends of the
+    ranges, of the permeabilities its third power.
     """
+
+    def within(low: float, high: float) -> float:
+        return between(rng, low / wider, high * wider)
+
     head, turns = 1.15, 500
     shaft = head * rng.uniform(0.4, 0.7)
     outer = head * (1.0 if rng.random() < 0.5 else rng.uniform(0.92, 1.12))
     inner = min(shaft + head * rng.uniform(0.15, 0.35), outer - 0.08 * head)
-    coil, thickness = head * between(rng, 0.7, 4.0), head * between(rng, 1.0, 4.0)
-    plate, collar = head * between(rng, 0.2, 0.6), head * between(rng, 0.1, 0.4)
+    coil, thickness = head * within(0.7, 4.0), head * within(1.0, 4.0)
+    plate, collar = head * within(0.2, 0.6), head * within(0.1, 0.4)
     overhangs = rng.random() < 0.4
     bore = inner - (inner - shaft) * rng.uniform(0.1, 0.6) * overhangs
     top = collar + 0.05 if overhangs else 0.05
     flange = top + coil + 0.05
-    gap = between(rng, 0.02, 0.4)
-    current = between(rng, 0.02, 2.5) * gap * 1e-3 / (4e-7 * np.pi * turns)
+    gap = within(0.006, 0.4)
+    current = within(0.3, 500.0) / turns
     if rng.random() < 0.25:
-        steel = ["steel.curve=linear", f"steel.relative_permeability={between(rng, 10.0, 1e4):.4g}"]
+        permeability = within(10.0 / wider**2, 1e4)
+        steel = ["steel.curve=linear", f"steel.relative_permeability={permeability:.4g}"]
     else:
         steel = [f"steel.curve={rng.choice([one for one in STEELS if one != 'linear'])}"]
     sizes = {
         "rod.head_radius": head, "rod.radius": shaft, "rod.head_thickness": plate,
         "rod.slot_depth": 0.9 * plate, "rod.flange_position": flange,
         "rod.flange_thickness": thickness, "rod.length": flange + thickness,
-        "rod.flange_radius": inner - between(rng, 0.02, 0.1) * head,
+        "rod.flange_radius": inner - within(0.02, 0.1) * head,
         "sleeve.outer_radius": outer, "sleeve.inner_radius": inner, "sleeve.collar_radius": bore,
         "sleeve.collar_thickness": collar, "coil.inner_radius": shaft, "coil.length": coil,
         "coil.outer_radius": inner - 0.04 * head, "coil.position": top, "gap": gap,
-        "sleeve.length": (flange + thickness) * between(rng, 1.02, 5.0),
+        "sleeve.length": (flange + thickness) * within(1.02, 5.0),
     }  # fmt: skip
     lengths = [f"{key}={size:.6g}mm" for key, size in sizes.items()]
     return [*lengths, f"coil.turns={turns}", f"coil.current={current:.5g}A", *steel]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
@@ -182,6 +183,15 @@ class Study:
     def comparison(self) -> list[ComparedRow]:
         """All scalar quantities of the lateral actuator by all its models."""
         return compare(self.scene, self.solution.quantities, "bimorph")
+
+    @cached_property
+    def relative_errors(self) -> dict[str, float]:
+        """Numerical errors of the most detailed models' single numbers, by label."""
+        cells = {row.info.label: row.most_detailed for row in self.compared}
+        return {
+            label: cell.error / abs(cell.value)
+            for label, cell in cells.items() if math.isfinite(cell.value) and cell.value
+        }  # fmt: skip
 
     @property
     def compared(self) -> list[ComparedRow]:

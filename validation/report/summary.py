@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -166,16 +167,16 @@ def _figure(study: Study) -> tuple[str, str]:
 
 def _rests_on_models(study: Study) -> str:
     """Models, and the widest numerical error."""
-    cells = [row.most_detailed for row in study.compared]
-    cells = [cell for cell in cells if math.isfinite(cell.value)]
-    widest = max((c.error / abs(c.value) for c in cells if c.value), default=0.0)
-    wide = sum(c.error > study.scene.accuracy * abs(c.value) for c in cells)
+    errors = study.relative_errors
+    what, widest = max(errors.items(), key=itemgetter(1), default=("", 0.0))
+    wide = sum(error > study.scene.accuracy for error in errors.values())
     asked = f"{100.0 * study.scene.accuracy:g} %"
     met = f"{wide} exceed" if wide else "none exceeds"
+    models = ranked({cell.model for row in study.compared for cell in row.cells})
     return (
-        f"Models: {', '.join(study.scene.models)}. Numerical errors (distance from the exact "
-        f"solution of the same model) are {100.0 * widest:.2g} % at most in the single numbers; "
-        f"{met} the requested {asked}."
+        f"Models: {', '.join(models)}. Numerical errors (distance from the exact solution of the "
+        f"same model) are {100.0 * widest:.2g} % at most in the single numbers ({what}); {met} the "
+        f"requested {asked}."
     )
 
 
@@ -189,20 +190,23 @@ def _doubts(study: Study) -> Iterator[str]:
                     f"The models {cell.model} and {row.most_detailed.model} solve the same "
                     f"equations, but their errors do not cover the difference in {row.info.label}."
                 )
-    quick = [row.most_detailed for row in study.compared if not row.info.by_frequency]
-    estimated = [c.model for c in quick if MODELS[c.model].quick and c.modelling != "not known"]
+    estimated = [
+        row.info.label for row in study.compared
+        if not row.info.by_frequency and MODELS[row.most_detailed.model].quick
+        and row.most_detailed.modelling != "not known"
+    ]  # fmt: skip
     if estimated:
         yield (
-            f"No detailed model was solved. Modelling errors of {estimated[0]} are estimated from "
-            "random devices; add --model solid or axisymmetric."
+            f"No detailed model was solved for {', '.join(estimated)}. The modelling errors are "
+            "estimated from random devices; add --model solid or axisymmetric."
         )
     yield from (f"{text[0].upper()}{text[1:]}." for text in _inaccurate(study))
     moment = study.shown.get("support", {}).get("moment")
-    if moment and moment["largest"] > moment["tipping"]:
+    if moment and moment.largest > moment.tipping:
         yield (
             f"At {engineering(scene.drive.voltage, 'V')} the moment on the head reaches "
-            f"{engineering(moment['largest'], 'N m', 2)}. The head tips at "
-            f"{engineering(moment['tipping'], 'N m', 2)}: the linear answers are not valid there."
+            f"{engineering(moment.largest, 'N m', 2)}. The head tips at "
+            f"{engineering(moment.tipping, 'N m', 2)}: the linear answers are not valid there."
         )
     if study.machine:
         yield (

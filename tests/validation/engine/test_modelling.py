@@ -68,16 +68,21 @@ def test_what_is_not_known_says_so(name, overrides, quantity, model):
     assert np.isnan(found.modelling_error).all()
 
 
+STATE = ("magnetic_force", "flux_linkage", "coenergy")
+
+
 @pytest.mark.parametrize(
-    "asked",
+    ("asked", "overrides"),
     [
-        ("magnetic_force", "flux_linkage", "coenergy"),
-        pytest.param(("pull_in_current", "holding_current"), marks=pytest.mark.heavy),
+        (STATE, []), (STATE, ["gap=15um"]), (STATE, ["coil.current=1A"]),
+        (("inductance",), ["coil.current=1mA"]), (("inductance",), ["coil.current=0A"]),
+        (STATE, ["steel.curve=linear", "steel.relative_permeability=3"]),
+        pytest.param(("pull_in_current", "holding_current"), [], marks=pytest.mark.heavy),
     ],
-)
-def test_the_network_beside_the_field(asked):
-    """Force, flux linkage and currents of the paper's actuator."""
-    scene, _ = load_scene("reluctance", ["accuracy=5%"])
+)  # fmt: skip
+def test_the_network_beside_the_field(asked, overrides):
+    """The paper's actuator: almost closed, far into saturation, without a current, hardly steel."""
+    scene, _ = load_scene("reluctance", ["accuracy=5%", *overrides])
     found = solve(scene, ("network", "axisymmetric"), asked)
     for name in asked:
         network, field = found.get(name, "network"), found.get(name, "axisymmetric")

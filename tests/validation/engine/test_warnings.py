@@ -77,3 +77,28 @@ def test_a_spring_that_does_not_hold_the_rod_up_is_named(preload):
     assert [("spring.preload = 0 mN" in w, "110 mN" in w) for w in found] == (
         [(True, True)] if preload == "0N" else []
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides", "quantity", "words"),
+    [
+        ("j1", ["drive.voltage=0V", "drive.tip_force=1N"], "tip_displacement", "drive.tip_force ="),
+        (
+            "j1",
+            ["circuit.kind=load", "circuit.resistance=1kohm", "drive.base_acceleration=9000m/s^2"],
+            "circuit_power",
+            "drive.base_acceleration =",
+        ),
+        ("generator", [], "tip_displacement", "drive.voltage ="),
+    ],
+)
+def test_the_drive_that_would_be_borne_is_named(name, overrides, quantity, words):
+    """By the ceramic, or by the head on its stop; under that drive there is no such warning."""
+    asked = ["models=tmm", "frequency=150"]
+    scene, _ = load_scene(name, [*asked, *overrides])
+    (warning,) = (w for w in solve(scene, ("tmm",), (quantity,)).warnings if words in w)
+    lower = next(part for part in warning.split("; ") if words in part)
+    key, _, value, unit = lower.split(" and ")[0].split()[:4]
+    scene, _ = load_scene(name, [*asked, *overrides, f"{key}={value} {unit}"])
+    again = solve(scene, ("tmm",), (quantity,)).warnings
+    assert not [w for w in again if words.split()[0] in w and "reaches" in w]

@@ -6,6 +6,7 @@ import pytest
 from pages import blank_figures
 
 from tactgen.geometry.errors import InputError
+from tactgen.validation.engine.base_moment import BaseMoment
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import STATES, rocking_states
 from tactgen.validation.report.page import templates
@@ -101,9 +102,9 @@ def test_an_actuator_alone_without_current_is_refused_at_once():
 def test_the_moment_is_held_against_what_the_contact_bears(support_held):
     """50 V: far beyond; a tenth of a volt: pressed all round."""
     moment = support_held["moment"]
-    assert moment["largest"] > moment["tipping"] == pytest.approx(2.0 * moment["uplift"])
+    assert moment.largest > moment.tipping == pytest.approx(2.0 * moment.uplift)
     quiet = SUPPORT.context(study("generator", "drive.voltage=0.1V"))["moment"]
-    assert quiet["largest"] < quiet["uplift"]
+    assert quiet.largest < quiet.uplift
 
 
 def test_a_quick_report_says_what_it_leaves_out(up):
@@ -118,8 +119,8 @@ def test_more_than_the_head_bears_is_a_known_limit(up, monkeypatch):
     """On the first page, where the drive tips the head; not where it does not."""
     said = "the linear answers are not valid there"
     monkeypatch.setattr(propagation, "_EVALUATIONS", 100)
-    for moment, known in (({"largest": 2e-4, "tipping": 1e-4}, True),
-                          ({"largest": 5e-5, "tipping": 1e-4}, False)):  # fmt: skip
+    for largest, known in ((2e-4, True), (5e-5, False)):
+        moment = BaseMoment(largest=largest, at=1.0, least=0.0, uplift=5e-5, tipping=1e-4)
         monkeypatch.setattr(up, "shown", {"support": {"moment": moment}})
         assert any(said in doubt for doubt in summary(up)["doubts"]) == known
 

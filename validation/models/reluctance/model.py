@@ -199,7 +199,7 @@ class CalibratedNetwork(NetworkModel):
     moves stays the network's: it only says where to solve.
     """
 
-    METHOD = "95 % of fresh random actuators, by calibration on axisymmetric fields"
+    _CALIBRATED = "95 % of fresh random actuators, by calibration on axisymmetric fields"
 
     def __init__(self, network: NetworkModel) -> None:
         super().__init__(network.scene, network.stages)
@@ -219,21 +219,28 @@ class CalibratedNetwork(NetworkModel):
 
     def at(self, current: float, gap: float) -> MagneticPoint:
         """Values at a current (A) and gap (m)."""
-        from tactgen.tmm.reluctance.calibrated import VALUES, State, corrected, sizes
+        from tactgen.tmm.reluctance.calibrated import (
+            VALUES,
+            State,
+            corrected,
+            fit_of,
+            groups,
+            sizes,
+        )  # fmt: skip
 
-        plain = super().at(current, gap)
-        if not current:
-            return plain
+        plain, device = super().at(current, gap), self.scene.device
         network = State(*(np.array([getattr(plain, name).value]) for name in VALUES))
         at = np.array([current]), np.array([gap])
-        found, shares = corrected(self.scene.device, *at, network)
+        found, shares = corrected(device, *at, network)
+        outside = fit_of(device).outside(groups(device, *at)[0])
+        beyond = f"; beyond the range of the fit: {', '.join(outside)}" if outside else ""
         force, linkage, energy, slope = (
             Estimate(float(value[0]), float(error[0]))
             for value, error in zip(found, shares * sizes(found, *at), strict=True)
         )
         return replace(
-            plain, method=self.METHOD, force=force, flux_linkage=linkage, coenergy=energy,
-            incremental_inductance=slope,
+            plain, method=f"{self._CALIBRATED}{beyond}", force=force, flux_linkage=linkage,
+            coenergy=energy, incremental_inductance=slope,
         )  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from operator import itemgetter
 from typing import Any
 
 from tactgen.validation.catalogue.models import models_of
@@ -80,11 +80,10 @@ def _machine(lateral: tuple[Section, ...]) -> list[Section]:
 
 
 def _checks(study: Study) -> Context:
-    cells = [row.most_detailed for row in study.compared]
-    cells = [cell for cell in cells if math.isfinite(cell.value)]
+    errors = study.relative_errors
     return {
-        "bars": len(cells),
-        "widest": max((c.error / abs(c.value) for c in cells if c.value), default=0.0),
+        "bars": len(errors),
+        "widest": max(errors.items(), key=itemgetter(1), default=("", 0.0)),
         "outcomes": study.outcomes,
         "invariants": study.invariants,
         "invariant_tolerance": INVARIANT_TOLERANCE,

@@ -14,17 +14,15 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
-from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.generator.contact import contact_of, moving_rod, stops_of
 from tactgen.tmm.generator.equilibrium import RestingPlace, axial_forces, resting_places
-from tactgen.tmm.ports.elements import attach, outside_known_range
-from tactgen.tmm.ports.multiport import in_series, respond
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import (
     PULL_IN_CURRENT,
     QUANTITIES,
     SHORT_CIRCUIT_FREQUENCIES,
 )
+from tactgen.validation.engine.base_moment import base_moment
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.model import Estimate
@@ -196,7 +194,7 @@ def _support(study: Study) -> Context:
     scene = study.scene
     return {
         "rows": [_row(scene, state, made) for state, made in _states(scene, _is_magnetic(study))],
-        "moment": _base_moment(scene),
+        "moment": base_moment(scene),
         "law": contact_of(scene.device, "upper"),
         "below": contact_of(scene.device, "lower"),
         "rod": moving_rod(scene.device),
@@ -303,29 +301,6 @@ def _row(scene: Scene, state: str, made: Scene) -> SupportRow:
         uplift_moment=float(law.uplift_moment(place.contact_force)),
         tipping_moment=float(law.tipping_moment(place.contact_force)),
     )
-
-
-def _base_moment(scene: Scene) -> Context:
-    """Largest moment (N m) that the linear support bears under the drive, and where."""
-    assert scene.rest is not None
-    place, springs = scene.rest
-    frequencies = np.asarray(scene.frequency, dtype=float)
-    port = transfer_matrix.multiport(scene.device, scene.support, scene.beam, frequencies)
-    if scene.bimorph.wiring == "series":
-        port = in_series(port)
-    tilt = respond(attach(port, scene.ends), {"voltage": scene.drive.voltage}).motion["psi_base"]
-    omega = 2.0 * np.pi * frequencies
-    borne = np.abs(tilt * (springs.rotational_stiffness + 1j * omega * springs.rotational_damping))
-    borne[outside_known_range(scene.load, frequencies)] = 0.0
-    at = int(np.argmax(borne))
-    law = stops_of(scene.device).holding(place.lift)
-    return {
-        "largest": float(borne[at]),
-        "at": float(frequencies[at]),
-        "least": float(borne[borne > 0.0].min(initial=float(borne[at]))),
-        "uplift": float(law.uplift_moment(place.contact_force)),
-        "tipping": float(law.tipping_moment(place.contact_force)),
-    }
 
 
 #: In the report's order; a section of which there is nothing to say is left out.
