@@ -23,6 +23,13 @@ def core_count() -> int:
     return os.cpu_count() or 1
 
 
+def memory_size() -> float:
+    """Memory (bytes) of the machine, infinite where it is not known."""
+    if hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
+        return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
+    return float("inf")
+
+
 def is_running(process: int) -> bool:
     """Whether a process of this number runs; on Windows, where a look would end it, True."""
     if sys.platform == "win32":

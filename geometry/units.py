@@ -43,6 +43,12 @@ BY_HEART = {
     "A/m": ("A/m", 0),
 }  # fmt: skip
 
+#: Units as data sheets print them, and as they are written here.
+AS_PRINTED = {
+    "Ohm": "ohm", "kOhm": "kohm", "MOhm": "Mohm", "g/cm3": "g/cm^3", "kg/m3": "kg/m^3",
+    "m/s2": "m/s^2", "m2/N": "m^2/N", "Vm/N": "V*m/N", "Nm/rad": "N*m/rad", "Ns/m": "N*s/m",
+}  # fmt: skip
+
 #: How the size of a sinusoid is stated, each with the peak amplitude per its number.
 AMPLITUDES = {"peak": 1.0, "pp": 0.5, "rms": math.sqrt(2.0)}
 _STATED_AS = re.compile(rf"(?P<unit>.*?)\s*(?P<way>{'|'.join(AMPLITUDES)})", re.ASCII)
@@ -171,6 +177,7 @@ class Unit:
         if parts is None:
             raise ValueError(unreadable)
         number, name = Decimal(parts["number"]), (parts["unit"] or "").strip()
+        name = AS_PRINTED.get(name, name)
         if not name and bare:
             return float(number)
         stated = _STATED_AS.fullmatch(name) if self.sinusoid else None

@@ -177,7 +177,10 @@ def _stated(device: Device, *, active: bool, electrodes: bool) -> list[StackLaye
 
 
 def material_of(device: Device, layer: Layer) -> Piezo | Shim | Glue:
-    """Constants of a listed layer: the scene's own groups, or the library's."""
+    """Constants of a listed layer: its own, the scene's groups, or the library's."""
+    if layer.of is not None:
+        stated: Piezo | Shim | Glue = layer.of
+        return stated
     if layer.material in OWN:
         own: Piezo | Shim | Glue = getattr(device, layer.material)
         return own

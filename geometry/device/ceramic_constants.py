@@ -35,6 +35,8 @@ _STATED = re.compile(
 _PRINTED_ALIKE = 0.02
 #: What counts as having them all.
 _EXACT = 1e-9
+#: Relative change of a stated constant from which on it is told.
+_WORTH_A_WORD = 5e-3
 _STEPS, _HALVINGS, _CONVERGED = 60, 30, 1e-12
 
 
@@ -307,6 +309,17 @@ def completed(base: Piezoceramic, constants: Sequence[Constant]) -> Piezoceramic
     if misfit.max() > _PRINTED_ALIKE:
         raise InputError(_contradiction(base, constants))
     return replace(base, s=forms.s, d=forms.d, eps_t=forms.eps_t, stated={}, spreads={})
+
+
+def moved(of: Piezoceramic, constants: Sequence[Constant]) -> list[str]:
+    """What a ceramic has in place of stated constants that contradict each other, in words."""
+    forms, found = _forms(_unknowns(of)), []
+    for one in constants:
+        kind = _KINDS[one.name]
+        value = kind.value(forms)
+        if abs(value - one.value) > _WORTH_A_WORD * abs(one.value):
+            found.append(f"{one.name} {kind.unit.show(float(f'{value:.4g}'))} for {one}")
+    return found
 
 
 def _fitted(base: Piezoceramic, constants: Sequence[Constant]) -> tuple[Forms, Floats]:

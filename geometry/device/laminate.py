@@ -47,6 +47,7 @@ class Layer(NamedTuple):
     electrodes: Literal["", "hot", "shorted", "bare"] = ""
     hot: int = 0  #: Face (along x) at the drive voltage, 0 for the outer one
     width: float = 0.0  #: m, in the middle of the bimorph's; 0 for the bimorph's own
+    of: Any = None  #: Constants in place of those of its name
 
     @property
     def is_ceramic(self) -> bool:

@@ -250,3 +250,16 @@ def test_what_is_known_by_heart_is_what_pint_says(name, monkeypatch):
             assert kinds[0].parse(text) == known
         with pytest.raises(ValueError, match="momentum"):
             kinds[1].parse(text)
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "value"),
+    [
+        (u.Unit("kg/m**3", "density", "7800 kg/m^3"), "7.9 g/cm3", 7900.0),
+        (u.Unit("ohm", "resistance", "1 kohm"), "35 kOhm", 35e3),
+        (u.Unit("V*m/N", "voltage constant", "1 V*m/N"), "-11.9e-3 Vm/N", -11.9e-3),
+        (u.Unit("m/s**2", "acceleration", "1 m/s^2"), "2.5 m/s2", 2.5),
+    ],
+)
+def test_units_as_data_sheets_print_them(kind, text, value):
+    assert kind.parse(text) == pytest.approx(value, rel=1e-12)

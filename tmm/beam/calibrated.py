@@ -29,8 +29,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.bimorph.segments import Piece, beam_pieces
-from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.bimorph.segments import Piece, beam_pieces, material_of
+from tactgen.geometry.device.laminate import Laminate
+from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.beam.dimensionless_groups import (
@@ -47,8 +48,7 @@ from tactgen.tmm.beam.dimensionless_groups import (
     plain,
     root_length,
 )
-from tactgen.tmm.beam.laminate import bending_constants, laminate_energy
-from tactgen.tmm.beam.layerwise import layerwise_change, layerwise_loss
+from tactgen.tmm.beam.layerwise import layerwise_change
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section, section, without_electrode
@@ -65,26 +65,18 @@ _ALIKE = 1.25
 _COUPLES_MORE = 1.15
 #: Least lever of the ceramics, see :func:`lever`: below it their motion is a small difference.
 _LEVER = 0.05
-#: Theories between which losses lie, and whether their section contracts: a wide plate's, a narrow
-#: beam's, without stress across anywhere, the beam models', and that of a plate held across.
-_THEORIES: tuple[tuple[bool, dict[str, bool]], ...] = (
-    (True, {}),
-    (True, {"poisson": False, "d32": False}),
-    (True, {"poisson": False, "d32": False, "varying_field": False}),
-    (False, {}),
-)
-#: Width in thicknesses at which a bimorph is half-way from a narrow beam to a wide plate.
-_BROAD = 1.5
 #: What the six factors act on, in order; see :class:`SectionFactors`.
 FACTORS = ("stiffness", "root", "shear", "coupling", "root_coupling", "capacitance")
 #: What an error is known of, in order: the tip's displacement per force and per voltage, the free
 #: capacitance, natural frequencies of bending in x, and the coupling factor of the first mode.
 ERRORS = ("compliance", "deflection", "capacitance", "f1", "f2", "f3", "coupling_factor")
+#: Change of the moduli, per loss factor of each, from whose effect losses are read off.
+_STEP = 0.01
 #: Relative error of the loss factor in motion with a stiff core and with a soft one, and the core
 #: shear E_p t_p (t_s + t_p) / (G_s L²) up to which it is stiff, from which on soft.  Not fitted:
-#: chosen on the heights of the first resonance of 280 random bimorphs, half of them with losses in
+#: chosen on the heights of the first resonance of 240 random bimorphs, half of them with losses in
 #: the core.
-DAMPING, _CORES = (0.015, 1.0), (0.03, 1.5)
+DAMPING, _CORES = (0.012, 3.0), (0.02, 4.0)
 #: Least length over thickness, and largest width over length, of the bimorphs of the fit.
 STOUTEST, BROADEST = 4.0, 1.5
 #: Width over length from which on each of the first modes may be one across the width.
@@ -312,15 +304,42 @@ def sections(
     segments: int = transfer_matrix.SEGMENTS,
 ) -> list[Element]:
     """Row of calibrated beams from base to tip, see :func:`tmm.beam.transfer_matrix.sections`."""
-    if lossy:
-        factors = _with_losses(factors, device, beam)
+    asked = support, beam, lossy, segments
+    row = _row(device, factors, *asked)
+    if not lossy:
+        return row
+    stiffer, softer = (
+        _row(one, _over(section_factors(one, beam), factors.root_length), *asked)
+        for one in (_stiffened(device, step) for step in (_STEP, -_STEP))
+    )
+    return [_with_losses(*three) for three in zip(row, stiffer, softer, strict=True)]
+
+
+def _over(factors: SectionFactors, root_length: float) -> SectionFactors:
+    """Factors whose zone at the clamp has another length, and turns the rest as much."""
+    share = factors.root_length / root_length
+    return replace(
+        factors,
+        root=1.0 + share * (factors.root - 1.0),
+        root_coupling=1.0 + share * (factors.root_coupling - 1.0),
+        root_length=root_length,
+    )
+
+
+def _row(
+    device: Device, factors: SectionFactors, support: Support, beam: Beam, lossy: bool,
+    segments: int,
+) -> list[Element]:  # fmt: skip
+    """Row of lossless calibrated beams, and whatever is below and above them."""
     left = 0.0 if device.bimorph.tab_length else factors.root_length
     found: list[Element] = []
     for piece in beam_pieces(device, support):
+        calibrated = piece.section == "bimorph"
         parts = transfer_matrix.elements(
-            replace(piece, electrode=True), device, beam, lossy=lossy, segments=segments
-        )
-        if piece.section != "bimorph":
+            replace(piece, electrode=True) if calibrated else piece, device, beam,
+            lossy=lossy and not calibrated, segments=segments,
+        )  # fmt: skip
+        if not calibrated:
             found += parts
             continue
         for element, length in parts:
@@ -336,47 +355,44 @@ def sections(
     return found
 
 
-def _with_losses(factors: SectionFactors, device: Device, beam: Beam) -> SectionFactors:
-    """Complex factors, so that the losses are those of the theories, not of the beam.
+def _stiffened(device: Device, step: float) -> Device:
+    """Device whose moduli have changed by a step times their loss factors.
 
-    In a bending layer the field that follows the strain costs dielectric losses as well: most next
-    to the clamp, which holds it across, least in a narrow bimorph.  A soft core loses in shear.
+    With j in place of the step they have their losses; to the first order in these, any constant
+    that depends on them then has losses by its derivative.
     """
-    simple, size = plain(device, glue=True), device.bimorph
-    lossless, lossy = (
-        np.array([_bending(simple, contracts, lossy=q, **of) for contracts, of in _THEORIES])
-        for q in (False, True)
+    layers = (
+        layer._replace(of=_changed(material_of(device, layer), step))
+        for layer in device.bimorph.layers
     )
-    lost = np.divide(lossy, lossless, out=np.ones_like(lossy), where=lossless != 0.0)
-    plate, narrow, strip, held = lost
-    whole = Piece("bimorph", size.length)
-    shears = [section(whole, simple, beam, lossy=q).GA for q in (False, True)]
-    slides = layerwise_loss(simple, lossy[0, 0], factors.root_length)
-    as_held = _share(slides.less / factors.root, lossless[3, 0] / lossless[0, 0])
-    as_narrow = 1.0 / (1.0 + (size.width / size.thickness / _BROAD) ** 2)
-    bends, couples, charges = plate / strip
-    return replace(
-        factors,
-        stiffness=factors.stiffness * bends * (narrow[0] / plate[0]) ** as_narrow,
-        root=factors.root * (plate[0] / held[0]) ** as_held * (1.0 + 1j * slides.less_loss),
-        shear=factors.shear * (1.0 + 1j * slides.loss) * shears[0] / shears[1],
-        coupling=factors.coupling * couples,
-        capacitance=factors.capacitance * charges,
-    )
+    own = {name: _changed(getattr(device, name), step) for name in ("piezo", "shim", "glue")}
+    bimorph = device.bimorph.model_copy(update={"layers": Laminate(layers)})
+    return device.model_copy(update=own | {"bimorph": bimorph})
 
 
-def _bending(device: Device, contracts: bool, **of: bool) -> list[Any]:
-    """Bending stiffness, coupling and free capacitance per length of a theory."""
-    stiffness, coupling, clamped = bending_constants(
-        device, laminate_energy(device, **of), contracts=contracts
-    )
-    return [stiffness, coupling, clamped + coupling**2 / stiffness]
+def _changed(of: Piezo | Shim | Glue, step: float) -> Piezo | Shim | Glue:
+    if isinstance(of, Piezo):
+        stiffer = 1.0 + step / of.quality_factor
+        less, weaker = 1.0 - step * of.loss_tangent, 1.0 - step * of.coupling_loss
+        return of.model_copy(update={
+            "s11": of.s11 / stiffer, "s55": of.s55 / stiffer, "eps33": of.eps33 * less,
+            "d31": of.d31 * weaker,
+        })  # fmt: skip
+    stiffer = 1.0 + step * of.loss_factor
+    moduli = {name: value for name, value in of if name.endswith("_modulus") and value}
+    return of.model_copy(update={name: stiffer * value for name, value in moduli.items()})
 
 
-def _share(factor: float, whole: float) -> float:
-    """How far a factor leads towards another one: from 0 to 1, on a logarithmic scale."""
-    way = np.log(whole)
-    return float(np.clip(np.log(factor) / way, 0.0, 1.0)) if way else 0.0
+def _with_losses(entry: Element, stiffer: Element, softer: Element) -> Element:
+    """Element with its losses, unless it has them, from two whose moduli have changed."""
+    (own, length), more, less = entry, stiffer[0], softer[0]
+    if not isinstance(own, Section) or np.iscomplexobj(own.EI):
+        return entry
+    found = {}
+    for name in ("EI", "GA", "K", "C"):
+        value, up, down = (getattr(one, name) for one in (own, more, less))
+        found[name] = value * (1.0 + 0.5j * np.log(up / down) / _STEP) if value else value
+    return replace(own, **found), length
 
 
 def _corrected(own: Section, factors: SectionFactors, *, at_root: bool) -> Section:

@@ -101,7 +101,7 @@ def lever(device: Device) -> float:
         if isinstance(of := layer.material, Piezo)
     )
     half = 0.5 * device.bimorph.width * device.bimorph.thickness
-    return float(np.abs(laminate(device).K) / (force * half))
+    return float(np.abs(laminate(device).K) / (force * half)) if force else 1.0
 
 
 def amplitudes(device: Device) -> Floats:

@@ -92,9 +92,7 @@ class LayerwiseBeam:
         return np.asarray(1.0 / self.rigidity + each.sum(axis=1))
 
 
-def layerwise_beam(
-    device: Device, *, varying_field: bool = False, stiffer: float = 0.0
-) -> LayerwiseBeam:
+def layerwise_beam(device: Device, *, varying_field: bool = False) -> LayerwiseBeam:
     """Modes of slip of the length that the ceramics cover.
 
     Parameters
@@ -102,9 +100,6 @@ def layerwise_beam(
     varying_field : bool
         Let the field vary through each ceramic, its mean being that of the voltage: strain that
         varies through the ceramic then meets its stiffness at constant charge.
-    stiffer : float
-        Relative change of all moduli, per loss factor of each: with j they have their losses, and
-        the derivative by it is a loss factor of what is read off.
     """
     thinnest = _THINNEST * device.bimorph.thickness
     layers = [layer for layer in bimorph_stack(device) if layer.thickness > thinnest]
@@ -115,8 +110,6 @@ def layerwise_beam(
     rigidity = inertia = 0.0
     for i, layer in enumerate(layers):
         young, rigid = moduli(layer.material, lossy=False)
-        loss = float(np.imag(moduli(layer.material, lossy=True)[0])) / young
-        young, rigid = (1.0 + stiffer * loss) * young, (1.0 + stiffer * loss) * rigid
         wide, t = device.bimorph.width * layer.share, layer.thickness
         x, area = layer.low + at * t, wide * t * weights
         own = [i, i + 1, count + 1 + 2 * i, count + 2 + 2 * i]
@@ -129,9 +122,8 @@ def layerwise_beam(
         if isinstance(layer.material, Piezo):
             mean = shape @ weights if layer.electrodes else np.zeros(4)
             varies = shape - mean[:, None]
-            lost = stiffer * (loss + layer.material.loss_tangent)
-            charged = varying_field * _at_constant_charge(layer.material, 1.0 + lost)
-            strain[np.ix_(own, own)] += charged * young * (varies * area) @ varies.T
+            stiffer = varying_field * _at_constant_charge(layer.material)
+            strain[np.ix_(own, own)] += stiffer * young * (varies * area) @ varies.T
             field = layer.hot * layer.poling / t if layer.electrodes else 0.0
             volt[own] += young * layer.material.d31 * field * shape @ area
     squares, modes = _eigenpairs(shear - np.outer(slip, slip) / rigidity, strain)
@@ -147,9 +139,9 @@ def _eigenpairs(matrix: Floats, mass: Floats) -> tuple[Floats, Floats]:
     return values, root.T @ vectors
 
 
-def _at_constant_charge(of: Piezo, factor: float) -> float:
-    """Relative rise k²/(1 − k²) of Young's modulus along z at a constant charge, k² by a factor."""
-    squared = factor * of.d31**2 / (of.s11 * of.eps33 * EPS0)
+def _at_constant_charge(of: Piezo) -> float:
+    """Relative rise k²/(1 − k²) of Young's modulus along z at a constant charge."""
+    squared = of.d31**2 / (of.s11 * of.eps33 * EPS0)
     return float(squared / (1.0 - squared))
 
 
@@ -197,58 +189,14 @@ def layerwise_change(device: Device, plate: Section, root: float) -> LayerwiseCh
     length, own = device.bimorph.length, layerwise_beam(device, varying_field=True)
     beam = own.beam_statics(length)  # without coupling 0 per voltage
     ratio = np.divide(own.statics(length), beam, out=np.ones(beam.size), where=beam != 0.0)
-    less = _less(ratio[0], length, root, plate.EI, plate.GA)
+    # the zone at the clamp and the shear take what the tip moves less per force
+    bend, slide = length**3 / 3.0 / plate.EI, length / plate.GA
+    beyond = bend * (1.0 - root / length) ** 3
+    less = float((ratio[0] * (bend + slide) - beyond) / (bend + slide - beyond))
     factors = np.array([1.0, less, less, max(ratio[3], _LEAST), 1.0, 1.0])
     return LayerwiseChange(
         np.log(factors), *_frequencies(own, plate, length, root, less), ratio - 1.0
     )
-
-
-def _less(ratio: float, length: float, root: float, bending: float, shear: float) -> float:
-    """What the compliance next to the clamp and that of shear are multiplied with.
-
-    They take all of what the tip moves less per force, by a ratio.
-    """
-    bend, slide = length**3 / 3.0 / bending, length / shear
-    beyond = bend * (1.0 - root / length) ** 3
-    return float((ratio * (bend + slide) - beyond) / (bend + slide - beyond))
-
-
-#: Change of moduli, per loss factor, of which a loss factor is the difference.
-_STEP = 1e-3
-
-
-class LayerwiseLoss(NamedTuple):
-    """Losses of layerwise theory, to the first order in those of the layers."""
-
-    loss: float  #: Loss factor of the shear stiffness, divided by the factor
-    less: float  #: Factor on the compliances next to the clamp and of shear
-    less_loss: float  #: Loss factor of that, as of a stiffness
-
-
-def layerwise_loss(device: Device, bending: complex, root: float) -> LayerwiseLoss:
-    """Losses in shear, and next to the clamp, of a clamped bimorph.
-
-    Parameters
-    ----------
-    bending : complex
-        Bending stiffness (N m²) with its losses.
-    root : float
-        Length (m) of the zone next to the clamp.
-    """
-    length = device.bimorph.length
-
-    def at(step: float) -> Floats:
-        stiffness = bending.real * (1.0 + step * bending.imag / bending.real)
-        shear = 1.0 / layerwise_beam(device, stiffer=step).shear
-        own = layerwise_beam(device, varying_field=True, stiffer=step)
-        ratio = own.statics(length)[0] / own.beam_statics(length)[0]
-        return np.log([shear, _less(ratio, length, root, stiffness, shear)])
-
-    stiffer, softer = at(_STEP), at(-_STEP)
-    shear, less = (stiffer - softer) / (2.0 * _STEP)
-    mean = 0.5 * (stiffer + softer)
-    return LayerwiseLoss(float(shear - less), float(np.exp(mean[1])), float(less))
 
 
 #: Frequencies that are asked for; polynomials of the shear force, and waves that they are made of:

@@ -9,6 +9,7 @@ import numpy as np
 
 from tactgen.geometry.bimorph.segments import Piece, bimorph_stack
 from tactgen.geometry.device.bimorph import Piezo
+from tactgen.geometry.device.ceramic_constants import moved
 from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
@@ -24,6 +25,7 @@ from tactgen.validation.catalogue.quantities import (
     CERAMIC_STRESS,
     QUANTITIES,
     CircuitReadout,
+    DrivenReadout,
     LoadReadout,
 )
 from tactgen.validation.engine.answers import representative
@@ -56,6 +58,7 @@ def request_warnings(
     scene = scene.asking(models)
     _check_base(scene, quantities)
     found = [*_no_bending(scene, quantities), *load_warnings(scene, quantities)]
+    found += _of_constants(scene, quantities)
     found += _of_threshold(scene, quantities)
     found += _of_support_over_frequency(scene, quantities)
     if not scene.awaits_map:
@@ -72,7 +75,7 @@ def _check_base(scene: Scene, quantities: Sequence[str]) -> None:
         match row.read:
             case Readout(under=under, static=False):
                 excitation = under or own
-            case LoadReadout() | CircuitReadout():
+            case LoadReadout() | CircuitReadout() | DrivenReadout(under=None):
                 excitation = own
             case _:
                 continue
@@ -81,6 +84,16 @@ def _check_base(scene: Scene, quantities: Sequence[str]) -> None:
                 f"frequency = 0 Hz has no {row.name} under an acceleration of the base; choose "
                 "frequencies above it, for example 0.1 Hz for a constant acceleration"
             )
+
+
+def _of_constants(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
+    """Stated constants that contradict each other a little, and what is taken."""
+    asked = any(QUANTITIES[name].actuator == "bimorph" for name in quantities)
+    if asked and (taken := moved(scene.piezo.base, scene.piezo.constants)):
+        yield (
+            f"the constants of piezo.constants contradict each other a little; taken are "
+            f"{', '.join(taken)}; leave out what is known least"
+        )
 
 
 def _no_bending(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
@@ -172,7 +185,8 @@ def _modelling_share(q: Quantity) -> float:
     if q.value.ndim > 1 or q.frequency is not None:
         return 0.0
     with np.errstate(invalid="ignore", divide="ignore"):
-        shares = np.atleast_1d(q.modelling_error / np.abs(q.value))
+        of = q.value if q.modelling is None else q.modelling.expected
+        shares = np.atleast_1d(q.modelling_error / np.abs(of))
     return float(np.nanmax(np.where(np.isfinite(shares), shares, 0.0), initial=0.0))
 
 

@@ -173,3 +173,17 @@ def test_losses_are_those_of_the_solid(width, young, shear):
     own, beam, right = (-one.imag / one.real for one in flexible)
     assert own == pytest.approx(right, rel=factors.damping_error)
     assert beam < 0.9 * right
+
+
+@pytest.mark.parametrize("layers", ["none", "shim 0.2 mm; piezo 0.26 mm +x"])
+def test_materials_of_one_loss_factor_lose_just_that(layers):
+    """Bending and shear of all parts alike, without piezoelectricity."""
+    s = scene(
+        f"bimorph.layers={layers}", "piezo.quality_factor=50", "piezo.d31=0m/V",
+        "shim.loss_factor=0.02", "shim.youngs_modulus=50MPa", "shim.shear_modulus=20MPa",
+    )  # fmt: skip
+    factors = calibrated.section_factors(s.device, s.beam)
+    for own, _ in calibrated.sections(s.device, s.support, s.beam, factors, lossy=True):
+        for value in (own.EI, own.GA):
+            # a difference, of the third order in a step of 2e-4; rounding of the fit's polynomials
+            assert value.imag / value.real == pytest.approx(0.02, rel=1e-5)

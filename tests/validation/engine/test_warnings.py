@@ -102,3 +102,13 @@ def test_the_drive_that_would_be_borne_is_named(name, overrides, quantity, words
     scene, _ = load_scene(name, [*asked, *overrides, f"{key}={value} {unit}"])
     again = solve(scene, ("tmm",), (quantity,)).warnings
     assert not [w for w in again if words.split()[0] in w and "reaches" in w]
+
+
+def test_constants_that_contradict_each_other_a_little_are_told():
+    """Printed to two digits; what is taken in their place, or nothing where they agree."""
+    stated = "piezo.constants=d31 -180 pC/N; s11 16.1e-12 m^2/N; eps33 1750"
+    for more, told in (("; k31 0.35", True), ("", False)):
+        scene, _ = load_scene("j1", ["models=tmm", stated + more])
+        found = [w for w in solve(scene, ("tmm",), ("capacitance_free",)).warnings if "taken" in w]
+        assert bool(found) is told
+        assert not told or "for d31 -180 pC/N" in found[0]

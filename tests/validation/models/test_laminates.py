@@ -8,7 +8,8 @@ from tactgen.geometry.device.material_library import LIBRARY, SHIMS
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.validation.engine.warnings import request_warnings
-from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.models.bimorph import solid
+from tactgen.validation.scene.scene import checked_scene, load_scene
 
 STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 NUMBERS = (*STATIC, "short_circuit_frequencies", "open_circuit_frequencies")
@@ -276,3 +277,14 @@ def test_ceramics_that_only_stretch_are_named(poling, warned):
     of = scene(f"PZT-5A 0.2 mm +x; brass 0.1 mm; PZT-5A 0.2 mm {poling}")
     found = request_warnings(of, of.models, of.quantities)
     assert any("stretch it and do not bend it" in w for w in found) is warned
+
+
+def test_more_layers_than_the_memory_holds_are_refused(monkeypatch):
+    """Before anything is meshed, with a model that answers; a few layers are not looked at."""
+    monkeypatch.setattr(solid, "memory_size", lambda: 8e9)
+    stack = "; ".join(["piezo 0.03 mm +x hot -x", "piezo 0.03 mm -x hot +x"] * 8)
+    scene, _ = load_scene("prototype", [f"bimorph.layers={stack}", "support.kind=clamped"])
+    with pytest.raises(InputError, match=r"16 layers.*GB.*--model calibrated"):
+        solid.SolidModel.check(scene)
+    monkeypatch.setattr(solid, "memory_size", lambda: 1e12)
+    solid.SolidModel.check(scene)

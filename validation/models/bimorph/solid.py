@@ -13,6 +13,7 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import whole_mesh
+from tactgen.geometry.operating_system import memory_size
 from tactgen.validation.models.bimorph.mesh_pair import MeshPair, TwoMeshModel
 from tactgen.validation.models.model import SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES, Stages
 from tactgen.validation.scene.scene import Scene
@@ -24,6 +25,13 @@ if TYPE_CHECKING:
 #: Relative error bar of static deflection, capacitances and first frequencies that each level
 #: stays below on the paper's bimorph and on job J1 (tests/validation/engine/test_refinement.py).
 _BRICK_BARS = (1e-1, 8e-4, 2.5e-4, 2e-4, 6e-5)
+
+
+#: Memory (bytes) for a system of so many unknowns, and with which power of these it grows; layers
+#: up to which it is no matter.  Measured on stacks of two, four and eight ceramics.
+_MEMORY, _UNKNOWNS, _GROWTH, _FEW_LAYERS = 5.7e9, 59000, 1.35, 8
+#: Share of the memory that others leave to it.
+_SHARE = 0.8
 
 
 class SolidModel(TwoMeshModel):
@@ -41,6 +49,7 @@ class SolidModel(TwoMeshModel):
             )
         check_constant_section(scene.device)
         check_bonded(scene.device)
+        _check_memory(scene)
 
     def warnings(self, quantities: Sequence[str]) -> tuple[str, ...]:
         """Say that the coarsest level is no answer of its own."""
@@ -110,6 +119,22 @@ def brick_pair(scene: Scene) -> BrickPair:
     finer = level_for(scene)
     fine, coarse = (bimorph_bricks(scene.device, LEVELS[n]) for n in (finer, finer - 1))
     return BrickPair(scene.device, (fine, coarse))
+
+
+def _check_memory(scene: Scene) -> None:
+    """Refuse so many layers that the machine's memory does not hold their system."""
+    layers = scene.bimorph.layers
+    if len(layers) <= _FEW_LAYERS:
+        return
+    unknowns = 4 * int(bimorph_bricks(scene.device, LEVELS[level_for(scene)]).products().sum())
+    needed, own = _MEMORY * (unknowns / _UNKNOWNS) ** _GROWTH, memory_size()
+    if needed > _SHARE * own:
+        raise InputError(
+            f"bimorph.layers has {len(layers)} layers, for which the model solid needs some "
+            f"{1e-9 * needed:.0f} GB of memory ({unknowns} unknowns) and this machine has "
+            f"{1e-9 * own:.0f} GB; ask for --model calibrated, or describe the stack by fewer, "
+            "thicker layers at a higher voltage"
+        )
 
 
 def level_for(scene: Scene) -> int:

@@ -10,7 +10,7 @@ from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Piezo, Shim
 from tactgen.tmm.beam.dimensionless_groups import laminate
-from tactgen.tmm.beam.layerwise import layerwise_beam, layerwise_change, layerwise_loss
+from tactgen.tmm.beam.layerwise import layerwise_beam, layerwise_change
 from tactgen.tmm.beam.sections import section
 from tactgen.validation.scene.scene import load_scene
 
@@ -89,36 +89,3 @@ def test_factors_give_a_beam_the_tips_compliance():
     ratio = own.statics(length) / own.beam_statics(length)
     assert (bend + shear * length / plate.GA) / beam == pytest.approx(ratio[0], rel=1e-12)
     assert coupling == pytest.approx(ratio[3], rel=1e-12)
-
-
-def test_layers_of_one_loss_factor_lose_just_that():
-    """Whatever the core: shear loses as the layers do, and ratios of compliances not at all."""
-    piezo = Piezo(quality_factor=50.0, loss_tangent=1e-12, d31=0.0)
-    shim = Shim(youngs_modulus=50e6, shear_modulus=20e6, loss_factor=0.02)
-    device = Device(piezo=piezo, shim=shim)
-    found = layerwise_loss(device, laminate(device).EI * (1.0 + 0.02j), 2e-3)
-    # a difference over a thousandth of the losses, of the second order in it
-    assert found.loss == pytest.approx(0.02, rel=1e-6)
-    assert found.less_loss == pytest.approx(0.0, abs=1e-8)
-
-
-def test_losses_of_a_core_are_those_of_allens_sandwich():
-    """Its closed form with a complex shear modulus, to the first order."""
-    face, core, length, width, loss = 0.3e-3, 0.4e-3, 20e-3, 2e-3, 0.1
-    device = Device(
-        bimorph=Bimorph(piezo_thickness=face, shim_thickness=core, length=length, width=width),
-        shim=Shim(youngs_modulus=1e2, shear_modulus=1e7, loss_factor=loss),
-        piezo=Piezo(s55=1e-14, quality_factor=1e12, loss_tangent=1e-12, d31=0.0),
-    )
-    young, apart = width / device.piezo.s11, face + core
-    of_faces, whole = young * face**3 / 6.0, young * face * (face**2 / 6.0 + apart**2 / 2.0)
-    rigid = 1e7 * (1.0 + 1e-6j) * width * apart**2 / core
-    b = np.sqrt(rigid * whole / of_faces / (whole - of_faces))
-    slip = (1.0 - of_faces / whole) ** 2 / rigid * (length - np.tanh(b * length) / b)
-    compliance = length**3 / 3.0 / whole + slip
-    h = 1e-3
-    stiffer, softer = (layerwise_beam(device, stiffer=s).statics(length)[0] for s in (h, -h))
-    found = np.log(softer / stiffer) / (2.0 * h)
-    expected = -compliance.imag / compliance.real / 1e-6 * loss
-    # rounding, as above, over the difference of a five-thousandth
-    assert found == pytest.approx(expected, rel=1e-3)
