@@ -72,11 +72,10 @@ FACTORS = ("stiffness", "root", "shear", "coupling", "root_coupling", "capacitan
 ERRORS = ("compliance", "deflection", "capacitance", "f1", "f2", "f3", "coupling_factor")
 #: Change of the moduli, per loss factor of each, from whose effect losses are read off.
 _STEP = 0.01
-#: Relative error of the loss factor in motion with a stiff core and with a soft one, and the core
-#: shear E_p t_p (t_s + t_p) / (G_s L²) up to which it is stiff, from which on soft.  Not fitted:
-#: chosen on the heights of the first resonance of 240 random bimorphs, half of them with losses in
-#: the core.
-DAMPING, _CORES = (0.012, 3.0), (0.02, 4.0)
+#: Relative error of the loss factor in motion: of any bimorph, per width over length, per core
+#: shear E_p t_p (t_s + t_p) / (G_s L²), and at most.  Not fitted: chosen on the heights of the
+#: first resonance of 240 random bimorphs, half of them with losses in the core.
+DAMPING, _PER_WIDTH, _PER_CORE, _LOST = 0.006, 0.03, 0.4, 3.0
 #: Least length over thickness, and largest width over length, of the bimorphs of the fit.
 STOUTEST, BROADEST = 4.0, 1.5
 #: Width over length from which on each of the first modes may be one across the width.
@@ -245,8 +244,8 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     )
     errors = fit.products.quadratic(at) @ fit.errors
     outside = [group_names(simple)[i] for i in fit.products.outside(at)] + _proportions(simple)
-    low, high = np.log(_CORES)
-    share = float(np.clip((np.log(core_shear(simple)) - low) / (high - low), 0.0, 1.0))
+    broad = simple.bimorph.width / simple.bimorph.length
+    damping = DAMPING + _PER_WIDTH * min(broad, 1.0) + _PER_CORE * core_shear(simple)
     unknown = (*properties(device), *(["range"] if outside else []))
     widened = float(np.prod([known.beyond.get(name, np.nan) for name in unknown]))
     own = section(Piece("bimorph", glued.bimorph.length), glued, beam, lossy=False)
@@ -259,7 +258,7 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
         root=float(root), root_coupling=float(root_coupling), root_length=near,
         knots=theory.frequencies, ratios=np.exp(theory.ratios + np.pad(further, (0, 2), "edge")),
         errors=widened * np.exp(errors), lengthwise=lengthwise_modes(simple),
-        damping_error=float(DAMPING[0] ** (1.0 - share) * DAMPING[1] ** share),
+        damping_error=min(damping, _LOST),
         beyond=tuple(outside),
     )  # fmt: skip
 

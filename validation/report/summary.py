@@ -190,16 +190,18 @@ def _doubts(study: Study) -> Iterator[str]:
                     f"The models {cell.model} and {row.most_detailed.model} solve the same "
                     f"equations, but their errors do not cover the difference in {row.info.label}."
                 )
-    estimated = [
-        row.info.label for row in study.compared
-        if not row.info.by_frequency and MODELS[row.most_detailed.model].quick
-        and row.most_detailed.modelling != "not known"
-    ]  # fmt: skip
-    if estimated:
-        yield (
-            f"No detailed model was solved for {', '.join(estimated)}. The modelling errors are "
-            "estimated from random devices; add --model solid or axisymmetric."
-        )
+    for actuator, detailed in (("bimorph", "solid"), ("reluctance", "axisymmetric")):
+        estimated = [
+            row.info.label for row in study.compared
+            if not row.info.by_frequency and MODELS[row.most_detailed.model].quick
+            and MODELS[row.most_detailed.model].actuator == actuator
+            and row.most_detailed.modelling != "not known"
+        ]  # fmt: skip
+        if estimated:
+            yield (
+                f"No detailed model was solved for {', '.join(estimated)}. The modelling errors "
+                f"are estimated from random devices; add --model {detailed}."
+            )
     yield from (f"{text[0].upper()}{text[1:]}." for text in _inaccurate(study))
     moment = study.shown.get("support", {}).get("moment")
     if moment and moment.largest > moment.tipping:
