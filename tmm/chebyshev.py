@@ -9,6 +9,9 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
 
+#: Angle from an end of the range within which a slope is that at the end.
+_NEAR = 1e-6
+
 
 @dataclass(frozen=True)
 class Products:
@@ -30,10 +33,10 @@ class Products:
     def slope(self, values: Floats, variable: int) -> Floats:
         """Derivatives (..., t) of the terms by one variable, 0 beyond the range."""
         scaled, angle = self._scaled(values), np.arccos(self.unit(values))
-        degrees, of = self.powers, angle[..., variable, None]
-        # T_n' = n sin(n θ)/sin θ; its limit at the ends is ± n²
-        sine = np.where(np.sin(of) > 1e-9, np.sin(of), 1e-9)
-        own = degrees[:, variable] * np.sin(degrees[:, variable] * np.maximum(of, 1e-9)) / sine
+        degrees = self.powers
+        # T_n' = n sin(n θ)/sin θ; so near the ends it is its limit there, ± n², within 1e-10
+        of = np.clip(angle[..., variable, None], _NEAR, np.pi - _NEAR)
+        own = degrees[:, variable] * np.sin(degrees[:, variable] * of) / np.sin(of)
         parts = np.cos(angle[..., None, :] * degrees)
         parts[..., variable] = own
         inside = np.abs(scaled[..., variable]) <= 1.0

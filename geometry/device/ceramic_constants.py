@@ -318,7 +318,7 @@ def moved(of: Piezoceramic, constants: Sequence[Constant]) -> list[str]:
         kind = _KINDS[one.name]
         value = kind.value(forms)
         if abs(value - one.value) > _WORTH_A_WORD * abs(one.value):
-            found.append(f"{one.name} {kind.unit.show(float(f'{value:.4g}'))} for {one}")
+            found.append(f"{one.name} {kind.unit.show(float(f'{value:.4g}'))} in place of {one}")
     return found
 
 

@@ -70,12 +70,13 @@ FACTORS = ("stiffness", "root", "shear", "coupling", "root_coupling", "capacitan
 #: What an error is known of, in order: the tip's displacement per force and per voltage, the free
 #: capacitance, natural frequencies of bending in x, and the coupling factor of the first mode.
 ERRORS = ("compliance", "deflection", "capacitance", "f1", "f2", "f3", "coupling_factor")
-#: Change of the moduli, per loss factor of each, from whose effect losses are read off.
-_STEP = 0.01
+#: Relative change of the moduli, per loss factor of each, from whose effect losses are read off;
+#: what must not gain by it.  The layerwise ratios of frequencies have no losses.
+_STEP, _PASSIVE = 0.01, ("EI", "GA")
 #: Relative error of the loss factor in motion: of any bimorph, per width over length, per core
 #: shear E_p t_p (t_s + t_p) / (G_s L²), and at most.  Not fitted: chosen on the heights of the
-#: first resonance of 240 random bimorphs, half of them with losses in the core.
-DAMPING, _PER_WIDTH, _PER_CORE, _LOST = 0.006, 0.03, 0.4, 3.0
+#: first resonance of 280 random bimorphs, half of them with losses in the core.
+DAMPING, _PER_WIDTH, _PER_CORE, _LOST = 0.006, 0.02, 0.6, 3.0
 #: Least length over thickness, and largest width over length, of the bimorphs of the fit.
 STOUTEST, BROADEST = 4.0, 1.5
 #: Width over length from which on each of the first modes may be one across the width.
@@ -89,10 +90,10 @@ _HIGHER = (1.2, 2.0)
 class SectionFactors:
     """Calibrated bimorph relative to beam theory, by factors; lengths in m, frequencies in Hz."""
 
-    stiffness: Any  #: On EI, complex where there are losses
+    stiffness: float  #: On EI
     shear: float  #: On GA
-    coupling: Any  #: On K
-    capacitance: Any  #: On C + K²/EI, the capacitance that bends freely
+    coupling: float  #: On K
+    capacitance: float  #: On C + K²/EI, the capacitance that bends freely
     #: On 1/EI and K/EI in the zone next to the clamp, and its length
     root: float
     root_coupling: float
@@ -315,7 +316,7 @@ def sections(
 
 
 def _over(factors: SectionFactors, root_length: float) -> SectionFactors:
-    """Factors whose zone at the clamp has another length, and turns the rest as much."""
+    """Factors of a zone at the clamp of another length, in which it turns as much in all."""
     share = factors.root_length / root_length
     return replace(
         factors,
@@ -329,7 +330,7 @@ def _row(
     device: Device, factors: SectionFactors, support: Support, beam: Beam, lossy: bool,
     segments: int,
 ) -> list[Element]:  # fmt: skip
-    """Row of lossless calibrated beams, and whatever is below and above them."""
+    """Row of calibrated beams without losses, and what is below and above them with its own."""
     left = 0.0 if device.bimorph.tab_length else factors.root_length
     found: list[Element] = []
     for piece in beam_pieces(device, support):
@@ -390,7 +391,9 @@ def _with_losses(entry: Element, stiffer: Element, softer: Element) -> Element:
     found = {}
     for name in ("EI", "GA", "K", "C"):
         value, up, down = (getattr(one, name) for one in (own, more, less))
-        found[name] = value * (1.0 + 0.5j * np.log(up / down) / _STEP) if value else value
+        loss = 0.5 * np.log(up / down) / _STEP if value else 0.0
+        # a stiffness that its part of a soft core makes gain would give energy
+        found[name] = value * (1.0 + 1j * (max(loss, 0.0) if name in _PASSIVE else loss))
     return replace(own, **found), length
 
 

@@ -6,8 +6,9 @@ linkage and force are its slopes, so they stay consistent:
 
     W' = e^P W,  λ = ∂W'/∂i = e^P (λ₀ + W P_i),  F = −∂W'/∂g = e^P (F₀ − W P_g).
 
-Beyond the range of the fit P is that at its end, and the errors are larger by a factor that such
-actuators showed.  The coefficients come from finite elements: this is no witness of its own.
+Beyond the range of the fit P is that at its end, and goes on with its slope in the gap, and in the
+ampere turns upwards, as far as twice the end; the errors are larger by a factor that such actuators
+showed.  The coefficients come from finite elements: this is no witness of its own.
 """
 
 from __future__ import annotations
@@ -45,6 +46,8 @@ _FIELDS = (1e3, 1e4)
 _CANCELS = 0.1
 #: Step of the current for the incremental inductance, relative.
 _STEP = 1e-3
+#: Logarithm of how far beyond the range P goes on with its slope.
+_FURTHER = np.log(2.0)
 
 
 class State(NamedTuple):
@@ -66,11 +69,36 @@ class Fit:
     beyond: float = 1.0  #: Factor on the errors beyond the range, up to twice its ends
 
     def outside(self, at: Floats) -> list[str]:
-        """Ratios (g,) beyond the range; few ampere turns are none, as the steel is then linear."""
+        """Ratios (g,) beyond the range; few ampere turns do not count, as the steel is linear."""
         return [
             GROUPS[n] for n in self.products.outside(at)
-            if n != _TURNS or at[n] > self.products.high[n]
+            if n != _TURNS or (at[n] > self.products.high[n] and self.products.powers[:, n].any())
         ]  # fmt: skip
+
+    def potential(self, at: Floats) -> tuple[Floats, Floats, Floats]:
+        """P (n,) at ratios (n, g), and its slopes by those of the gap and the ampere turns."""
+        ends = np.clip(at, self.products.low, self.products.high)
+        found, slopes = self.products(ends) @ self.coefficients, []
+        for variable in (_GAP, _TURNS):
+            past = (at - ends)[:, variable]
+            follows = np.abs(past) <= _FURTHER
+            if variable == _TURNS:
+                follows &= past >= 0.0
+            slope = np.where(follows, self.products.slope(ends, variable) @ self.coefficients, 0.0)
+            found = found + slope * past
+            slopes.append(slope)
+        return found, slopes[0], slopes[1]
+
+    def bend(self, at: Floats) -> Floats:
+        """Second derivative (n,) of P by the ampere turns' ratio."""
+        own, step = at[:, _TURNS], _STEP
+        low, high = self.products.low[_TURNS], self.products.high[_TURNS] + _FURTHER
+        within = (own >= low) & (own <= high)
+        less, more = np.clip(own - step, low, high), np.clip(own + step, low, high)
+        below, above = at.copy(), at.copy()
+        below[:, _TURNS], above[:, _TURNS] = less, more
+        change = self.potential(above)[2] - self.potential(below)[2]
+        return np.where(within, change / np.where(more > less, more - less, 1.0), 0.0)
 
 
 @dataclass(frozen=True)
@@ -82,7 +110,10 @@ class Calibration:
 
 
 def _widening(fit: Fit, at: Floats) -> float:
-    """Factor on the errors at ratios (g,): as often as the end of the range is doubled."""
+    """Factor on the errors at ratios (g,): as often as the end of the range is doubled.
+
+    Of ratios that are no logarithms a difference of ln 2 counts as much.
+    """
     outside = [GROUPS.index(name) for name in fit.outside(at)]
     ends = np.clip(at, fit.products.low, fit.products.high)
     farthest = np.abs(at - ends)[outside].max(initial=0.0) / np.log(2.0)
@@ -176,17 +207,10 @@ def corrected(
     """
     fit = known or fit_of(device)
     at = groups(device, current, gap)
-    factor = np.exp(fit.products(at) @ fit.coefficients)
-    by_gap = fit.products.slope(at, _GAP) @ fit.coefficients / gap
-    size = _size(current)
-
-    def slope_by_current(current: Floats) -> Floats:
-        there = groups(device, current, gap)
-        return np.asarray(fit.products.slope(there, _TURNS) @ fit.coefficients / current)
-
-    by_current = np.copysign(slope_by_current(size), current)
-    step = _STEP * size
-    bend = (slope_by_current(size + step) - slope_by_current(size - step)) / (2.0 * step)
+    potential, in_gap, in_turns = fit.potential(at)
+    factor, size = np.exp(potential), _size(current)
+    by_gap, by_current = in_gap / gap, np.sign(current) * in_turns / size
+    bend = (fit.bend(at) - in_turns) / size**2
     energy, linkage = network.coenergy, network.flux_linkage
     found = State(
         factor * (network.force - energy * by_gap),

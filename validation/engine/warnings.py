@@ -92,7 +92,7 @@ def _of_constants(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     if asked and (taken := moved(scene.piezo.base, scene.piezo.constants)):
         yield (
             f"the constants of piezo.constants contradict each other a little; taken are "
-            f"{', '.join(taken)}; leave out what is known least"
+            f"{', '.join(taken)}; leave out the one that is known least"
         )
 
 
@@ -420,13 +420,13 @@ def _of_tipping(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     if scene.support.kind != "contact" or not asked or len(scene.frequency) > _FREQUENCIES:
         return
     found = base_moment(scene)
-    if found.largest > found.tipping:
+    if found.largest > found.tipping > 0.0:
         lower = _lower_drive(scene, found.tipping / found.largest)
         yield (
             f"the moment on the head reaches {engineering(found.largest, 'N m', 2)} at "
             f"{found.at:.4g} Hz and the head tips at {engineering(found.tipping, 'N m', 2)}: the "
-            f"linear answers are not valid there; {lower} it on its stop, and tactgen backbone "
-            "follows the head that rocks"
+            f"linear answers are not valid there; {lower} it below that at the frequencies of the "
+            "scene, and tactgen backbone follows the head that rocks"
         )
 
 

@@ -37,8 +37,8 @@ _WEIGHTS = {
     "saturating": (1.0, 0.7, 1.3, 0.8, 2.0, 2.0, 2.0, 2.5, 2.0, 1.3, 1.5, 2.5, 2.5),
 }
 _RIDGE, _STEPS = 1e-5, 8
-#: Share of the devices with the fewest ampere turns, of which the fit is that of a linear steel:
-#: nearer the least there are too few to fit anything else.
+#: Share of the devices with the fewest ampere turns, below which P is held, as of a linear steel:
+#: there are too few to fit anything else.
 _LINEAR = 0.2
 #: Weights of force, flux linkage and co-energy.
 _COUNTS = np.array([2.0, 1.0, 1.0])
@@ -122,7 +122,8 @@ def fit(of: Points, kind: str) -> tuple[Fit, dict[str, Any]]:
     training = np.random.default_rng(SEED).random(len(of.scenes)) < FITTED
     known, fresh = of.part(training), of.part(~training)
     low, high = of.groups.min(axis=0), of.groups.max(axis=0)
-    low[1] = np.quantile(of.groups[:, 1], _LINEAR)
+    turns = GROUPS.index("ampere turns")
+    low[turns] = np.quantile(of.groups[:, turns], _LINEAR)
     products = Products(low, high, weighted_powers(_WEIGHTS[kind], _DEGREE[kind]))
     none = np.zeros((1 + 2 * len(GROUPS), len(VALUES)))
     found = Fit(products, _fit_energy(known, products), none)

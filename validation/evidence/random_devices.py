@@ -357,7 +357,8 @@ def any_actuator(rng: np.random.Generator, wider: float = 1.0) -> list[str]:
     Gaps of 0.5 to 35 % of the head's radius, and 0.3 to 500 ampere turns, which saturate the steel
     up to some 100 kA/m; two in five with a collar above the coil, half with head and sleeve flush;
     all built-in steels, and permeabilities from 10 on.  `wider` is a factor on both ends of the
-    ranges, of the permeabilities its third power.
+    ranges of lengths along the axis, gaps, ampere turns and permeabilities; the least permeability
+    has its third power.
     """
 
     def within(low: float, high: float) -> float:

@@ -190,7 +190,8 @@ class Study:
         cells = {row.info.label: row.most_detailed for row in self.compared}
         return {
             label: cell.error / abs(cell.value)
-            for label, cell in cells.items() if math.isfinite(cell.value) and cell.value
+            for label, cell in cells.items()
+            if math.isfinite(cell.value) and math.isfinite(cell.error) and cell.value
         }  # fmt: skip
 
     @property

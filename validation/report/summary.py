@@ -172,10 +172,11 @@ def _rests_on_models(study: Study) -> str:
     wide = sum(error > study.scene.accuracy for error in errors.values())
     asked = f"{100.0 * study.scene.accuracy:g} %"
     met = f"{wide} exceed" if wide else "none exceeds"
+    named = f" ({what})" if what else ""
     models = ranked({cell.model for row in study.compared for cell in row.cells})
     return (
         f"Models: {', '.join(models)}. Numerical errors (distance from the exact solution of the "
-        f"same model) are {100.0 * widest:.2g} % at most in the single numbers ({what}); {met} the "
+        f"same model) are {100.0 * widest:.2g} % at most in the single numbers{named}; {met} the "
         f"requested {asked}."
     )
 
@@ -203,13 +204,6 @@ def _doubts(study: Study) -> Iterator[str]:
                 f"are estimated from random devices; add --model {detailed}."
             )
     yield from (f"{text[0].upper()}{text[1:]}." for text in _inaccurate(study))
-    moment = study.shown.get("support", {}).get("moment")
-    if moment and moment.largest > moment.tipping:
-        yield (
-            f"At {engineering(scene.drive.voltage, 'V')} the moment on the head reaches "
-            f"{engineering(moment.largest, 'N m', 2)}. The head tips at "
-            f"{engineering(moment.tipping, 'N m', 2)}: the linear answers are not valid there."
-        )
     if study.machine:
         yield (
             "This report is about the machine. The reports of its bimorph (support.kind = clamped) "

@@ -111,4 +111,4 @@ def test_constants_that_contradict_each_other_a_little_are_told():
         scene, _ = load_scene("j1", ["models=tmm", stated + more])
         found = [w for w in solve(scene, ("tmm",), ("capacitance_free",)).warnings if "taken" in w]
         assert bool(found) is told
-        assert not told or "for d31 -180 pC/N" in found[0]
+        assert not told or "in place of d31 -180 pC/N" in found[0]

@@ -6,7 +6,6 @@ import pytest
 from pages import blank_figures
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.base_moment import BaseMoment
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import STATES, rocking_states
 from tactgen.validation.report.page import templates
@@ -15,9 +14,7 @@ from tactgen.validation.report.request import check_report
 from tactgen.validation.report.sections import large_motion
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.sections.generator import MOTIONS, POSITIONS, SUPPORT, _maps_asked
-from tactgen.validation.report.summary import summary
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies import parameter_uncertainty as propagation
 
 FEW = ("models=tmm,network", "frequency=10,100,439,1000")
 NUMBER = {"support": 3}
@@ -112,17 +109,6 @@ def test_a_quick_report_says_what_it_leaves_out(up):
     amplitude = words(large_motion.AMPLITUDE, up, large_motion.AMPLITUDE.context(up))
     assert "Not in the quick version" in amplitude
     assert "tactgen backbone" in amplitude
-
-
-@pytest.mark.heavy
-def test_more_than_the_head_bears_is_a_known_limit(up, monkeypatch):
-    """On the first page, where the drive tips the head; not where it does not."""
-    said = "the linear answers are not valid there"
-    monkeypatch.setattr(propagation, "_EVALUATIONS", 100)
-    for largest, known in ((2e-4, True), (5e-5, False)):
-        moment = BaseMoment(largest=largest, at=1.0, least=0.0, uplift=5e-5, tipping=1e-4)
-        monkeypatch.setattr(up, "shown", {"support": {"moment": moment}})
-        assert any(said in doubt for doubt in summary(up)["doubts"]) == known
 
 
 @pytest.fixture(scope="module")

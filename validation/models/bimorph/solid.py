@@ -28,7 +28,7 @@ _BRICK_BARS = (1e-1, 8e-4, 2.5e-4, 2e-4, 6e-5)
 
 
 #: Memory (bytes) for a system of so many unknowns, and with which power of these it grows; layers
-#: up to which it is no matter.  Measured on stacks of two, four and eight ceramics.
+#: for which memory is no concern.  Measured on stacks of two, four and eight ceramics.
 _MEMORY, _UNKNOWNS, _GROWTH, _FEW_LAYERS = 5.7e9, 59000, 1.35, 8
 #: Share of the memory that others leave to it.
 _SHARE = 0.8
