@@ -392,7 +392,7 @@ def _with_losses(entry: Element, stiffer: Element, softer: Element) -> Element:
     for name in ("EI", "GA", "K", "C"):
         value, up, down = (getattr(one, name) for one in (own, more, less))
         loss = 0.5 * np.log(up / down) / _STEP if value else 0.0
-        # a stiffness that its part of a soft core makes gain would give energy
+        # next to the clamp a soft core may turn a loss into a gain, which no material has
         found[name] = value * (1.0 + 1j * (max(loss, 0.0) if name in _PASSIVE else loss))
     return replace(own, **found), length
 
