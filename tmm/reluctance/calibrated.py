@@ -81,12 +81,10 @@ class Fit:
         found, slopes = self.products(ends) @ self.coefficients, []
         for variable in (_GAP, _TURNS):
             past = (at - ends)[:, variable]
-            follows = np.abs(past) <= _FURTHER
-            if variable == _TURNS:
-                follows &= past >= 0.0
-            slope = np.where(follows, self.products.slope(ends, variable) @ self.coefficients, 0.0)
-            found = found + slope * past
-            slopes.append(slope)
+            followed = np.clip(past, 0.0 if variable == _TURNS else -_FURTHER, _FURTHER)
+            slope = self.products.slope(ends, variable) @ self.coefficients
+            found = found + slope * followed
+            slopes.append(np.where(past == followed, slope, 0.0))
         return found, slopes[0], slopes[1]
 
     def bend(self, at: Floats) -> Floats:
@@ -142,7 +140,8 @@ def sizes(state: State, current: Floats, gap: Floats) -> Floats:
     """Sizes (4, n) that errors of :data:`VALUES` are shares of, at currents and gaps (n,).
 
     A force that is small beside W'/g, since its parts cancel, has no error smaller for it, nor has
-    an incremental inductance that is small beside λ/i.  All are 0 without a current but that.
+    an incremental inductance that is small beside λ/i.  Without a current all sizes are 0 but that
+    of the incremental inductance.
     """
     force = np.abs(state.force) + _CANCELS * np.abs(state.coenergy) / gap
     linkage = np.abs(state.flux_linkage)

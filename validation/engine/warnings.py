@@ -89,7 +89,8 @@ def _check_base(scene: Scene, quantities: Sequence[str]) -> None:
 def _of_constants(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     """Stated constants that contradict each other a little, and what is taken."""
     asked = any(QUANTITIES[name].actuator == "bimorph" for name in quantities)
-    if asked and (taken := moved(scene.piezo.base, scene.piezo.constants)):
+    used = any(layer.material == scene.piezo for layer in bimorph_stack(scene.device))
+    if asked and used and (taken := moved(scene.piezo.base, scene.piezo.constants)):
         yield (
             f"the constants of piezo.constants contradict each other a little; taken are "
             f"{', '.join(taken)}; leave out the one that is known least"

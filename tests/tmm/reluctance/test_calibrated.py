@@ -60,7 +60,13 @@ def test_values_go_on_beyond_the_range():
     widest = r * np.exp(high[0])
     inside, outside = (at(of, 0.3, widest * (1.0 + s))[0] for s in (-1e-6, 1e-6))
     np.testing.assert_allclose(outside, inside, rtol=1e-4)
+    # where P is held from: its value goes on, its slope, and with it the force, does not
+    inside, outside = (at(of, 0.3, 2.0 * widest * (1.0 + s))[0] for s in (-1e-6, 1e-6))
+    assert outside.coenergy == pytest.approx(inside.coenergy, rel=1e-4)
     one = groups(of, np.array([1.0]), np.array([0.2e-3]))[0, TURNS]
+    last = high[TURNS] + np.log(2.0)
+    inside, outside = (at(of, np.exp(last - one + s), 0.2e-3)[0] for s in (-1e-6, 1e-6))
+    assert outside.coenergy == pytest.approx(inside.coenergy, rel=1e-4)
     for end in (low[TURNS], high[TURNS]):
         inside, outside = (at(of, np.exp(end - one + s), 0.2e-3)[0] for s in (1e-4, -1e-4))
         # P is held below the low end: its slope is not, within what the errors cover
