@@ -171,7 +171,7 @@ def _rests_on_models(study: Study) -> str:
     what, widest = max(errors.items(), key=itemgetter(1), default=("", 0.0))
     wide = sum(error > study.scene.accuracy for error in errors.values())
     asked = f"{100.0 * study.scene.accuracy:g} %"
-    met = f"{wide} exceed" if wide else "none exceeds"
+    met = f"{wide or 'none'} exceed{'s' if wide < 2 else ''}"
     named = f" ({what})" if what else ""
     models = ranked({cell.model for row in study.compared for cell in row.cells})
     return (
