@@ -68,14 +68,14 @@ class MotionEstimator:
         return moved, -charged
 
     @cached_property
-    def _factors(self) -> tuple[Factor, Factor]:
-        """Factors of the lacking functions' own stiffness: of displacements, of potentials.
+    def _factors(self) -> tuple[Factor, Factor | None]:
+        """Factors of the lacking functions' own stiffness: of displacements, of potentials if any.
 
         Taken apart, since what the two miss is of opposite sign in energy and may cancel.
         """
         own, potential = self.stiffness[:, self.lacking].real, self.lacking % 4 == 3
-        first, second = (factorise(own[of][:, of].tocsr()) for of in (~potential, potential))
-        return first, second
+        moving, charging = (own[of][:, of].tocsr() for of in (~potential, potential))
+        return factorise(moving), factorise(charging) if potential.any() else None
 
 
 class BrickEstimator:
@@ -114,8 +114,10 @@ class BrickEstimator:
         )
 
 
-def _product(factor: Factor, residuals: Numbers) -> Numbers:
-    """Rᵀ K⁻¹ r of a real factor and residuals (w, k) that may be complex."""
+def _product(factor: Factor | None, residuals: Numbers) -> Numbers:
+    """Rᵀ K⁻¹ r of a real factor and residuals (w, k) that may be complex; 0 without functions."""
+    if factor is None:
+        return residuals.T @ residuals
     if not np.iscomplexobj(residuals):
         return np.asarray(residuals.T @ factor.solve(residuals))
     parts = factor.solve(np.hstack([residuals.real, residuals.imag]))

@@ -306,8 +306,9 @@ def assemble_bricks(
     known = materials(device, bricks.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)
     matrices = brick_matrices(bricks, known, unit)
-    below = device.measurement.below_tip
-    quarter = _Quarter(bricks, known, unit, *matrices, uniform_field, below)
+    if uniform_field:
+        bricks = replace(bricks, slabs=tuple(replace(s, uniform=s.ceramic) for s in bricks.slabs))
+    quarter = _Quarter(bricks, known, unit, *matrices, device.measurement.below_tip)
     return quarter.system(motion)
 
 
@@ -320,7 +321,6 @@ class _Quarter:
     unit: float
     stiffness: Sparse
     mass: Sparse
-    uniform_field: bool
     below_tip: float  #: Of the place of measurement (m)
 
     @cached_property
@@ -341,7 +341,7 @@ class _Quarter:
     def system(self, motion: Motion) -> SolidSystem:
         """System of one class of motion, of the whole body."""
         bricks, unit, mass, place = self.bricks, self.unit, self.mass, self.place
-        unknowns = quarter_unknowns(bricks, motion, unit, uniform_field=self.uniform_field)
+        unknowns = quarter_unknowns(bricks, motion, unit)
         nodes, expand, node_mass = whole_nodes(bricks, unknowns, motion, unit, self.nodal_mass)
         seen = unknowns.seen(self.seen)
         return SolidSystem(
@@ -362,9 +362,7 @@ class _Quarter:
         )
 
 
-def quarter_unknowns(
-    bricks: Bricks, motion: Motion, unit: float, *, uniform_field: bool = False
-) -> Unknowns:
+def quarter_unknowns(bricks: Bricks, motion: Motion, unit: float) -> Unknowns:
     """Free and prescribed unknowns of one class of motion.
 
     Over (u_x, u_y, u_z, φ) node by node, z fastest; `unit` is that of the potential (V).
@@ -372,7 +370,8 @@ def quarter_unknowns(
     x, y = bricks.x.nodes, bricks.y.nodes
     base, piezo = bricks.base(), bricks.nodes_of(*(slab.region for slab in bricks.ceramics))
     outer, inner = bricks.electrodes()
-    field = piezo & ~outer & ~inner & (not uniform_field)
+    prescribed = bricks.nodes_of(*(slab.region for slab in bricks.ceramics if slab.uniform))
+    field = piezo & ~outer & ~inner & ~prescribed
     used = bricks.used() & ~base
     free = np.stack([used, used, used, field], axis=-1) & bricks.products()[..., None]
     at_x, at_y = SIGNS[motion]
@@ -383,10 +382,7 @@ def quarter_unknowns(
     if motion == "bending_x":
         ports[base, 0, 0] = 1.0
         ports[..., 2, 1][base] = np.broadcast_to(x[:, None, None], base.shape)[base]
-        potential = outer.astype(float)
-        if uniform_field:
-            potential = _linear_potential(bricks, outer, inner, piezo)
-        ports[..., 3, 2] = potential / unit
+        ports[..., 3, 2] = _prescribed_potential(bricks, outer) / unit
     if motion == "bending_y":
         ports[base, 1, 0] = 1.0
         ports[..., 2, 1][base] = np.broadcast_to(y[:, None], base.shape)[base]
@@ -395,12 +391,17 @@ def quarter_unknowns(
     return Unknowns(free.reshape(-1, 4), ports.reshape(-1, 3))
 
 
-def _linear_potential(bricks: Bricks, outer: Bools, inner: Bools, piezo: Bools) -> Floats:
-    """Potential per volt (nx, ny, nz) that is linear under the outer electrode."""
-    x = bricks.x.nodes
-    low, high = x[inner.any(axis=(1, 2))][0], x[outer.any(axis=(1, 2))][0]
-    share = np.clip((x - low) / (high - low), 0.0, 1.0)
-    return np.where(piezo & outer.any(axis=0), share[:, None, None], 0.0)
+def _prescribed_potential(bricks: Bricks, outer: Bools) -> Floats:
+    """Potential per volt (nx, ny, nz): on electrodes, and under them where it is to be linear."""
+    found = outer.astype(float)
+    for slab in bricks.ceramics:
+        if slab.uniform and slab.hot:
+            x = bricks.x.nodes[bricks.x.nodes_of(*slab.x)]
+            share = (x - x[0]) / (x[-1] - x[0])
+            share = share if slab.hot > 0 else 1.0 - share
+            at = bricks.x.nodes_of(*slab.x), slice(None), bricks.z.nodes_of(*bricks.electrode)
+            found[at] = share[:, None, None]
+    return found
 
 
 def seen_functionals(bricks: Bricks, below_tip: float) -> Floats:

@@ -102,6 +102,7 @@ class Slab:
     ceramic: bool = False  #: Whether it is piezoelectric
     faces: tuple[int, ...] = (-1, 1)  #: Faces of a ceramic (along x) that are equipotential
     hot: int = 0  #: Face of a ceramic (along x) at the drive voltage, 0 if none is
+    uniform: bool = False  #: Whether the potential is linear from face to face of a ceramic
 
 
 @dataclass(frozen=True)
@@ -463,6 +464,7 @@ def _listed(
                 ceramic=is_ceramic,
                 faces=device.bimorph.layers.faces(number),
                 hot=int(layer.hot),
+                uniform=layer.uniform,
             )
         )
     return np.array(x), tuple(slabs)

@@ -120,6 +120,7 @@ class StackLayer:
     hot: float = 0.0
     electrodes: bool = True  #: Whether a ceramic's faces carry electrodes
     share: float = 1.0  #: Width over that of the bimorph, both in the middle
+    uniform: bool = False  #: Whether electrodes hold the field in all of it, not its mean alone
 
     @property
     def thickness(self) -> Any:
@@ -171,20 +172,29 @@ def _stated(device: Device, *, active: bool, electrodes: bool) -> list[StackLaye
             at = electrodes and layer.electrodes != "bare"
             region, of = layers.region(number), material_of(device, layer)
             poling, hot = device.bimorph.drive_poling(number), layers.hot(number)
-            share = layer.width / device.bimorph.width if layer.width else 1.0
-            found.append(StackLayer(region, of, low, high, poling, hot, at, share))
+            share, uniform = (
+                layer.width / device.bimorph.width if layer.width else 1.0,
+                layer.pitch > 0,
+            )
+            found.append(StackLayer(region, of, low, high, poling, hot, at, share, uniform))
     return found
 
 
 def material_of(device: Device, layer: Layer) -> Piezo | Shim | Glue:
-    """Constants of a listed layer: its own, the scene's groups, or the library's."""
-    if layer.of is not None:
-        stated: Piezo | Shim | Glue = layer.of
-        return stated
-    if layer.material in OWN:
-        own: Piezo | Shim | Glue = getattr(device, layer.material)
+    """Constants of a listed layer: its own, the scene's groups, or the library's.
+
+    Those of a ceramic poled along are of one poled through its thickness that does the same.
+    """
+    own: Piezo | Shim | Glue | None = layer.of
+    if own is not None:
         return own
-    return _of_library(layer.material, ceramic=layer.is_ceramic)
+    if layer.material in OWN:
+        stated: Piezo | Shim | Glue = getattr(device, layer.material)
+    else:
+        stated = _of_library(layer.material, ceramic=layer.is_ceramic)
+    if layer.pitch and isinstance(stated, Piezo):
+        return stated.along(layer.thickness / layer.pitch)
+    return stated
 
 
 @lru_cache(maxsize=64)
@@ -318,7 +328,8 @@ def _sections(piece: Piece, device: Device, shares: Floats) -> list[tuple[str, F
         low, high = (np.broadcast_to(face, shares.shape) for face in (layer.low, layer.high))
         x, y = np.stack([low, high], axis=1), layer.share * np.stack([-half, half], axis=1)
         plan = np.stack(np.broadcast_arrays(x[:, :, None], y[:, None, :]), axis=-1)
-        at = np.array([layer.hot < 0.0, layer.hot > 0.0], dtype=float)
+        faces = layer.hot < 0.0, layer.hot > 0.0
+        at = np.array(faces, dtype=float) * (not layer.uniform)
         found.append((layer.region, plan, at))
     return found
 

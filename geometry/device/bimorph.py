@@ -146,21 +146,24 @@ class Bimorph(Parameters):
         return float(self.tab_length + self.length + self.tip_extension)
 
     @property
-    def thinnest_driven(self) -> float:
-        """Thickness of the thinnest ceramic that the drive voltage lies across (m)."""
+    def electrode_distance(self) -> float:
+        """Smallest distance of electrodes that the drive voltage lies across (m)."""
         if not self.layers:
             return float(self.piezo_thickness)
-        driven = (n for n in range(len(self.layers)) if self.layers.hot(n))
-        return float(min((self.layers[n].thickness for n in driven), default=self.thickness))
+        driven = (layer for n, layer in enumerate(self.layers) if self.layers.hot(n))
+        distances = (layer.pitch or layer.thickness for layer in driven)
+        return float(min(distances, default=self.thickness))
 
     def drive_poling(self, number: int) -> int:
         """Direction (along x) in which a listed layer is poled where its hot face has the voltage.
 
         In series the lower ceramic's outer face is the other terminal, at the opposite voltage,
-        which is the same as the opposite poling.
+        which is the same as the opposite poling.  Poled along z, its field has the poling's
+        direction at a positive voltage; through the thickness that is from the hot face on.
         """
         layers: Laminate = self.layers
         turned = self.wiring == "series" and layers.hot(number) < 0
+        turned |= layers[number].pitch > 0.0
         return -layers[number].poling if turned else layers[number].poling
 
     @property
@@ -205,6 +208,8 @@ class Piezo(Parameters):
     )
     #: Of k33 and k15, which no key has
     _coupling_growth: float = PrivateAttr(default=1.0)
+    #: Material in place of the library's
+    _turned: Piezoceramic | None = PrivateAttr(default=None)
 
     @model_validator(mode="before")
     @classmethod
@@ -234,12 +239,22 @@ class Piezo(Parameters):
     @property
     def base(self) -> Piezoceramic:
         """Material before single values are replaced: the library's, with the stated constants."""
-        return _completed(self.material, self.constants)
+        return self._turned or _completed(self.material, self.constants)
 
     def ceramic(self) -> Piezoceramic:
         """Full material that these values stand for, in small fields."""
         values = self.model_dump(exclude={"material", "constants", *GROWTHS})
         return self.base.with_values(**values, coupling_growth=self._coupling_growth)
+
+    def along(self, share: float) -> Piezo:
+        """The ceramic poled along the bimorph, as one poled through its thickness.
+
+        `share` is its thickness over the electrodes' pitch; see :meth:`Piezoceramic.along`.
+        """
+        turned = self.ceramic().along(share)
+        found = self.model_copy(update=turned.reduced())
+        found._turned, found._coupling_growth = turned, 1.0
+        return found
 
     @property
     def grows(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from tactgen.geometry.device.bimorph import GROWTHS
 from tactgen.geometry.device.laminate import Laminate, Layer
@@ -164,6 +165,12 @@ def _check_layers(bimorph: Bimorph, support: Support) -> None:
             "0.26 mm +x"
         )
     _check_contacts(layers)
+    for name in ("bare_below", "bare_above"):
+        if getattr(bimorph, name) and any(layer.pitch for layer in layers):
+            raise InputError(
+                f"bimorph.{name} = {getattr(bimorph, name) * 1e3:g} mm is not known with a ceramic "
+                f"poled along in {text}; set 0 mm, with bimorph.length up to the last electrode"
+            )
     for name in ("tab_length", "tip_extension"):
         if getattr(bimorph, name) > 0.0 and not any(layers.continues):
             raise InputError(
@@ -189,12 +196,22 @@ def _check_layers(bimorph: Bimorph, support: Support) -> None:
 
 
 def _check_contacts(layers: Laminate) -> None:
-    """Refuse ceramics whose faces touch, or are joined by metal, at different voltages."""
+    """Refuse ceramics whose faces touch, or are joined by metal, at different voltages.
+
+    Interdigitated electrodes are insulated from metal and touch no other ceramic.
+    """
+    for number, pair in enumerate(pairwise(layers)):
+        if all(layer.is_ceramic for layer in pair) and any(layer.pitch for layer in pair):
+            raise InputError(
+                f"bimorph.layers joins layer {number + 1} ({pair[0]}) and layer {number + 2} "
+                f"({pair[1]}), and interdigitated electrodes cannot touch another ceramic; put "
+                "glue between them"
+            )
     below: Layer | None = None
     before, at_voltage = 0, False
     for number, layer in enumerate(layers):
         hot = layers.hot(number)
-        if layer.material == "glue" or layer.electrodes == "bare":
+        if layer.material == "glue" or layer.electrodes == "bare" or layer.pitch:
             below = None  # insulates
         elif layer.is_ceramic:
             if below is not None and at_voltage != (hot < 0):

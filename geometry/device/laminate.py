@@ -2,8 +2,10 @@
 
 From the lower face (−x) to the upper one (+x).  A ceramic says how it is poled, and may say which
 of its faces has the drive voltage (``hot +x``; by default the outer one), that both have none
-(``shorted``) or that it has no electrodes (``bare``).  A layer of another width than the bimorph's
-states it after the thickness (``wide 5 mm``).  Read at the edge with units, held in metres.
+(``shorted``) or that it has no electrodes (``bare``).  Poled along the bimorph it has
+interdigitated electrodes (``+z pitch 0.5 mm``; ``-z`` where a positive voltage shortens it).  A
+layer of another width than the bimorph's states it after the thickness (``wide 5 mm``).  Read at
+the edge with units, held in metres.
 """
 
 from __future__ import annotations
@@ -23,10 +25,12 @@ _EXAMPLE = "brass 0.2 mm; PZT-5A 0.26 mm +x"
 _REMEDY = f'write for example "{_EXAMPLE}"'
 _THICKNESS = Unit("m", "thickness", "0.2 mm", above=0.0, limits=(1e-9, 0.1), shown="mm", per_si=1e3)
 _WIDTH = Unit("m", "width", "5 mm", above=0.0, limits=(1e-6, 1.0), shown="mm", per_si=1e3)
+_PITCH = Unit("m", "pitch", "0.5 mm", above=0.0, limits=(1e-6, 0.1), shown="mm", per_si=1e3)
 _LAYER = re.compile(
     rf"(?P<material>\S.*?)\s+(?P<thickness>{NUMBER}\s*[^\s\d+-]+)"
     rf"(?:\s+wide\s+(?P<width>{NUMBER}\s*[^\s\d+-]+))?"
-    r"(?:\s+(?P<poling>[+-]x))?(?:\s+(?P<electrodes>hot [+-]x|shorted|bare))?",
+    rf"(?:\s+(?P<poling>[+-]x|[+-]z\s+pitch\s+(?P<pitch>{NUMBER}\s*[^\s\d+-]+)))?"
+    r"(?:\s+(?P<electrodes>hot [+-]x|shorted|bare))?",
     re.IGNORECASE | re.ASCII,
 )
 #: What is in no material's name: a size that stands in the wrong place, a tolerance.
@@ -43,11 +47,14 @@ class Layer(NamedTuple):
     #: ``piezo``, ``shim`` or ``glue`` as the scene states them, or a library's name
     material: str
     thickness: float  #: m
-    poling: int = 0  #: Direction along x, 0 of what is not piezoelectric
+    poling: int = 0  #: Direction along x (along z with a pitch), 0 of what is not piezoelectric
     electrodes: Literal["", "hot", "shorted", "bare"] = ""
     hot: int = 0  #: Face (along x) at the drive voltage, 0 for the outer one
     width: float = 0.0  #: m, in the middle of the bimorph's; 0 for the bimorph's own
-    of: Any = None  #: Constants in place of those of its name
+    #: m, centre distance of neighbouring fingers of interdigitated electrodes; 0 for a ceramic
+    #: poled through its thickness
+    pitch: float = 0.0
+    of: Any = None  #: Constants, as the section has them, in place of those of its name
 
     @property
     def is_ceramic(self) -> bool:
@@ -57,7 +64,8 @@ class Layer(NamedTuple):
     def __str__(self) -> str:
         words = [self.material, _THICKNESS.show(self.thickness)]
         words += [f"wide {_WIDTH.show(self.width)}"] if self.width else []
-        words += [_direction(self.poling)] if self.poling else []
+        words += [_direction(self.poling, "z" if self.pitch else "x")] if self.poling else []
+        words += [f"pitch {_PITCH.show(self.pitch)}"] if self.pitch else []
         words += [self.electrodes] if self.electrodes else []
         words += [_direction(self.hot)] if self.hot else []
         return " ".join(words)
@@ -93,10 +101,15 @@ class Laminate(tuple[Layer, ...]):
         return f"{kind}_{number + 1}"
 
     def hot(self, number: int) -> int:
-        """Face (along x) of a layer at the drive voltage, 0 if none is."""
+        """Face (along x) of a layer at the drive voltage, 0 if none is.
+
+        Interdigitated electrodes count as two faces.
+        """
         layer = self[number]
         if not layer.is_ceramic or layer.electrodes in ("shorted", "bare"):
             return 0
+        if layer.pitch:
+            return 1
         low = sum(other.thickness for other in self[:number])
         return layer.hot or (1 if low + 0.5 * layer.thickness >= 0.5 * self.thickness else -1)
 
@@ -116,8 +129,8 @@ class Laminate(tuple[Layer, ...]):
 PLAIN = Laminate()
 
 
-def _direction(sign: int) -> str:
-    return "+x" if sign > 0 else "-x"
+def _direction(sign: int, axis: str = "x") -> str:
+    return f"{'+' if sign > 0 else '-'}{axis}"
 
 
 def read_layers(value: Any, info: ValidationInfo) -> Laminate:
@@ -136,20 +149,17 @@ def _layer(text: str, info: ValidationInfo) -> Layer:
     if found is None or _MISPLACED.search(found["material"]):
         raise ValueError(
             f"has the layer {quoted(text)}, which is not a material, a thickness with its unit, at "
-            'most a width with its unit ("wide 3 mm"), and of a ceramic its poling and at most its '
+            'most a width with its unit ("wide 3 mm"), and of a ceramic its poling (with the pitch '
+            'of its electrodes where it is poled along, "+z pitch 0.5 mm") and at most its '
             f"electrodes, in this order and without tolerances; {_REMEDY}"
         )
-    sizes = {"thickness": 0.0, "width": 0.0}
-    for (name, of), stated in zip(
-        {"thickness": _THICKNESS, "width": _WIDTH}.items(),
-        found.group("thickness", "width"),
-        strict=True,
-    ):
+    sizes = []
+    for name, of in (("thickness", _THICKNESS), ("width", _WIDTH), ("pitch", _PITCH)):
         try:
-            sizes[name] = of(stated, info) if stated else 0.0
+            sizes.append(of(found[name], info) if found[name] else 0.0)
         except ValueError as error:
             raise ValueError(f"has the layer {quoted(text)}, whose {name} {error}") from None
-    thickness, width = sizes.values()
+    thickness, width, pitch = sizes
     material, ceramic = _material(found["material"])
     poling, electrodes = found["poling"], (found["electrodes"] or "").lower()
     if ceramic and poling is None:
@@ -162,10 +172,15 @@ def _layer(text: str, info: ValidationInfo) -> Layer:
             f"has poling or electrodes in the layer {quoted(text)}, and {material} is not "
             "piezoelectric; leave them out"
         )
+    if pitch and electrodes not in ("", "shorted"):
+        raise ValueError(
+            f"has the layer {quoted(text)}, whose interdigitated electrodes cannot be "
+            f'"{electrodes}"; leave that out, or write shorted'
+        )
     kind, _, face = electrodes.partition(" ")
-    sign = {"+x": 1, "-x": -1, "": 0}
-    along = sign[(poling or "").lower()]
-    return Layer(material, thickness, along, kind, sign[face], width)  # type: ignore[arg-type]
+    sign = {"+": 1, "-": -1, "": 0}
+    poled, hot = sign[(poling or "")[:1]], sign[face[:1]]
+    return Layer(material, thickness, poled, kind, hot, width, pitch)  # type: ignore[arg-type]
 
 
 def _material(text: str) -> tuple[str, bool]:

@@ -191,6 +191,22 @@ class Piezoceramic:
             coupling_loss=coupling_loss,
         )
 
+    def along(self, share: float) -> Piezoceramic:
+        """Ceramic poled along axis 1 by interdigitated electrodes, as one poled along axis 3.
+
+        The voltage U makes a field U/pitch along the poling, the same all over (between fingers;
+        what is under them is left out).  A layer of this thickness with U across it does the same
+        when its elastic axes are turned, d3j become those of the true axes and the field is scaled:
+        d times `share`, thickness over pitch, and permittivity times its square.
+        """
+        turned = [2, 1, 0, 5, 4, 3]
+        d = np.zeros((3, 6))
+        d[2] = share * self.d[2, turned]
+        return replace(
+            self, s=self.s[np.ix_(turned, turned)], d=d,
+            eps_t=share**2 * np.diag(self.eps_t.diagonal()[[1, 1, 2]]),
+        )  # fmt: skip
+
     def tensors(self, *, lossy: bool = False) -> PiezoTensors:
         """Stiffness-form tensors in the device's axes, poled along +x.
 

@@ -77,7 +77,7 @@ def driven_ceramic(
         effort -= excitation.acceleration * ends.tip.mass * np.array(ends.tip.arm)
     return DrivenCeramic(
         stress=_stress(device, beam, frequencies, tip, effort, layer, excitation.acceleration),
-        field=np.abs(layer) / bimorph.thinnest_driven,
+        field=np.abs(layer) / bimorph.electrode_distance,
         current=np.abs(2.0 * np.pi * frequencies * response.effort["voltage"]),
     )
 

@@ -106,7 +106,8 @@ def _add(
     # by the field that follows the strain at a constant charge; electrodes hold its mean
     stiffer = np.outer(stress, stress) / clamped
     mean = 0.0 * stiffer if layer.electrodes else stiffer * t
-    _add_sheet(energy, mean, middle, varying_field * stiffer * own)
+    varies = varying_field and not layer.uniform
+    _add_sheet(energy, mean, middle, varies * stiffer * own)
     if layer.electrodes:
         energy[_STRAIN, _VOLTAGE] += layer.hot * stress
         energy[_CURVATURE, _VOLTAGE] += layer.hot * stress * middle

@@ -122,7 +122,8 @@ def layerwise_beam(device: Device, *, varying_field: bool = False) -> LayerwiseB
         if isinstance(layer.material, Piezo):
             mean = shape @ weights if layer.electrodes else np.zeros(4)
             varies = shape - mean[:, None]
-            stiffer = varying_field * _at_constant_charge(layer.material)
+            varies_here = varying_field and not layer.uniform
+            stiffer = varies_here * _at_constant_charge(layer.material)
             strain[np.ix_(own, own)] += stiffer * young * (varies * area) @ varies.T
             field = layer.hot * layer.poling / t if layer.electrodes else 0.0
             volt[own] += young * layer.material.d31 * field * shape @ area

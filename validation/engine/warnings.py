@@ -369,14 +369,14 @@ def field_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     if scene.circuit.kind != "source":
         return
     share = 0.5 if scene.bimorph.wiring == "series" else 1.0
-    field = share * abs(scene.drive.voltage) / scene.bimorph.thinnest_driven
+    field = share * abs(scene.drive.voltage) / scene.bimorph.electrode_distance
     limit = scene.limits.depoling_field
     if field > limit and any(map(_follows_voltage, quantities)):
         yield (
             f"drive.voltage = {scene.drive.voltage:g} V is {1e-6 * field:.3g} kV/mm in a layer, "
             "against the poling in half of each period; limits.depoling_field = "
             f"{1e-6 * limit:g} kV/mm allows "
-            f"{_rounded_down(limit * scene.bimorph.thinnest_driven / share)} V"
+            f"{_rounded_down(limit * scene.bimorph.electrode_distance / share)} V"
         )
 
 

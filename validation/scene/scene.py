@@ -157,7 +157,7 @@ class Scene(p.Device):
     def field(self) -> float:
         """Amplitude of the field (V/m) that the drive voltage makes in the ceramic."""
         across = 2.0 if self.bimorph.wiring == "series" else 1.0
-        return float(abs(self.drive.voltage) / (across * self.bimorph.thinnest_driven))
+        return float(abs(self.drive.voltage) / (across * self.bimorph.electrode_distance))
 
     @property
     def ends(self) -> Ends:
@@ -412,7 +412,7 @@ def _check_field(scene: Scene) -> None:
         )
     layers = bimorph.layers
     own = [n for n, layer in enumerate(layers) if layer.material == "piezo"]
-    fields = {layers[n].thickness if layers.hot(n) else 0.0 for n in own}
+    fields = {(layers[n].pitch or layers[n].thickness) if layers.hot(n) else 0.0 for n in own}
     varies = "piezo_thickness_profile" if bimorph.piezo_thickness_profile else ""
     if layers and (len(fields) > 1 or fields == {0.0} or not own):
         varies = "layers"

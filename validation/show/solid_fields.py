@@ -369,12 +369,19 @@ class SolidFields:
         field = -gradients[:, 3]
         stress = np.zeros_like(strain)
         flux = np.zeros_like(field)
-        ceramic = scene.device.piezo.ceramic()
+        ceramic, layers = scene.device.piezo.ceramic(), scene.bimorph.layers
         known = materials(scene.device, mesh.regions, ceramic, lossy=lossy)
+        along = {layers.region(n): layer for n, layer in enumerate(layers) if layer.pitch}
         for region, at in points_of_regions(mesh).items():
             stress[at], flux[at] = _constitutive(known[region], strain[at], field[at])
             if known[region].piezo is None:
                 field[at] = 0.0
+            if layer := along.get(region):
+                # the field that stands for the one between the fingers is through the thickness
+                share = layer.thickness / layer.pitch
+                values[at, 3] = values[at, 3].mean()
+                field[at] = -share * field[at][:, ::-1]
+                flux[at] = -flux[at][:, ::-1] / share
         fields = {
             "displacement": values[:, :3],
             "potential": values[:, 3],

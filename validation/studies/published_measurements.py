@@ -256,7 +256,7 @@ def _on_stop(values: Values) -> Floats:
         float(bending_frequencies(row, at.ends, 1, open_circuit=False)[0])
         for at in (with_values(scene, {_PRELOAD.name: preload}) for preload in preloads)
     )
-    limit = scene.limits.depoling_field * scene.bimorph.thinnest_driven
+    limit = scene.limits.depoling_field * scene.bimorph.electrode_distance
     return np.array([high - low, scene.held.lateral_stiffness, limit])
 
 

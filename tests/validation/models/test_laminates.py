@@ -90,18 +90,50 @@ def test_unimorph_bends_as_timoshenko_says():
         "PZT-5A 0.1 mm +x; spring steel 0.15 mm; PZT-5H 0.3 mm -x",
         "PZT-5A 0.15 mm +x hot +x; PZT-5A 0.2 mm +x hot -x",
         "PZT-5A 0.2 mm +x bare; brass 0.1 mm; PZT-5A 0.2 mm +x",
+        "PZT-5A 0.2 mm +z pitch 0.5 mm; brass 0.1 mm; PZT-5H 0.1 mm -z pitch 1 mm shorted",
         FOUR,
     ],
 )
 def test_beam_elements_agree_with_the_transfer_matrix(layers):
     """Their sections are integrated layer by layer, voltage and axial strain being unknowns."""
     metal = any(name in layers for name in ("brass", "steel"))
-    more = {"tip_extension": "4 mm", "bare_above": "2 mm"} if metal else {"bare_below": "2 mm"}
+    more = {"tip_extension": "4 mm"} if metal else {}
+    more |= {} if "pitch" in layers else {"bare_above" if metal else "bare_below": "2 mm"}
     one, other = (
         answers(scene(layers, model, **more), *NUMBERS, "admittance", model=model)
         for model in ("tmm", "beam")
     )
     np.testing.assert_allclose(one, other, rtol=2e-8)
+
+
+#: Interdigitated electrodes on both sides of a thin glue, the lower ceramic becoming longer.
+ALONG = "PZT-5A 0.2 mm +z pitch 0.5 mm; glue 1 nm; PZT-5A 0.2 mm -z pitch 0.5 mm"
+
+
+def test_poled_along_it_bends_by_d33_and_its_pitch():
+    """Two layers that strain by ±d33 U/pitch bend by 3/2 of that over the thickness of one; the
+    charge of a layer is D₃ on every finger, its strain half relieved by the bending."""
+    of, ceramic = scene(ALONG, length="30 mm"), LIBRARY["PZT-5A"]
+    deflection, free, _ = answers(of, *STATIC)
+    d33, s33, eps = ceramic.d[2, 2], ceramic.s[2, 2], ceramic.eps_t[2, 2]
+    assert deflection == pytest.approx(0.75 * d33 / 0.5e-3 * 0.03**2 / 0.2e-3, rel=1e-4)
+    clamped = eps - d33**2 / s33
+    capacity = clamped + 0.75 * d33**2 / s33
+    assert free == pytest.approx(2.0 * capacity * 0.03 * 5e-3 * 0.2e-3 / 0.5e-3**2, rel=1e-4)
+
+
+def test_poled_along_the_solid_and_the_beam_have_one_field():
+    """A narrow solid strains as a bar does: its field is that of the pitch and follows no strain.
+
+    Its clamp keeps the layers from growing sideways: 0.1 % of the deflection; a field that followed
+    the strain would take 4 %.
+    """
+    names, layers = ("static_tip_displacement", "capacitance_free"), ALONG.replace("1 nm", "2 um")
+    beam, solid = (
+        answers(scene(layers, model, length="30 mm", width="0.3 mm"), *names, model=model)
+        for model in ("tmm", "solid")
+    )
+    np.testing.assert_allclose(beam, solid, rtol=2e-3)
 
 
 @pytest.mark.parametrize("model", ["tmm", pytest.param("solid", marks=pytest.mark.heavy)])
@@ -206,6 +238,10 @@ def test_a_bare_tip_carries_no_ceramic():
         ("brass 0.2; PZT-5A 0.2 mm +x", "not a material, a thickness"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +x wide 4 mm", "in this order"),
         ("brass 0.2 mm; PZT-5A 0.2 ± 0.01 mm +x", "without tolerances"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm +z", "with the pitch"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm +x pitch 0.5 mm", "in this order"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 0.5 mm hot +x", "write shorted"),
+        ("PZT-5A 0.2 mm +x; PZT-5A 0.2 mm +z pitch 0.5 mm", "cannot touch another ceramic"),
         ("brss 0.2 mm; PZT-5A 0.2 mm +x", 'did you mean "brass"'),
         ("brass 200 mm; PZT-5A 0.2 mm +x", "must be"),
     ],

@@ -66,6 +66,20 @@ def test_numbers_beside_a_picture_are_the_quantities(solution, results, model):
     assert result.states[0].coupling == pytest.approx(coupling, rel=1e-12)
 
 
+def test_between_fingers_the_field_is_along_the_layer():
+    """U over the pitch along z; the flux through the section is the charge of each finger."""
+    layers = "brass 0.2 mm; PZT-5A 0.2 mm +z pitch 0.5 mm"
+    sizes = ["bimorph.length=10mm", "bimorph.width=2mm", "drive.voltage=10V"]
+    scene, _ = load_scene("j1", ["mesh.level=1", f"bimorph.layers={layers}", *sizes])
+    (result,) = gather(scene, ("solid",), Request(()))
+    fields, at = result.state("static").fields, points_of_regions(result.mesh)["piezo_2"]
+    field, flux = fields["electric_field"][at], fields["electric_displacement"][at]
+    np.testing.assert_allclose(field, np.tile([0.0, 0.0, 20e3], (at.size, 1)), atol=1e-6)
+    # 20 spaces between fingers; points are denser where the flux is not the mean
+    fingers = flux[:, 2].mean() * 2e-3 * 0.2e-3 * 20.0
+    assert result.state("static").charge == pytest.approx(fingers, rel=0.05)
+
+
 @pytest.mark.parametrize("model", MODELS)
 def test_the_tip_of_the_picture_is_the_tip(results, model):
     """The mean of u_x over the cells' faces at the tip."""

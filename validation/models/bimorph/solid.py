@@ -156,6 +156,11 @@ class CadModel(TwoMeshModel):
     def check(cls, scene: Scene) -> None:
         """Refuse scenes beyond the CAD solids: bare ends, glue between plain layers."""
         check_boxes(scene.device, on_rod=scene.support.kind == "rod")
+        if any(layer.pitch for layer in scene.bimorph.layers):
+            raise InputError(
+                f'bimorph.layers = "{scene.bimorph.layers}" has a ceramic poled along, whose '
+                "electrodes the model cad does not know; ask for --model solid"
+            )
 
     def make_pair(self) -> MeshPair:
         """Last mesh of the refinement, and an earlier one to judge it by."""
