@@ -17,7 +17,7 @@ from tactgen.geometry.device.ceramic_constants import (
     completed,
     read_constants,
 )
-from tactgen.geometry.device.laminate import PLAIN, Laminate, Layers
+from tactgen.geometry.device.laminate import OWN, PLAIN, Laminate, Layers
 from tactgen.geometry.device.material_library import (
     LIBRARY,
     PAPERS,
@@ -116,6 +116,13 @@ class Bimorph(Parameters):
         if self.layers:
             return float(self.layers.thickness)
         return float(2.0 * (self.piezo_thickness + self.glue_thickness) + self.shim_thickness)
+
+    @property
+    def own_materials(self) -> frozenset[str]:
+        """Groups of the scene, of piezo, shim and glue, that its layers are made of."""
+        if self.layers:
+            return frozenset(layer.material for layer in self.layers) & frozenset(OWN)
+        return frozenset(("piezo", "shim", *(["glue"] if self.glue_thickness else [])))
 
     @property
     def profiles(self) -> dict[str, Profile]:

@@ -287,11 +287,11 @@ def check_bonded(device: Device) -> None:
     Raises InputError in one sentence that says how stiff the glue must be.
     """
     modulus = device.glue.youngs_modulus
-    if device.bimorph.glue_thickness > 0.0 and modulus < _LEAST_GLUE:
+    if "glue" in device.bimorph.own_materials and modulus < _LEAST_GLUE:
         raise InputError(
             f"glue.youngs_modulus = {modulus:.4g} Pa is so soft that the layers slide, and the "
             f"solid model cannot resolve the tip's motion; set at least "
-            f"{1e-6 * _LEAST_GLUE:g} MPa, or bimorph.glue_thickness = 0 mm"
+            f"{1e-6 * _LEAST_GLUE:g} MPa, or leave the glue between the layers out"
         )
 
 

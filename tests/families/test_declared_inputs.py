@@ -76,8 +76,11 @@ LATERAL = [
     for model in CLOSED_FORMS
     for quantity in ("static_tip_displacement", "open_circuit_frequencies", "tip_displacement")
 ]
+LISTED = "bimorph.layers=PZT-5A 0.2 mm +x; glue 20 um; shim 0.2 mm"
 CASES = [
     *LATERAL,
+    ("j1", (LISTED, "modes=2"), "tmm", "static_tip_displacement"),
+    ("j1", (LISTED, "mesh.level=2", "modes=2"), "solid", "static_tip_displacement"),
     ("bimorph_on_rod", ("modes=2",), "tmm", "tip_displacement"),
     ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "short_circuit_frequencies"),
     ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "axial_tip_per_current"),

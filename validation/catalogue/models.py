@@ -39,6 +39,8 @@ CONDITIONS: Mapping[str, str] = {
     "bimorph.shim_thickness_profile": "no bimorph.layers",
     "bimorph.glue_thickness": "no bimorph.layers",
     "bimorph.poling": "no bimorph.layers",
+    "piezo": "layer of piezo",
+    "shim": "layer of shim",
     "threshold.file": "threshold.kind=table",
     "support.file": "support.kind=table",
     "guide.guided_length": "guide.clearance",
@@ -54,7 +56,7 @@ PROFILED = ("bimorph.width", "bimorph.piezo_thickness", "bimorph.shim_thickness"
 
 _ON_ROD = ("rod if support.kind=rod", "glue if support.kind=rod")
 _LAYERS = tuple(
-    f"glue.{name} if bimorph.glue_thickness"
+    f"glue.{name} if layer of glue"
     for name in ("youngs_modulus", "poisson_ratio", "density", "loss_factor")
 )
 _BIMORPH = ("bimorph", "piezo", "shim", "support.kind", *_ON_ROD, *_LAYERS)

@@ -271,7 +271,7 @@ def without(scene: Scene, given_up: Sequence[Assumption], level: int = 1) -> Sol
 
 def _closed_form(scene: Scene, given_up: Sequence[Assumption]) -> Values:
     """Beam with the section of laminate theory; none with glue between layers, which may slide."""
-    if scene.bimorph.glue_thickness > 0.0:
+    if "glue" in scene.bimorph.own_materials:
         return dict.fromkeys(HEADLINE, math.nan)
     poisson, d32, varying = (one in given_up for one in (POISSON, D32, FIELD))
     section = laminate_section(

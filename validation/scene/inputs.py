@@ -40,8 +40,8 @@ from tactgen.validation.scene.variation import value_of
 
 #: Keys that say whose scene it is and what is asked of it.
 _ASKED = ("name", "description", "start_from", "models", "quantities")
-#: Before a key in a condition that it is not stated.
-_NOT = "no "
+#: Before a key in a condition that it is not stated, and before a group of a layer's constants.
+_NOT, _LAYER = "no ", "layer of "
 
 
 @lru_cache
@@ -54,6 +54,8 @@ def _holds(scene: Scene, condition: str) -> bool:
     """Whether a condition of an entry holds."""
     if condition.startswith(_NOT):
         return not value_of(scene, condition.removeprefix(_NOT))
+    if condition.startswith(_LAYER):
+        return condition.removeprefix(_LAYER) in scene.bimorph.own_materials
     key, unequal, value = condition.partition("!=")
     if not unequal:
         key, _, value = condition.partition("=")
@@ -292,6 +294,10 @@ def _remedy(scene: Scene, condition: str) -> str:
     if condition.startswith(_NOT):
         key = condition.removeprefix(_NOT)
         return f"with {key}; leave {key} out to use it"
+    if condition.startswith(_LAYER):
+        group = condition.removeprefix(_LAYER)
+        where = "" if group != "glue" else "set bimorph.glue_thickness, or "
+        return f"without a {condition}; {where}name {group} in bimorph.layers to use it"
     key, unequal, value = condition.partition("!=")
     if unequal:
         return f'with {key} = "{value}"; set another {key} to use it'

@@ -101,8 +101,8 @@ class BrickPair(MeshPair):
     def static_factor(self) -> float:
         """Error of all answers per difference from the estimate."""
         b = self.device.bimorph
-        inside = max(b.tab_length, b.glue_thickness, b.bare_below, b.bare_above) > 0.0
-        inside |= self.bricks[0].held == "shim"
+        inside = max(b.tab_length, b.bare_below, b.bare_above) > 0.0
+        inside |= "glue" in b.own_materials or self.bricks[0].held == "shim"
         return SURPLUS_FACTOR_AT_EDGES if inside else SURPLUS_FACTOR
 
     @property
