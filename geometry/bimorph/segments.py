@@ -193,8 +193,13 @@ def material_of(device: Device, layer: Layer) -> Piezo | Shim | Glue:
     else:
         stated = _of_library(layer.material, ceramic=layer.is_ceramic)
     if layer.pitch and isinstance(stated, Piezo):
-        return stated.along(layer.thickness / layer.pitch)
+        return _along(stated, layer.thickness / layer.pitch)
     return stated
+
+
+@lru_cache(maxsize=64)
+def _along(stated: Piezo, share: float) -> Piezo:
+    return stated.along(share)
 
 
 @lru_cache(maxsize=64)

@@ -108,7 +108,7 @@ class PiezoTensors:
     eps: Numbers  #: (3, 3) Permittivity at constant strain (F/m)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Piezoceramic:
     """A poled ceramic (class 6mm) or drawn polymer (mm2), compliance form, IEEE 176 frame."""
 

@@ -1,7 +1,7 @@
 """Transfer matrices with section constants calibrated on the solid.
 
-The section is that of laminate theory (no force and no moment across the width, the field follows
-the strain), with what the shear of a soft core changes by :mod:`tmm.beam.layerwise`.  What these
+The section is that of :mod:`tmm.beam.cross_section`, with what the shear of a soft core changes by
+:mod:`tmm.beam.layerwise` and what a clamp does to a wide one by :mod:`tmm.beam.plate`.  What these
 lack depends on :mod:`tmm.beam.dimensionless_groups` only and was fitted to solids of random
 bimorphs, clamped in all layers (:mod:`validation.evidence.calibration`):
 
@@ -23,7 +23,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,19 +37,20 @@ from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.beam.dimensionless_groups import (
     COUPLING,
     GROUPS,
-    amplitudes,
     ceramics,
+    clamp_sizes,
     core_shear,
     free_capacitance,
     group_names,
     groups,
-    laminate,
+    interior,
     lever,
     plain,
     root_length,
 )
 from tactgen.tmm.beam.layerwise import layerwise_change
 from tactgen.tmm.beam.modes import natural_frequencies
+from tactgen.tmm.beam.plate import plate_change
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section, section, without_electrode
 from tactgen.tmm.chebyshev import Products
@@ -141,16 +142,15 @@ class Fit:
     """Coefficients over a range of groups."""
 
     products: Products  #: Polynomials in all groups
-    #: Polynomials in the sizes; each of the :func:`amplitudes` times them is a term as well
-    transition: Products
+    clamp: Products  #: The same, each of which times each of :attr:`TheoryChange.sizes` is a term
     factors: Floats  #: (t, 6) Coefficients of the logarithms of :data:`FACTORS`
     ratios: Floats  #: (t, 3) The same of the ratios of frequencies
     errors: Floats  #: (1 + 2 g, 7) Of the logarithms of :data:`ERRORS`
 
-    def terms(self, at: Floats, amplitude: Floats) -> Floats:
-        """Terms (..., t) at groups (..., g) and amplitudes (..., a)."""
-        across = amplitude[..., :, None] * self.transition(at)[..., None, :]
-        flat = across.reshape(*across.shape[:-2], -1)
+    def terms(self, at: Floats, sizes: Floats) -> Floats:
+        """Terms (..., t) at groups (..., g) and sizes (..., a)."""
+        held = sizes[..., :, None] * self.clamp(at)[..., None, :]
+        flat = held.reshape(*held.shape[:-2], -1)
         return np.concatenate([self.products(at), flat], axis=-1)
 
 
@@ -169,7 +169,7 @@ def calibration_from(record: dict[str, Any]) -> Calibration:
     one = record["fit"]
     fit = Fit(
         Products(*(np.array(one[name]) for name in ("low", "high", "powers"))),
-        Products(*(np.array(one[name]) for name in ("low", "high", "transition"))),
+        Products(*(np.array(one[name]) for name in ("low", "high", "clamp"))),
         *(np.array(one[name]) for name in ("factors", "ratios", "errors")),
     )
     return Calibration(fit, record["beyond"])
@@ -235,11 +235,11 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     # the fit does not know glue, the theories do
     simple, glued = plain(device), plain(device, glue=True)
     known = known or calibration(listed=bool(simple.bimorph.layers))
-    fit, at, amplitude = known.fit, groups(simple), amplitudes(simple)
-    terms = fit.terms(at, amplitude)
+    fit, at = known.fit, groups(simple)
+    near, whole = root_length(simple), interior(glued)
+    theory = theory_change(glued, whole, near)
+    terms = fit.terms(at, theory.sizes)
     further = terms @ fit.ratios  # of the higher modes as of the third
-    near, whole = root_length(simple), laminate(glued)
-    theory = layerwise_change(glued, whole, near)
     stiffness, root, shear, coupling, root_coupling, capacitance = np.exp(
         theory.factors + terms @ fit.factors
     )
@@ -261,6 +261,28 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
         errors=widened * np.exp(errors), lengthwise=lengthwise_modes(simple),
         damping_error=min(damping, _LOST),
         beyond=tuple(outside),
+    )  # fmt: skip
+
+
+class TheoryChange(NamedTuple):
+    """What layerwise theory and that of plates add to a beam of its section."""
+
+    factors: Floats  #: (6,) Logarithms of :data:`FACTORS`
+    #: (5,) Frequencies (Hz), and logarithms of the ratio of the beam's with these factors to them
+    frequencies: Floats
+    ratios: Floats
+    layered: Floats  #: (5,) Relative change of the statics by layerwise theory
+    #: (a,) Sizes of what a clamp does to the bending: by :func:`clamp_sizes`, and what a plate adds
+    sizes: Floats
+
+
+def theory_change(device: Device, whole: Section, root: float) -> TheoryChange:
+    """What theories add to a beam of the section `whole` whose root has a length (m)."""
+    layered = layerwise_change(device, whole, root)
+    plate = plate_change(device, root, lengthwise_modes(device))
+    return TheoryChange(
+        layered.factors + plate.factors, layered.frequencies, layered.ratios + plate.ratios,
+        layered.statics, np.append(clamp_sizes(device), plate.factors[[1, 4]]),
     )  # fmt: skip
 
 

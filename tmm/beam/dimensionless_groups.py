@@ -7,6 +7,7 @@ section.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,14 +17,13 @@ from tactgen.geometry.bimorph.segments import bimorph_stack
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Device, Piezo
 from tactgen.geometry.device.profile import UNIFORM
-from tactgen.tmm.beam.laminate import (
-    bending_constants,
-    laminate_energy,
-    laminate_section,
-    stretching,
-)
+from tactgen.tmm.beam.cross_section import section_constants, sheet_of
+from tactgen.tmm.beam.laminate import laminate_section, stretching
 from tactgen.tmm.beam.layerwise import layerwise_beam
 from tactgen.tmm.beam.sections import Section
+
+#: Largest relative change of the coupling that counts: that of ceramics that hardly bend has none.
+_MOST_CHANGE = 10.0
 
 COUPLING = "coupling k31^2"
 #: Names of the groups in order, for people.
@@ -104,22 +104,34 @@ def lever(device: Device) -> float:
     return float(np.abs(laminate(device).K) / (force * half)) if force else 1.0
 
 
-def amplitudes(device: Device) -> Floats:
-    """Logarithms (a,) of what the width changes of a section, by laminate theory.
+def clamp_sizes(device: Device) -> Floats:
+    """Sizes (2,) of what a clamp does to the bending, which holds the layers' thickness, too.
 
-    From a strip to a plate of the stiffness, the coupling and the free capacitance; from the plate
-    to one held across, as next to a clamp, of the stiffness and the coupling.
+    Thickness over length, and the same times the relative change of the curvature per voltage, from
+    a plate that is held across its width to one that is held through its thickness as well.
     """
-    wide, narrow = (laminate_energy(device, poisson=both, d32=both) for both in (True, False))
-    (plate, k_plate, c_plate), (strip, k_strip, c_strip), (held, k_held, _) = (
-        bending_constants(device, of, contracts=contracts)
-        for of, contracts in ((wide, True), (narrow, True), (wide, False))
-    )
-    free_plate, free_strip = c_plate + k_plate**2 / plate, c_strip + k_strip**2 / strip
-    return np.log([
-        plate / strip, k_plate / k_strip if k_strip else 1.0, free_plate / free_strip,
-        held / plate, k_held / k_plate if k_plate else 1.0,
-    ])  # fmt: skip
+    (held, k_held), (full, k_full) = (_held(device, follows) for follows in ([0], []))
+    change = 1.0 - k_full / full / (k_held / held) if k_held else 0.0
+    share = device.bimorph.thickness / device.bimorph.length
+    return np.array([share, share * np.clip(change, -_MOST_CHANGE, _MOST_CHANGE)])
+
+
+def _held(device: Device, follows: list[int]) -> tuple[float, float]:
+    """EI and K per width of layers whose other strains are 0 but those that follow (Voigt)."""
+    sums = np.zeros(5)
+    for layer in bimorph_stack(device):
+        c, e, _ = sheet_of(layer)
+        given = np.array([c[2, 2], e[0, 2]])
+        if follows:
+            freed = np.linalg.solve(c[np.ix_(follows, follows)], c[follows, 2])
+            given = given - [c[2, follows] @ freed, e[0, follows] @ freed]
+        t, middle = layer.thickness, 0.5 * (layer.low + layer.high)
+        stretch, volt = given * layer.share * [t, layer.hot if layer.electrodes else 0.0]
+        sums += [
+            stretch, stretch * middle, stretch * (middle**2 + t**2 / 12.0), volt, volt * middle,
+        ]  # fmt: skip
+    axis = sums[1] / sums[0]
+    return float(sums[2] - axis * sums[1]), float(sums[4] - axis * sums[3])
 
 
 def core_shear(device: Device) -> float:
@@ -160,6 +172,12 @@ def ceramics(device: Device) -> list[Piezo]:
     """Ceramics of a bimorph's layers."""
     layers = bimorph_stack(device)
     return [layer.material for layer in layers if isinstance(layer.material, Piezo)]
+
+
+def interior(device: Device) -> Section:
+    """The same with what the side edges relieve, far from the ends."""
+    stiffness, coupling, capacitance = section_constants(device)
+    return replace(laminate(device), EI=stiffness, K=coupling, C=capacitance)
 
 
 def free_capacitance(active: Section) -> Any:

@@ -37,11 +37,15 @@ def laminate_section(
     simplified : bool
         What :func:`laminate_energy` leaves out.
     """
-    stiffness, coupling, capacitance = bending_constants(
-        device, laminate_energy(device, lossy=lossy, **simplified)
+    energy, b = laminate_energy(device, lossy=lossy, **simplified), device.bimorph.width
+    # what follows of itself: both strains, and the curvature across
+    free, kept = [0, 1, 3], [2, 4]
+    follows = np.linalg.solve(energy[np.ix_(free, free)], energy[np.ix_(free, kept)])
+    (stiffness, coupling), (_, charge) = (
+        energy[np.ix_(kept, kept)] - energy[np.ix_(kept, free)] @ follows
     )
     own = section(Piece("bimorph", device.bimorph.length), device, beam, lossy=lossy)
-    return replace(own, EI=stiffness, K=coupling, C=capacitance)
+    return replace(own, EI=b * stiffness, K=-b * coupling, C=-b * charge)
 
 
 def laminate_energy(
@@ -68,23 +72,6 @@ def laminate_energy(
     for layer in bimorph_stack(device):
         _add(energy, layer, poisson=poisson, d32=d32, varying_field=varying_field, lossy=lossy)
     return energy
-
-
-def bending_constants(
-    device: Device, energy: Any, *, contracts: bool = True
-) -> tuple[Any, Any, Any]:
-    """Bending stiffness EI, coupling K and capacitance C per length, as of a section.
-
-    If it does not contract, the plate neither strains nor curves across, as next to a clamp.
-    """
-    # what follows of itself: both strains, and the curvature across
-    free, kept = [0, 1, 3] if contracts else [0], [2, 4]
-    follows = np.linalg.solve(energy[np.ix_(free, free)], energy[np.ix_(free, kept)])
-    (stiffness, coupling), (_, charge) = (
-        energy[np.ix_(kept, kept)] - energy[np.ix_(kept, free)] @ follows
-    )
-    b = device.bimorph.width
-    return b * stiffness, -b * coupling, -b * charge
 
 
 def _add(

@@ -127,13 +127,13 @@ def layerwise_beam(device: Device, *, varying_field: bool = False) -> LayerwiseB
             strain[np.ix_(own, own)] += stiffer * young * (varies * area) @ varies.T
             field = layer.hot * layer.poling / t if layer.electrodes else 0.0
             volt[own] += young * layer.material.d31 * field * shape @ area
-    squares, modes = _eigenpairs(shear - np.outer(slip, slip) / rigidity, strain)
+    squares, modes = eigenpairs(shear - np.outer(slip, slip) / rigidity, strain)
     squares[:2] = 0.0  # but for rounding
     sources = (of @ modes for of in (slip / rigidity, turn / inertia, volt))
     return LayerwiseBeam(float(rigidity), np.sqrt(squares), *sources)
 
 
-def _eigenpairs(matrix: Floats, mass: Floats) -> tuple[Floats, Floats]:
+def eigenpairs(matrix: Floats, mass: Floats) -> tuple[Floats, Floats]:
     """Ascending eigenvalues (n,) of both symmetric matrices (n, n), and vectors of unit mass."""
     root = np.linalg.inv(np.linalg.cholesky(mass))  # in numpy, as scipy takes long to import
     values, vectors = np.linalg.eigh(root @ matrix @ root.T)
@@ -213,14 +213,12 @@ def _frequencies(
     Ritz's method on the shear force Q of a cantilever: q = −Q′ is its inertia, and the slope that
     a sine of Q makes is a sine, so that layerwise theory is diagonal in them.
     """
-    waves, forces, shears, bends, inertia, turned, at, weights = _cantilever()
+    waves, forces, shears, bends, inertia, *_ = _cantilever()
     k = waves / length
     slopes = own.flexibility(k) + (1.0 / plate.EI - own.bending) / k**2 - 1.0 / own.rigidity
-    near = root / length
-    moments = turned @ legvander(2.0 * near * at - 1.0, len(turned[0]) - 1).T
-    root_bends = bends + (less - 1.0) * near * (moments * weights) @ moments.T
+    root_bends = bends + (less - 1.0) * _root_bends(root / length)
     layered, beam = (
-        _eigenpairs(flexible, inertia)[0][: -_MODES - 1 : -1]
+        eigenpairs(flexible, inertia)[0][: -_MODES - 1 : -1]
         for flexible in (
             (forces * slopes) @ forces.T + shears / own.rigidity,
             shears * less / plate.GA + root_bends * length**2 / plate.EI,
@@ -228,6 +226,20 @@ def _frequencies(
     )
     frequencies = 1.0 / (2.0 * np.pi * length * np.sqrt(plate.m * layered))
     return frequencies, 0.5 * np.log(layered / beam)
+
+
+def frequencies_with_root(near: float, softer: float) -> Floats:
+    """Angular frequencies (5,) over √(EI/(m L⁴)) of a cantilever whose root is softer."""
+    _, _, _, bends, inertia, *_ = _cantilever()
+    flexible = bends + (softer - 1.0) * _root_bends(near)
+    return np.asarray(eigenpairs(flexible, inertia)[0][: -_MODES - 1 : -1] ** -0.5)
+
+
+def _root_bends(near: float) -> Floats:
+    """Flexibility (p, p) in bending, over all of it, of a share of a cantilever at its clamp."""
+    *_, turned, at, weights = _cantilever()
+    moments = turned @ legvander(2.0 * near * at - 1.0, len(turned[0]) - 1).T
+    return np.asarray(near * (moments * weights) @ moments.T)
 
 
 @cache

@@ -26,21 +26,22 @@ from tactgen.tmm.beam.calibrated import (
     Calibration,
     Fit,
     SectionFactors,
+    TheoryChange,
     bending_frequencies,
     lengthwise_modes,
     multiport,
     section_factors,
     sections,
+    theory_change,
 )
 from tactgen.tmm.beam.dimensionless_groups import (
-    amplitudes,
     core_shear,
     groups,
+    interior,
     laminate,
     plain,
     root_length,
 )
-from tactgen.tmm.beam.layerwise import LayerwiseChange, layerwise_change
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section
@@ -67,18 +68,17 @@ UNUSUAL_LISTED = ("tab", "bare ends", "tip extension", "range")
 _SOFT = 0.01
 #: Level of bricks: within 1e-4 of much finer ones in all that is fitted.
 _LEVEL = 1
-_OUT = np.inf
 #: Degree of a term, in which each group counts with its weight: of piezo, shim and piezo, and of
-#: listed layers.  The second is of what multiplies the effect of the width.
+#: listed layers.  The second is of what multiplies the sizes of a clamp's effects.
 _TERMS: dict[str, tuple[tuple[float, Sequence[float]], tuple[float, Sequence[float]]]] = {
     "three": (
-        (5.0, (1.0, 1.0, 1.0, 1.0, 1.5, 2.0, 1.0, 3.0, 2.0, 2.0)),
-        (3.0, (1.0, 1.5, 1.5, 1.0, *[_OUT] * 6)),
+        (3.0, (1.0, 1.0, 1.0, 1.0, 1.5, 2.0, 1.0, 3.0, 2.0, 2.0)),
+        (3.0, (1.0, 1.0, 1.0, 1.0, 1.5, 2.0, 1.0, 2.0, 2.0, 2.0)),
     ),
-    "listed": ((3.0, (1.0, 1.0, 1.0, 1.5, 1.0, 1.0)), (3.0, (1.0, 1.0, 1.5, _OUT, _OUT, _OUT))),
+    "listed": ((3.0, (1.0, 1.0, 1.0, 1.5, 1.0, 1.0)), (2.0, (1.0, 1.0, 1.0, 1.5, 1.0, 1.0))),
 }
 #: Ridge relative to the mean diagonal of the normal equations; Gauss-Newton steps.
-_RIDGE, _STEPS = 1e-6, 10
+_RIDGE, _STEPS = 3e-5, 10
 #: Weights of the six static numbers: those of a displacement and the capacitance count more.
 _COUNTS = np.array([3.0, 1.0, 1.0, 3.0, 1.0, 3.0])
 #: Relative change by layerwise theory at which they count half: there a section's factors describe
@@ -170,8 +170,7 @@ class Devices:
 
     scenes: tuple[Scene, ...]
     groups: Floats  #: (n, g)
-    amplitudes: Floats  #: (n, a)
-    theory: LayerwiseChange  #: Of layerwise theory, arrays (n, ...)
+    theory: TheoryChange  #: Arrays (n, ...)
     length: Floats
     root: Floats  #: (n,) Length of the zone next to the clamp (m)
     sections: Section  #: Of laminate theory, arrays (n,)
@@ -182,8 +181,7 @@ class Devices:
         numbers = np.arange(len(self.observed))[which]
         return Devices(
             tuple(self.scenes[i] for i in numbers),
-            self.groups[numbers], self.amplitudes[numbers],
-            LayerwiseChange(*(of[numbers] for of in self.theory)),
+            self.groups[numbers], TheoryChange(*(of[numbers] for of in self.theory)),
             self.length[numbers], self.root[numbers],
             Section(*(getattr(self.sections, name)[numbers] for name in Section.__annotations__)),
             tuple(self.observed[i] for i in numbers),
@@ -193,16 +191,15 @@ class Devices:
 def devices_of(observed: Sequence[Observed]) -> Devices:
     """Observed devices with their groups and their laminates."""
     scenes = tuple(load_scene("prototype", list(one.overrides))[0] for one in observed)
-    plates = [laminate(scene.device) for scene in scenes]
+    plates = [interior(scene.device) for scene in scenes]
     theory = [
-        layerwise_change(scene.device, plate, root_length(scene.device))
+        theory_change(scene.device, plate, root_length(scene.device))
         for scene, plate in zip(scenes, plates, strict=True)
     ]
     return Devices(
         scenes,
         np.array([groups(scene.device) for scene in scenes]),
-        np.array([amplitudes(scene.device) for scene in scenes]),
-        LayerwiseChange(*(np.array(of) for of in zip(*theory, strict=True))),
+        TheoryChange(*(np.array(of) for of in zip(*theory, strict=True))),
         np.array([scene.bimorph.length for scene in scenes]),
         np.array([root_length(scene.device) for scene in scenes]),
         Section(
@@ -250,16 +247,18 @@ def fit(
     training = np.random.default_rng(SEED).random(len(of.observed)) < FITTED
     known, fresh = of.part(training), of.part(~training)
     bounds = of.groups.min(axis=0), of.groups.max(axis=0)
-    products, transition = (
+    products, clamp = (
         Products(*bounds, weighted_powers(weights, degree)) for degree, weights in _TERMS[kind]
     )
-    count = len(products.powers) + of.amplitudes.shape[1] * len(transition.powers)
+    count = len(products.powers) + of.theory.sizes.shape[1] * len(clamp.powers)
     found = Fit(
-        products, transition, np.zeros((count, 6)), np.zeros((count, 3)),
+        products, clamp, np.zeros((count, 6)), np.zeros((count, 3)),
         np.zeros((1 + 2 * of.groups.shape[1], len(ERRORS))),
     )  # fmt: skip
     announce("calibration: factors of the section")
-    found = replace(found, factors=_fit_factors(known, found.terms(known.groups, known.amplitudes)))
+    found = replace(
+        found, factors=_fit_factors(known, found.terms(known.groups, known.theory.sizes))
+    )
     announce("calibration: ratios of frequencies")
     found = replace(found, ratios=_fit_ratios(known, found))
     announce("calibration: errors")
@@ -291,7 +290,7 @@ def _fit_factors(of: Devices, terms: Floats) -> Floats:
     """Coefficients (t, 6) of the logarithms of the factors."""
     measured = np.log([one.statics for one in of.observed])
     count, step = terms.shape[1], 1e-6
-    layered = np.pad(of.theory.statics, ((0, 0), (0, 1)))
+    layered = np.pad(of.theory.layered, ((0, 0), (0, 1)))
     counts = _COUNTS / (1.0 + np.abs(layered) / _TRUSTED)
     found = np.zeros((count, 6))
     for _ in range(_STEPS):
@@ -312,7 +311,7 @@ def _fit_factors(of: Devices, terms: Floats) -> Floats:
 
 def _fit_ratios(of: Devices, known: Fit) -> Floats:
     """Coefficients (t, 3) of the logarithms of the frequencies' ratios."""
-    terms = known.terms(of.groups, of.amplitudes)
+    terms = known.terms(of.groups, of.theory.sizes)
     sought = np.array([
         _ratios(scene, one.short, alone(known))
         for one, scene in zip(of.observed, of.scenes, strict=True)
@@ -414,7 +413,7 @@ def _widening(known: Calibration, of: Sequence[Observed]) -> float:
 
 def _plain(found: Fit) -> dict[str, Any]:
     return products_record(found.products) | {
-        "transition": found.transition.powers.tolist(),
+        "clamp": found.clamp.powers.tolist(),
         **{
             name: [[rounded(v) for v in row] for row in getattr(found, name)]
             for name in ("factors", "ratios", "errors")

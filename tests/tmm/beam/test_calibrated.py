@@ -150,11 +150,14 @@ def test_a_rod_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("width", "young", "shear"),
-    [("6mm", "60GPa", "25GPa"), ("0.1mm", "60GPa", "25GPa"), ("2mm", "30MPa", "10MPa")],
+    ("width", "young", "shear", "level"),
+    [("6mm", "60GPa", "25GPa", 0), ("0.1mm", "60GPa", "25GPa", 2), ("2mm", "30MPa", "10MPa", 0)],
 )
-def test_losses_are_those_of_the_solid(width, young, shear):
-    """Held across at the clamp, narrow, and on a soft core that loses most."""
+def test_losses_are_those_of_the_solid(width, young, shear, level):
+    """Held across at the clamp, narrow, and on a soft core that loses most.
+
+    Of the narrow one the coarsest bricks are 0.6 % off, as much as the statement itself.
+    """
     s = scene(
         "bimorph.length=20mm", f"bimorph.width={width}", "bimorph.piezo_thickness=0.22mm",
         "bimorph.shim_thickness=0.04mm", "piezo.d31=-3.5e-10m/V", "piezo.quality_factor=80",
@@ -164,7 +167,7 @@ def test_losses_are_those_of_the_solid(width, young, shear):
     factors = calibrated.section_factors(s.device, s.beam)
     row = calibrated.sections(s.device, s.support, s.beam, factors, lossy=True)
     plain = transfer_matrix.multiport(s.device, s.support, s.beam, np.zeros(1), lossy=True)
-    mesh = bimorph_bricks(s.device, LEVELS[0])
+    mesh = bimorph_bricks(s.device, LEVELS[level])
     solid = direct_multiport(assemble(s.device, mesh, lossy=True), np.zeros(1))
     flexible = [
         np.linalg.inv(port.stiffness[0][2:4, 2:4])[0, 0]

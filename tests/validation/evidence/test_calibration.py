@@ -45,7 +45,7 @@ def test_a_calibration_is_written_where_asked(tmp_path, monkeypatch, capsys):
 
 def test_the_statics_that_are_fitted_are_those_of_a_cantilever():
     """Of a uniform beam: closed forms, whatever the length of the zone at the clamp."""
-    from tactgen.tmm.beam.layerwise import LayerwiseChange
+    from tactgen.tmm.beam.calibrated import TheoryChange
     from tactgen.tmm.beam.sections import Section
     from tactgen.validation.evidence.calibration_bimorph import Devices
 
@@ -53,8 +53,8 @@ def test_the_statics_that_are_fitted_are_those_of_a_cantilever():
     section = Section(*(np.array([v]) for v in (ei, ga, 0.01, 1e-9, k, c)))
     for root in (1e-3, 8e-3):
         at = np.array([length]), np.array([root])
-        theory = LayerwiseChange(*(np.zeros((1, size)) for size in (6, 5, 5, 5)))
-        of = Devices((), np.zeros((1, 10)), np.zeros((1, 5)), theory, *at, section, ())
+        theory = TheoryChange(*(np.zeros((1, size)) for size in (6, 5, 5, 5, 4)))
+        of = Devices((), np.zeros((1, 10)), theory, *at, section, ())
         found = np.exp(statics(np.zeros((1, 6)), of))[0]
         expected = [
             length**3 / (3 * ei) + length / ga, length**2 / (2 * ei), length / ei,
