@@ -333,8 +333,8 @@ def _sections(piece: Piece, device: Device, shares: Floats) -> list[tuple[str, F
         low, high = (np.broadcast_to(face, shares.shape) for face in (layer.low, layer.high))
         x, y = np.stack([low, high], axis=1), layer.share * np.stack([-half, half], axis=1)
         plan = np.stack(np.broadcast_arrays(x[:, :, None], y[:, None, :]), axis=-1)
-        faces = layer.hot < 0.0, layer.hot > 0.0
-        at = np.array(faces, dtype=float) * (not layer.uniform)
+        at = np.array([layer.hot < 0.0, layer.hot > 0.0], dtype=float)
+        at = np.full(2, at.mean()) if layer.uniform else at  # fingers at 0 V and at the voltage
         found.append((layer.region, plan, at))
     return found
 

@@ -165,8 +165,21 @@ def _check_layers(bimorph: Bimorph, support: Support) -> None:
             "0.26 mm +x"
         )
     _check_contacts(layers)
+    along = [layer for layer in layers if layer.pitch]
+    for layer in along:
+        if not layer.thickness <= layer.pitch <= bimorph.length:
+            raise InputError(
+                f"bimorph.layers has {layer}, whose pitch must lie between its thickness, as the "
+                "field of closer fingers does not fill it, and bimorph.length = "
+                f"{bimorph.length * 1e3:g} mm; change the pitch"
+            )
+        if bimorph.wiring == "series":
+            raise InputError(
+                f'bimorph.wiring = "series" is not known for {layer} with interdigitated '
+                "electrodes; use parallel"
+            )
     for name in ("bare_below", "bare_above"):
-        if getattr(bimorph, name) and any(layer.pitch for layer in layers):
+        if getattr(bimorph, name) and along:
             raise InputError(
                 f"bimorph.{name} = {getattr(bimorph, name) * 1e3:g} mm is not known with a ceramic "
                 f"poled along in {text}; set 0 mm, with bimorph.length up to the last electrode"
@@ -227,7 +240,7 @@ def _check_contacts(layers: Laminate) -> None:
 def _mirrored(layers: Laminate) -> bool:
     """Whether layers and voltages are the same seen from both sides, with two driven ceramics."""
     hot = [layers.hot(number) for number in range(len(layers))]
-    sizes = [(of.material, of.thickness, of.width, of.electrodes) for of in layers]
+    sizes = [(of.material, of.thickness, of.width, of.electrodes, of.pitch) for of in layers]
     alike = sizes == sizes[::-1] and hot == [-sign for sign in hot[::-1]]
     return alike and len([sign for sign in hot if sign]) == 2
 
@@ -300,10 +313,11 @@ def check_constant_section(device: Device) -> None:
 
     Raises InputError in one sentence that names the models that can.
     """
+    also = "" if any(layer.pitch for layer in device.bimorph.layers) else ",cad"
     if device.bimorph.layers.stepped:
         raise InputError(
             f'bimorph.layers = "{device.bimorph.layers}" has layers of different widths, which the '
-            "bricks of the model solid do not know; ask for models=lumped,tmm,beam,cad or leave "
+            f"bricks of the model solid do not know; ask for models=lumped,tmm,beam{also} or leave "
             "out the widths"
         )
     if device.bimorph.profiles:
@@ -311,7 +325,7 @@ def check_constant_section(device: Device) -> None:
         raise InputError(
             f'bimorph.{key} = "{device.bimorph.profiles[key]}" is not known to the model solid, '
             "whose bricks are of constant size; "
-            f"ask for models=lumped,tmm,beam,cad or leave out bimorph.{key}"
+            f"ask for models=lumped,tmm,beam{also} or leave out bimorph.{key}"
         )
 
 

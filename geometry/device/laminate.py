@@ -3,9 +3,9 @@
 From the lower face (−x) to the upper one (+x).  A ceramic says how it is poled, and may say which
 of its faces has the drive voltage (``hot +x``; by default the outer one), that both have none
 (``shorted``) or that it has no electrodes (``bare``).  Poled along the bimorph it has
-interdigitated electrodes (``+z pitch 0.5 mm``; ``-z`` where a positive voltage shortens it).  A
-layer of another width than the bimorph's states it after the thickness (``wide 5 mm``).  Read at
-the edge with units, held in metres.
+interdigitated electrodes (``+z pitch 0.5 mm``; ``-z`` where a positive voltage is against the
+poling).  A layer of another width than the bimorph's states it after the thickness (``wide 5
+mm``).  Read at the edge with units, held in metres.
 """
 
 from __future__ import annotations

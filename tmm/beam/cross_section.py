@@ -24,8 +24,9 @@ from tactgen.geometry.bimorph.segments import StackLayer, bimorph_stack
 from tactgen.geometry.device.materials import EPS0, isotropic_stiffness, orthotropic_stiffness
 from tactgen.geometry.device.parameters import Device, Glue, Piezo, Shim
 
-#: Degree of the polynomials through a layer and across a stretch of the width: EI, K and C are then
-#: within 1e-3 of much finer ones.
+#: Degree of the polynomials through a layer and across a stretch of the width.  EI is then within
+#: 1e-4 of much finer ones, K and C mostly within 1e-3; C of a ceramic far thinner than the rest,
+#: the field at whose edges is not resolved, within 1.5e-2.
 _THROUGH, _ACROSS = 5, 5
 #: Ends of the stretches of half the width from its edge, in thicknesses of the bimorph; one that
 #: takes nearly all is not divided.
@@ -223,14 +224,14 @@ def _layer(layer: StackLayer, h: float, y: _Line) -> tuple[Any, Any, Any]:
         """Sum of integrals along x times integrals along y."""
         return sum(w * unit[i][:, None, :, None] * own[j][None, :, None, :] for w, i, j in terms)
 
-    plain, first, second, both = range(4)  # neither is differentiated, the second, the first, both
+    plain, right, left, both = range(4)  # which of the two factors is differentiated
     blocks = {
         (0, 0): product((c[0, 0], both, plain), (c[5, 5], plain, both)),
         (1, 1): product((c[1, 1], plain, both), (c[5, 5], both, plain)),
         (2, 2): product((-eps[0, 0], both, plain), (-eps[1, 1], plain, both)),
-        (0, 1): product((c[0, 1], second, first), (c[5, 5], first, second)),
+        (0, 1): product((c[0, 1], left, right), (c[5, 5], right, left)),
         (0, 2): product((e[0, 0], both, plain), (e[1, 5], plain, both)),
-        (1, 2): product((e[0, 1], first, second), (e[1, 5], second, first)),
+        (1, 2): product((e[0, 1], right, left), (e[1, 5], left, right)),
     }
     nx, ny = _THROUGH + 1, y.mass.shape[0]
     matrix, load = np.zeros((nx, 3, ny, nx, 3, ny)), np.zeros((nx, 3, ny, 3))

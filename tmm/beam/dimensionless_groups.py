@@ -1,6 +1,6 @@
-"""Dimensionless groups of a bimorph, by which the difference of solid and laminate is known.
+"""Dimensionless groups of a bimorph, by which the difference of solid and theories is known.
 
-Bimorphs of any size whose groups are alike differ alike from laminate theory.  The bimorph of
+Bimorphs of any size whose groups are alike differ alike from them.  The bimorph of
 piezo, shim and piezo has a group for each of its ratios; listed layers are described by their
 section.
 """
@@ -175,7 +175,7 @@ def ceramics(device: Device) -> list[Piezo]:
 
 
 def interior(device: Device) -> Section:
-    """The same with what the side edges relieve, far from the ends."""
+    """Section far from the ends, solved over its width, with the shear of layerwise theory."""
     stiffness, coupling, capacitance = section_constants(device)
     return replace(laminate(device), EI=stiffness, K=coupling, C=capacitance)
 

@@ -59,7 +59,7 @@ _LAYERS = tuple(
     f"glue.{name} if layer of glue"
     for name in ("youngs_modulus", "poisson_ratio", "density", "loss_factor")
 )
-_BIMORPH = ("bimorph", "piezo", "shim", "support.kind", *_ON_ROD, *_LAYERS)
+_BIMORPH = ("bimorph", "piezo", "shim", "support.kind", *_LAYERS, *_ON_ROD)
 #: The segmented beam.
 BEAM = (*_BIMORPH, "beam")
 #: Base and tip.

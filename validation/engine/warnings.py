@@ -89,7 +89,7 @@ def _check_base(scene: Scene, quantities: Sequence[str]) -> None:
 def _of_constants(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     """Stated constants that contradict each other a little, and what is taken."""
     asked = any(QUANTITIES[name].actuator == "bimorph" for name in quantities)
-    used = any(layer.material == scene.piezo for layer in bimorph_stack(scene.device))
+    used = "piezo" in scene.bimorph.own_materials
     if asked and used and (taken := moved(scene.piezo.base, scene.piezo.constants)):
         yield (
             f"the constants of piezo.constants contradict each other a little; taken are "

@@ -84,8 +84,9 @@ _COUNTS = np.array([3.0, 1.0, 1.0, 3.0, 1.0, 3.0])
 #: Relative change by layerwise theory at which they count half: there a section's factors describe
 #: the device less well, first the rotation of a soft core's face.  The same of a frequency's ratio.
 _TRUSTED, _TRUSTED_RATIO = np.array([0.1, 0.003, 0.003, 0.1, 0.003, np.inf]), 0.02
-#: Weight of equal ratios at neighbouring knots beside that of a frequency; least ratio.
-_SMOOTH, _LEAST_RATIO = 1e-2, 0.2
+#: Weight of equal ratios at neighbouring knots beside that of a frequency, 1 where the mode may be
+#: one across; least ratio; weight of a frequency on springs.
+_SMOOTH, _LEAST_RATIO, _ON_SPRINGS = 1e-2, 0.2, 0.7
 #: Quantile of held-out errors that a stated error covers, and the least error (that of the bricks).
 _QUANTILE, _LEAST = 0.97, 1e-4
 
@@ -173,7 +174,7 @@ class Devices:
     theory: TheoryChange  #: Arrays (n, ...)
     length: Floats
     root: Floats  #: (n,) Length of the zone next to the clamp (m)
-    sections: Section  #: Of laminate theory, arrays (n,)
+    sections: Section  #: Far from the ends, arrays (n,)
     observed: tuple[Observed, ...]
 
     def part(self, which: Ints | Bools) -> Devices:
@@ -313,8 +314,7 @@ def _fit_ratios(of: Devices, known: Fit) -> Floats:
     """Coefficients (t, 3) of the logarithms of the frequencies' ratios."""
     terms = known.terms(of.groups, of.theory.sizes)
     sought = np.array([
-        _ratios(scene, one.short, alone(known))
-        for one, scene in zip(of.observed, of.scenes, strict=True)
+        _ratios(one, scene, alone(known)) for one, scene in zip(of.observed, of.scenes, strict=True)
     ])  # fmt: skip
     found = []
     for left, known_part in zip(np.log(sought).T, of.theory.ratios.T[:3], strict=True):
@@ -333,20 +333,26 @@ def _solved(scene: Scene, known: Calibration) -> tuple[SectionFactors, list[Elem
     return factors, row
 
 
-def _ratios(scene: Scene, solid: Floats, known: Calibration) -> Floats:
-    """Ratios (3,) at the knots, such that the beam has the solid's frequencies (3,).
+def _ratios(one: Observed, scene: Scene, known: Calibration) -> Floats:
+    """Ratios (3,) at the knots, such that the beam has the solid's frequencies.
 
+    As well as it can both clamped and on springs, where what the clamp does to short waves is less.
     Modes that may be across the width are left out: the ratio of the one below goes on.
     """
     factors, row = _solved(scene, known)
-    beam = natural_frequencies(row, scene.ends, 3, open_circuit=False).frequencies
     knots = np.append(0.0, factors.knots[:3])
-    shares = np.array([np.interp(solid, knots, one) for one in np.eye(4)]).T[:, 1:]
-    clear = slice(lengthwise_modes(scene.device))
-    smooth = _SMOOTH * (np.eye(3) - np.eye(3, k=-1))
-    rows = np.concatenate([shares[clear], smooth])
-    right = np.concatenate([(beam / solid - 1.0)[clear], np.zeros(3)])
-    return np.asarray(np.maximum(1.0 + np.linalg.lstsq(rows, right, rcond=None)[0], _LEAST_RATIO))
+    lengthwise = np.arange(3) < lengthwise_modes(scene.device)
+    smooth = np.where(lengthwise, _SMOOTH, 1.0)[:, None]
+    rows, right = [smooth * (np.eye(3) - np.eye(3, k=-1))], [np.zeros(3)]
+    soft = load_scene("prototype", list(one.on_springs))[0].ends
+    for weight, ends, solid in ((1.0, scene.ends, one.short), (_ON_SPRINGS, soft, one.sprung)):
+        beam = natural_frequencies(row, ends, 3, open_circuit=False).frequencies
+        shares = np.array([np.interp(solid, knots, each) for each in np.eye(4)]).T[:, 1:]
+        clear = lengthwise & np.isfinite(solid)
+        rows.append(weight * shares[clear])
+        right.append(weight * (beam / solid - 1.0)[clear])
+    found, *_ = np.linalg.lstsq(np.concatenate(rows), np.concatenate(right), rcond=None)
+    return np.asarray(np.maximum(1.0 + found, _LEAST_RATIO))
 
 
 def left_over(one: Observed, scene: Scene, known: Calibration) -> Floats:

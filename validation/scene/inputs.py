@@ -296,8 +296,9 @@ def _remedy(scene: Scene, condition: str) -> str:
         return f"with {key}; leave {key} out to use it"
     if condition.startswith(_LAYER):
         group = condition.removeprefix(_LAYER)
-        where = "" if group != "glue" else "set bimorph.glue_thickness, or "
-        return f"without a {condition}; {where}name {group} in bimorph.layers to use it"
+        if group == "glue" and not scene.bimorph.layers:
+            return "without glue between the layers; set bimorph.glue_thickness to use it"
+        return f"without a {condition}; name {group} in bimorph.layers to use it"
     key, unequal, value = condition.partition("!=")
     if unequal:
         return f'with {key} = "{value}"; set another {key} to use it'

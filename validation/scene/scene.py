@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from math import sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -23,6 +24,7 @@ from pydantic import (
 
 from tactgen.geometry import units as u
 from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.segments import material_of
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.bimorph import GROWTHS
 from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
@@ -155,9 +157,12 @@ class Scene(p.Device):
 
     @property
     def field(self) -> float:
-        """Amplitude of the field (V/m) that the drive voltage makes in the ceramic."""
+        """Amplitude of the field (V/m) that the drive voltage makes in the ceramic piezo."""
         across = 2.0 if self.bimorph.wiring == "series" else 1.0
-        return float(abs(self.drive.voltage) / (across * self.bimorph.electrode_distance))
+        own = [layer for layer in self.bimorph.layers if layer.material == "piezo"]
+        distance = min((layer.pitch or layer.thickness for layer in own), default=0.0)
+        distance = distance or self.bimorph.electrode_distance
+        return float(abs(self.drive.voltage) / (across * distance))
 
     @property
     def ends(self) -> Ends:
@@ -373,13 +378,14 @@ def _check_together(scene: Scene) -> None:
     """Refuse values that do not fit together; InputError."""
     if scene.piezo.grows:
         _check_field(scene)
-    ceramic = scene.device.piezo.ceramic()
     try:
-        if _reads_tensors(scene):
-            ceramic.check_admissible()
-        else:
-            ceramic.check_lengthwise()
-        ceramic.check_passive()
+        if "piezo" in scene.bimorph.own_materials:
+            ceramic = scene.device.piezo.ceramic()
+            if _reads_tensors(scene):
+                ceramic.check_admissible()
+            else:
+                ceramic.check_lengthwise()
+            ceramic.check_passive()
     except InputError as error:  # where one constant has a wrong unit, that is the cause
         slips = unusual_values(scene, [f"piezo.{name}" for name in p.Piezo.model_fields])
         if slips:
@@ -388,6 +394,7 @@ def _check_together(scene: Scene) -> None:
             raise InputError(f"at the field of drive.voltage, {error}") from None
         raise
     device = scene.device
+    _check_along(device)
     if set(scene.models) & set(models_of("bimorph")) or scene.support.kind == "rod":
         check_bimorph(device, scene.support)
     check_actuator(device)
@@ -397,6 +404,25 @@ def _check_together(scene: Scene) -> None:
         support_table(scene.support)
     if scene.threshold.kind == "table":
         threshold_of(scene.threshold)
+
+
+def _check_along(device: p.Device) -> None:
+    """Refuse a ceramic poled along that no passive material is."""
+    for number, layer in enumerate(device.bimorph.layers):
+        of = material_of(device, layer)
+        if not (layer.pitch and isinstance(of, p.Piezo)):
+            continue
+        turned = of.ceramic()
+        try:
+            turned.check_lengthwise()
+            turned.check_passive()
+        except InputError:
+            k33 = abs(turned.d[2, 0]) / sqrt(turned.s[0, 0] * turned.eps_t[2, 2])
+            raise InputError(
+                f"bimorph.layers has layer {number + 1} ({layer}) with k33 = {k33:.3g} along its "
+                "poling, and no passive material has that together with its losses; change d33, "
+                "s33 or eps33 in piezo.constants, or piezo.coupling_loss"
+            ) from None
 
 
 def _check_field(scene: Scene) -> None:

@@ -379,7 +379,8 @@ class SolidFields:
             if layer := along.get(region):
                 # the field that stands for the one between the fingers is through the thickness
                 share = layer.thickness / layer.pitch
-                values[at, 3] = values[at, 3].mean()
+                across = values[at, 3]
+                values[at, 3] = 0.5 * across[np.abs(across).argmax()]  # fingers at 0 V and U
                 field[at] = -share * field[at][:, ::-1]
                 flux[at] = -flux[at][:, ::-1] / share
         fields = {

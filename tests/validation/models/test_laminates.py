@@ -242,6 +242,8 @@ def test_a_bare_tip_carries_no_ceramic():
         ("brass 0.2 mm; PZT-5A 0.2 mm +x pitch 0.5 mm", "in this order"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 0.5 mm hot +x", "write shorted"),
         ("PZT-5A 0.2 mm +x; PZT-5A 0.2 mm +z pitch 0.5 mm", "cannot touch another ceramic"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 0.1 mm", "must lie between its thickness"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 30 mm", "bimorph.length = 20 mm"),
         ("brss 0.2 mm; PZT-5A 0.2 mm +x", 'did you mean "brass"'),
         ("brass 200 mm; PZT-5A 0.2 mm +x", "must be"),
     ],
@@ -260,6 +262,9 @@ def test_what_a_list_cannot_be_combined_with_is_refused():
         scene(uni, wiring="series")
     with pytest.raises(InputError, match="mirror each other"):
         scene("PZT-5A 0.2 mm wide 4 mm +x; brass 0.1 mm; PZT-5A 0.2 mm -x", wiring="series")
+    with pytest.raises(InputError, match="interdigitated electrodes; use parallel"):
+        scene("PZT-5A 0.2 mm +z pitch 1 mm; brass 0.1 mm; PZT-5A 0.2 mm -z pitch 1 mm",
+              wiring="series")  # fmt: skip
     with pytest.raises(InputError, match="leave out hot"):
         scene("PZT-5A 0.2 mm +x hot -x; PZT-5A 0.2 mm -x hot +x", wiring="series")
     with pytest.raises(InputError, match=r"joins layer 1 \(PZT-5A 0\.1 mm -x\) and layer 3"):
@@ -268,6 +273,18 @@ def test_what_a_list_cannot_be_combined_with_is_refused():
         scene("PZT-5A 0.1 mm +x; PZT-5A 0.1 mm -x hot +x", tip_extension="2 mm")
     with pytest.raises(InputError, match="whose rod holds a shim"):
         checked_scene({"bimorph": {"layers": uni}, "support": {"kind": "rod"}})
+
+
+def test_what_couples_along_must_be_passive():
+    """By k33 and by the losses, as across by k31."""
+    of = [
+        "support.kind=clamped", "load.kind=none", "models=tmm", "piezo.material=PZT-5A",
+        "bimorph.layers=piezo 0.2 mm +z pitch 0.5 mm; brass 0.2 mm", "piezo.loss_tangent=0.03",
+        "piezo.quality_factor=60",
+    ]  # fmt: skip
+    for stated in ("piezo.constants=d33 2000 pC/N", "piezo.coupling_loss=0.033"):
+        with pytest.raises(InputError, match=r"layer 1 .* k33"):
+            load_scene("prototype", [*of, stated])
 
 
 def test_a_narrower_layer_counts_by_its_width():

@@ -159,7 +159,7 @@ class CadModel(TwoMeshModel):
         if any(layer.pitch for layer in scene.bimorph.layers):
             raise InputError(
                 f'bimorph.layers = "{scene.bimorph.layers}" has a ceramic poled along, whose '
-                "electrodes the model cad does not know; ask for --model solid"
+                "electrodes the model cad does not know; ask for models=lumped,tmm,beam,solid"
             )
 
     def make_pair(self) -> MeshPair:
