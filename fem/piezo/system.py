@@ -22,7 +22,6 @@ from tactgen.geometry.device.materials import (
     PiezoTensors,
     isotropic_stiffness,
     lossy_modulus,
-    orthotropic_stiffness,
 )
 from tactgen.geometry.device.parameters import Device, Glue, Piezo, Rod, Shim
 
@@ -218,13 +217,10 @@ def _poled(ceramic: Piezoceramic, sign: float, *, lossy: bool) -> Material:
 def _elastic(of: Piezo | Shim | Glue | Rod, *, lossy: bool) -> Material:
     """Material without a field."""
     assert not isinstance(of, Piezo)
-    if isinstance(of, Shim):
-        across = of.transverse_modulus or 2.0 * (1.0 + of.poisson_ratio) * of.shear_modulus
-        stiffness = orthotropic_stiffness(
-            of.youngs_modulus, across, of.shear_modulus, of.poisson_ratio
-        )
-    else:
+    if isinstance(of, Rod):
         stiffness = isotropic_stiffness(of.youngs_modulus, of.poisson_ratio)
+    else:
+        stiffness = of.stiffness()
     return Material(lossy_modulus(stiffness, of.loss_factor, lossy=lossy), of.density)
 
 

@@ -10,6 +10,7 @@ from typing import Any, Literal
 from pydantic import PrivateAttr, model_validator
 
 from tactgen.geometry import units as u
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.ceramic_constants import (
     NO_CONSTANTS,
     Constants,
@@ -26,7 +27,13 @@ from tactgen.geometry.device.material_library import (
     library_name,
     shim_name,
 )
-from tactgen.geometry.device.materials import Own, Piezoceramic, Spread
+from tactgen.geometry.device.materials import (
+    Own,
+    Piezoceramic,
+    Spread,
+    isotropic_stiffness,
+    orthotropic_stiffness,
+)
 from tactgen.geometry.device.parameter_group import PAPER_2, PAPER_4, Parameters, field, printed
 from tactgen.geometry.device.profile import UNIFORM, LengthProfile, Profile
 from tactgen.geometry.errors import InputError
@@ -343,6 +350,17 @@ class Shim(Parameters):
     )
     density: u.Density = printed(1500.0, PAPER_2, "mass density", 50.0, own=Own("density", 0.02))
 
+    @property
+    def modulus_across(self) -> float:
+        """Modulus across the fibres (Pa); where it is not stated that of an isotropic shim."""
+        return float(self.transverse_modulus or 2 * (1 + self.poisson_ratio) * self.shear_modulus)
+
+    def stiffness(self) -> Floats:
+        """(6, 6) Stiffness without losses (Pa)."""
+        return orthotropic_stiffness(
+            self.youngs_modulus, self.modulus_across, self.shear_modulus, self.poisson_ratio
+        )
+
     @model_validator(mode="before")
     @classmethod
     def _fill_from_library(cls, given: Any) -> Any:
@@ -402,3 +420,7 @@ class Glue(Parameters):
         "assumed: none; epoxies below their glass transition have 0.01 to 0.1",
         "structural damping of the bond lines: all moduli times (1 + j loss factor)",
     )
+
+    def stiffness(self) -> Floats:
+        """(6, 6) Stiffness without losses (Pa)."""
+        return isotropic_stiffness(self.youngs_modulus, self.poisson_ratio)

@@ -21,7 +21,7 @@ from numpy.polynomial.legendre import legder, leggauss, legval, legvander
 
 from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.bimorph.segments import StackLayer, bimorph_stack
-from tactgen.geometry.device.materials import EPS0, isotropic_stiffness, orthotropic_stiffness
+from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Device, Glue, Piezo, Shim
 
 #: Degree of the polynomials through a layer and across a stretch of the width.  EI is then within
@@ -55,14 +55,7 @@ def _tensors(of: Piezo | Shim | Glue) -> Sheet:
     if isinstance(of, Piezo):
         tensors = of.ceramic().tensors()
         return Sheet(*(np.real(of) for of in (tensors.c, tensors.e, tensors.eps)))
-    if isinstance(of, Shim):
-        across = of.transverse_modulus or 2.0 * (1.0 + of.poisson_ratio) * of.shear_modulus
-        stiffness = orthotropic_stiffness(
-            of.youngs_modulus, across, of.shear_modulus, of.poisson_ratio
-        )
-    else:
-        stiffness = isotropic_stiffness(of.youngs_modulus, of.poisson_ratio)
-    return Sheet(stiffness, np.zeros((3, 6)), np.zeros((3, 3)))
+    return Sheet(of.stiffness(), np.zeros((3, 6)), np.zeros((3, 3)))
 
 
 def section_constants(device: Device) -> tuple[float, float, float]:

@@ -122,8 +122,7 @@ def _sheet(
         ratio, nu = s[0, 0] / s[1, 1], -s[0, 1] / s[0, 0]
     elif isinstance(of, Shim):
         nu = of.poisson_ratio
-        across = of.transverse_modulus or 2.0 * (1.0 + nu) * of.shear_modulus
-        ratio = across / of.youngs_modulus
+        ratio = of.modulus_across / of.youngs_modulus
     else:
         nu, ratio = of.poisson_ratio, 1.0
     nu = nu if poisson else 0.0

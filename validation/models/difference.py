@@ -262,8 +262,7 @@ def without(scene: Scene, given_up: Sequence[Assumption], level: int = 1) -> Sol
         d[2, 2], d[0, 4], d[1, 3] = ceramic.d[2, 2], ceramic.d[0, 4], ceramic.d[1, 3]
     s = ceramic.s if poisson else np.diag(np.diag(ceramic.s))
     if not poisson:
-        shim = scene.shim
-        across = shim.transverse_modulus or 2.0 * (1.0 + shim.poisson_ratio) * shim.shear_modulus
+        across = scene.shim.modulus_across
         scene = _with(scene, "shim", poisson_ratio=0.0, transverse_modulus=across)
     uniform = FIELD not in given_up
     return SolidCase(scene, replace(ceramic, s=s, d=d), uniform_field=uniform, level=level)
