@@ -29,11 +29,12 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.bimorph.segments import Piece, beam_pieces, material_of
+from tactgen.geometry.bimorph.segments import Piece, beam_pieces, bimorph_stack, material_of
 from tactgen.geometry.device.laminate import Laminate
 from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
+from tactgen.tmm.beam.cross_section import sheet_of
 from tactgen.tmm.beam.dimensionless_groups import (
     COUPLING,
     GROUPS,
@@ -188,7 +189,8 @@ def calibration(*, listed: bool) -> Calibration:
 def check_known(device: Device, support: Support) -> None:
     """Refuse what no calibration knows: a rod's joint, layers of widths of their own.
 
-    And ceramics that no solid has, that couple far more than those of the fit, or hardly bend it.
+    And materials that no solid has, ceramics that couple far more than those of the fit, or hardly
+    bend it.
 
     Raises InputError with the remedy.
     """
@@ -210,6 +212,8 @@ def check_known(device: Device, support: Support) -> None:
         )
     for ceramic in ceramics(device):
         ceramic.ceramic().check_admissible()
+    for layer in bimorph_stack(device):
+        sheet_of(layer)  # which refuses what is not positive definite
     if layers:
         return
     squared, most = (

@@ -287,6 +287,14 @@ def test_what_couples_along_must_be_passive():
             load_scene("prototype", [*of, stated])
 
 
+def test_what_a_model_does_not_read_cannot_refuse_it():
+    """A transverse modulus that no solid has leaves the modelling error of beams unknown."""
+    of, _ = load_scene("prototype", ["shim.youngs_modulus=1 GPa"])
+    found = tactgen.solve(of, ("tmm",), ("static_tip_displacement",)).quantities[0]
+    assert np.isfinite(found.value)
+    assert np.isnan(found.modelling_error).all()
+
+
 def test_a_narrower_layer_counts_by_its_width():
     """Half as wide: half of its stiffness, charge and mass about the same axis, by hand."""
     patch = "PZT-5A 0.2 mm wide 2.5 mm +x"

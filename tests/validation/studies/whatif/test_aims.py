@@ -174,7 +174,7 @@ def test_a_margin_within_the_modelling_error_is_said():
         assert one.values["modelling_errors"] == list(one.modelling)
     said = sentences(found, [met])
     assert any("than the modelling error: 1 of 2 points" in line for line in said)
-    assert "(± 68 nm)" in said[-2]
+    assert f"(± {1e9 * met.judged[1].modelling[0]:.2g} nm)" in said[-2]
 
 
 def test_each_model_has_a_verdict_of_its_own():
