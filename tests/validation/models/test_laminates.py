@@ -134,6 +134,9 @@ def test_poled_along_the_solid_and_the_beam_have_one_field():
         for model in ("tmm", "solid")
     )
     np.testing.assert_allclose(beam, solid, rtol=2e-3)
+    # no solid poled along is in the calibration
+    of = scene(layers, "tmm", length="30 mm", width="5 mm")
+    assert np.isnan(tactgen.solve(of, ("tmm",), names[:1]).quantities[0].modelling_error)
 
 
 @pytest.mark.parametrize("model", ["tmm", pytest.param("solid", marks=pytest.mark.heavy)])
