@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from itertools import cycle
 from typing import TypeAlias, TypeVar
 
 import numpy as np
@@ -311,6 +312,8 @@ def _materials(rng: np.random.Generator, young: float) -> list[str]:
 
 #: Ratios beyond those of :func:`clamped_bimorph`.
 _STOUT, _THIN_SHIM = (2.0, STOUTEST), (0.03, 0.12)
+#: Pitch of interdigitated electrodes over the thickness of the layer.
+_PITCHES = (1.5, 6.0)
 
 
 def unusual_bimorph(rng: np.random.Generator, overrides: Sequence[str], what: str) -> list[str]:
@@ -331,6 +334,16 @@ def unusual_bimorph(rng: np.random.Generator, overrides: Sequence[str], what: st
         value["bimorph.glue_thickness"] = f"{max(glue, 1e-3):.5g}mm"
     elif what == "bare ends":
         value[f"bimorph.bare_{rng.choice(['below', 'above'])}"] = f"{length * share:.5g}mm"
+    elif what == "poled along":
+        signs = cycle("+-")  # as what is poled alike does not bend
+        value["bimorph.layers"] = re.sub(
+            r"(\S+) mm [+-]x(?: hot [+-]x| bare)?",
+            lambda ceramic: (
+                f"{ceramic[1]} mm {next(signs)}z pitch "
+                f"{float(ceramic[1]) * between(rng, *_PITCHES):.5g} mm"
+            ),
+            listed,
+        )
     elif not listed and rng.random() < 0.5:
         value["bimorph.shim_thickness"] = f"{piezo * between(rng, *_THIN_SHIM):.5g}mm"
     else:
