@@ -376,6 +376,8 @@ class SolidFields:
             stress[at], flux[at] = _constitutive(known[region], strain[at], field[at])
             if known[region].piezo is None:
                 field[at] = 0.0
+                if along:  # the voltage of interdigitated fingers is not that of what they touch
+                    values[at, 3] = 0.0
             if layer := along.get(region):
                 # the field that stands for the one between the fingers is through the thickness
                 share = layer.thickness / layer.pitch
