@@ -172,10 +172,8 @@ def _stated(device: Device, *, active: bool, electrodes: bool) -> list[StackLaye
             at = electrodes and layer.electrodes != "bare"
             region, of = layers.region(number), material_of(device, layer)
             poling, hot = device.bimorph.drive_poling(number), layers.hot(number)
-            share, uniform = (
-                layer.width / device.bimorph.width if layer.width else 1.0,
-                layer.pitch > 0,
-            )
+            share = layer.width / device.bimorph.width if layer.width else 1.0
+            uniform = layer.pitch > 0.0
             found.append(StackLayer(region, of, low, high, poling, hot, at, share, uniform))
     return found
 
@@ -185,11 +183,12 @@ def material_of(device: Device, layer: Layer) -> Piezo | Shim | Glue:
 
     Those of a ceramic poled along are of one poled through its thickness that does the same.
     """
-    own: Piezo | Shim | Glue | None = layer.of
-    if own is not None:
-        return own
+    stated: Piezo | Shim | Glue
+    if layer.of is not None:  # already as the section has them
+        stated = layer.of
+        return stated
     if layer.material in OWN:
-        stated: Piezo | Shim | Glue = getattr(device, layer.material)
+        stated = getattr(device, layer.material)
     else:
         stated = _of_library(layer.material, ceramic=layer.is_ceramic)
     if layer.pitch and isinstance(stated, Piezo):

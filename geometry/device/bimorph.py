@@ -165,8 +165,7 @@ class Bimorph(Parameters):
         if not self.layers:
             return float(self.piezo_thickness)
         driven = (layer for n, layer in enumerate(self.layers) if self.layers.hot(n))
-        distances = (layer.pitch or layer.thickness for layer in driven)
-        return float(min(distances, default=self.thickness))
+        return float(min((of.electrode_distance for of in driven), default=self.thickness))
 
     def drive_poling(self, number: int) -> int:
         """Direction (along x) in which a listed layer is poled where its hot face has the voltage.

@@ -61,6 +61,11 @@ class Layer(NamedTuple):
         """Whether it is piezoelectric."""
         return self.poling != 0
 
+    @property
+    def electrode_distance(self) -> float:
+        """Distance (m) that a voltage lies across: of its faces, or of interdigitated fingers."""
+        return self.pitch or self.thickness
+
     def __str__(self) -> str:
         words = [self.material, _THICKNESS.show(self.thickness)]
         words += [f"wide {_WIDTH.show(self.width)}"] if self.width else []

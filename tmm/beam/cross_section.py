@@ -54,7 +54,7 @@ def _tensors(of: Piezo | Shim | Glue) -> Sheet:
     """Tensors of a material, poled along +x."""
     if isinstance(of, Piezo):
         tensors = of.ceramic().tensors()
-        return Sheet(*(np.real(of) for of in (tensors.c, tensors.e, tensors.eps)))
+        return Sheet(np.real(tensors.c), np.real(tensors.e), np.real(tensors.eps))
     return Sheet(of.stiffness(), np.zeros((3, 6)), np.zeros((3, 3)))
 
 

@@ -159,9 +159,8 @@ class Scene(p.Device):
     def field(self) -> float:
         """Amplitude of the field (V/m) that the drive voltage makes in the ceramic piezo."""
         across = 2.0 if self.bimorph.wiring == "series" else 1.0
-        own = [layer for layer in self.bimorph.layers if layer.material == "piezo"]
-        distance = min((layer.pitch or layer.thickness for layer in own), default=0.0)
-        distance = distance or self.bimorph.electrode_distance
+        own = [of for of in self.bimorph.layers if of.material == "piezo"]  # all of one distance
+        distance = own[0].electrode_distance if own else self.bimorph.electrode_distance
         return float(abs(self.drive.voltage) / (across * distance))
 
     @property
@@ -438,7 +437,7 @@ def _check_field(scene: Scene) -> None:
         )
     layers = bimorph.layers
     own = [n for n, layer in enumerate(layers) if layer.material == "piezo"]
-    fields = {(layers[n].pitch or layers[n].thickness) if layers.hot(n) else 0.0 for n in own}
+    fields = {layers[n].electrode_distance if layers.hot(n) else 0.0 for n in own}
     varies = "piezo_thickness_profile" if bimorph.piezo_thickness_profile else ""
     if layers and (len(fields) > 1 or fields == {0.0} or not own):
         varies = "layers"
