@@ -17,7 +17,7 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.geometry.bimorph.segments import Piece, beam_pieces, stack
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.tmm.beam.scattering import Element, element_stiffness
-from tactgen.tmm.beam.sections import Section, ceramic_stresses, section
+from tactgen.tmm.beam.sections import Joint, Section, ceramic_stresses, section
 from tactgen.tmm.beam.span import wavenumbers
 from tactgen.tmm.beam.transfer_matrix import elements
 from tactgen.tmm.ports.elements import tip_matrix
@@ -98,34 +98,47 @@ def _stress(
     """
     row = _down_to_the_ceramic(device, beam)
     omega = 2.0 * np.pi * frequencies
-    beams = [(of, length) for one in row for of, length in one.beams if isinstance(of, Section)]
-    decay = sum((wavenumbers(*beam, omega)[1] for beam in beams), np.zeros(omega.size))
+    decay = np.zeros(omega.size)
+    for one in row:
+        for element, length in one.beams:
+            if isinstance(element, Section):
+                decay += one.count * wavenumbers(element, length, omega)[1]
     known = np.flatnonzero(decay < _DECAY)
     largest = np.full(frequencies.shape, np.nan)
     for first in range(0, known.size, _AT_ONCE):
         at = known[first : first + _AT_ONCE]
         motion, on_top, found, across = tip[at], effort[at], np.zeros(at.size), layer[at]
         for one in row:
-            for element, length in one.beams[::-1]:
-                part = element_stiffness(element, length, omega[at])
-                own = part[..., 4] * across[:, None]
-                if acceleration and isinstance(element, Section):
-                    own[:, :4] -= acceleration * _inertia(element, length, omega[at])
-                motion, on_top = _below(part, motion, on_top, own)
-            for per_curvature, per_volt in one.stresses:
-                curvature = (on_top[:, 1] + one.section.K * across) / one.section.EI
-                found = np.maximum(found, np.abs(per_curvature * curvature + per_volt * across))
+            parts = [_loaded(*beam, omega[at], across, acceleration) for beam in one.beams[::-1]]
+            for _ in range(one.count):
+                for part, own in parts:
+                    motion, on_top = _below(part, motion, on_top, own)
+                for per_curvature, per_volt in one.stresses:
+                    curvature = (on_top[:, 1] + one.section.K * across) / one.section.EI
+                    found = np.maximum(found, np.abs(per_curvature * curvature + per_volt * across))
         largest[at] = found
     return largest
 
 
+def _loaded(
+    element: Section | Joint, length: float, omega: Floats, across: Complex, acceleration: float
+) -> tuple[Complex, Complex]:
+    """Dynamic stiffness (n, 5, 5) of a part, and what holds its ends at rest (n, 5)."""
+    part = element_stiffness(element, length, omega)
+    own = part[..., 4] * across[:, None]
+    if acceleration and isinstance(element, Section):
+        own[:, :4] -= acceleration * _inertia(element, length, omega)
+    return part, own
+
+
 class _Slice(NamedTuple):
-    """A slice of the row above the ceramic's lower edge."""
+    """A slice of the row above the ceramic's lower edge, or several equal ones."""
 
     beams: list[Element]  #: From its lower end to its upper one; none at the ceramic's upper end
     section: Section  #: At its lower end
     #: Stress per curvature (Pa m) and per volt (Pa/V) at each face of its ceramics
     stresses: list[tuple[complex, complex]]
+    count: int = 1
 
 
 def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Slice]:
@@ -136,14 +149,19 @@ def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Slice]:
     parts: list[_Slice] = []
     for piece in pieces[::-1]:
         number = max(1, math.ceil(_HEIGHTS * piece.length / device.bimorph.length))
+        if not piece.tapered:
+            within = replace(piece, length=piece.length / number)
+            beams = elements(within, device, beam, lossy=True, segments=1)
+            parts.append(_slice_from(piece, device, beam, 0.0, beams)._replace(count=number))
+            continue
         shares = np.linspace(0.0, 1.0, number + 1).tolist()
         for low, high in reversed(list(pairwise(shares))):
             ends = (piece.layers(device.bimorph, low), piece.layers(device.bimorph, high))
             length = (high - low) * piece.length
-            within = replace(piece, length=length, ends=ends if piece.ends else None)
+            within = replace(piece, length=length, ends=ends)
             beams = elements(within, device, beam, lossy=True, segments=1)
-            # without a taper the upper end is strained as what is next to it
-            if piece.tapered and not any(part.stresses for part in parts):
+            # of a taper the upper end counts too; elsewhere it is strained as what is next to it
+            if not any(part.stresses for part in parts):
                 parts.append(_slice_from(piece, device, beam, high, []))
             parts.append(_slice_from(piece, device, beam, low, beams))
     return parts
