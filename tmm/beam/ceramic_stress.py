@@ -102,7 +102,7 @@ def _stress(
     for one in row:
         for element, length in one.beams:
             if isinstance(element, Section):
-                decay += one.count * wavenumbers(element, length, omega)[1]
+                decay += one.repeats * wavenumbers(element, length, omega)[1]
     known = np.flatnonzero(decay < _DECAY)
     largest = np.full(frequencies.shape, np.nan)
     for first in range(0, known.size, _AT_ONCE):
@@ -110,7 +110,7 @@ def _stress(
         motion, on_top, found, across = tip[at], effort[at], np.zeros(at.size), layer[at]
         for one in row:
             parts = [_loaded(*beam, omega[at], across, acceleration) for beam in one.beams[::-1]]
-            for _ in range(one.count):
+            for _ in range(one.repeats):
                 for part, own in parts:
                     motion, on_top = _below(part, motion, on_top, own)
                 for per_curvature, per_volt in one.stresses:
@@ -138,7 +138,7 @@ class _Slice(NamedTuple):
     section: Section  #: At its lower end
     #: Stress per curvature (Pa m) and per volt (Pa/V) at each face of its ceramics
     stresses: list[tuple[complex, complex]]
-    count: int = 1
+    repeats: int = 1
 
 
 def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Slice]:
@@ -152,7 +152,7 @@ def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Slice]:
         if not piece.tapered:
             within = replace(piece, length=piece.length / number)
             beams = elements(within, device, beam, lossy=True, segments=1)
-            parts.append(_slice_from(piece, device, beam, 0.0, beams)._replace(count=number))
+            parts.append(_slice_from(piece, device, beam, 0.0, beams)._replace(repeats=number))
             continue
         shares = np.linspace(0.0, 1.0, number + 1).tolist()
         for low, high in reversed(list(pairwise(shares))):
