@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from tactgen.fem.piezo.krylov import ReducedSolid, reduce_to_ports
-from tactgen.fem.piezo.port_model import PortModel
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import EstimatorSpace, materials
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import fingerprint
 
-#: What the entry `title` says; files that say otherwise are refused.
+#: What the entry `title` says.
 TITLE = "piezoelectric solid reduced to its ports"
 #: What the matrices mean, for who opens the file without this package.
 _CONVENTIONS = (
@@ -39,7 +35,7 @@ def write_ports(path: str | Path, reduced: ReducedSolid, *, made_from: str) -> N
     Parameters
     ----------
     made_from : str
-        What stands for device and mesh; :func:`read_ports` asks for the same.
+        What stands for device and mesh.
 
     Raises InputError if the file cannot be written.
     """
@@ -59,51 +55,6 @@ def write_ports(path: str | Path, reduced: ReducedSolid, *, made_from: str) -> N
             unknowns=np.array(reduced.unknowns),
             **arrays,
         )
-
-
-def read_ports(path: str | Path, *, made_from: str | None = None) -> ReducedSolid:
-    """Reduced solid of a file.
-
-    Parameters
-    ----------
-    made_from : str, optional
-        What it must have been made from; anything when left out.
-
-    Raises InputError if the file cannot be read, is no reduced solid, or was made from something
-    else.
-    """
-    path = Path(path)
-    try:
-        # opened here, since numpy leaves a file open that it cannot read
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as data:
-            if data["title"].item() != TITLE:
-                raise KeyError("title")
-            found = data["made_from"].item()
-            low, high = data["range"].tolist()
-            models = [
-                PortModel(*(data[f"{level} {name}"] for name in _MATRICES))
-                for level in ("fine", "coarse")
-            ]
-            error, unknowns = float(data["error"]), int(data["unknowns"])
-    except OSError as failure:
-        raise _unreadable(path, (failure.strerror or "not a whole npz file").lower()) from None
-    except (ValueError, EOFError, zipfile.BadZipFile, zlib.error):
-        raise _unreadable(path, "not a whole npz file") from None
-    except KeyError as failure:
-        raise _unreadable(path, f"it lacks {failure.args[0]}") from None
-    if made_from is not None and made_from != found:
-        raise InputError(
-            f"{path} was made from another device or mesh ({found}, not {made_from}); "
-            "export the ports of this scene again"
-        )
-    return ReducedSolid(models[0], models[1], (low, high), error, unknowns)
-
-
-def _unreadable(path: Path, reason: str) -> InputError:
-    return InputError(
-        f"{path} cannot be read as the ports of a reduced solid ({reason}); give a file that "
-        "`tactgen export --ports` wrote"
-    )
 
 
 #: What makes a reduction.

@@ -4,7 +4,6 @@ A breakdown leads from a simple model to a detailed one.  Each step solves the d
 assumption more; beside its effect stands what a closed form, or the simple model, predicts.
 
     beam_to_solid     transfer matrices -> solid: shear factor, field, constants, width
-    clamp_to_rod      all layers clamped -> shim alone -> tab -> glue and rod
     formula_to_field  one-gap formula -> reluctance network -> field
 
 A difference that no step measures is the remainder; see :mod:`validation.engine.comparison`.
@@ -353,46 +352,6 @@ def on_rod(scene: Scene) -> Scene:
 def clamped(scene: Scene, tab: float = 0.0) -> Scene:
     """Bimorph alone, free of load, on a tab (m), its lowest section clamped."""
     return _on(_with(scene, "bimorph", tab_length=tab), "clamped")
-
-
-def clamp_to_rod(
-    scene: Scene, announce: Announce, *, level: int = 2, field: Values | None = None
-) -> list[Step]:
-    """Steps from a bimorph clamped in all its layers to the one in the rod, tip free.
-
-    Parameters
-    ----------
-    field : Values, optional
-        Those of a field model of the bimorph in its rod, which the last step leads to; without
-        them the chain ends at the tab.
-    """
-    device = on_rod(scene)
-    tab = device.device.ceramic_base
-    alone, on_tab = clamped(scene), clamped(scene, tab)
-    by_beam = beam_values(alone)
-    announce("breakdown: clamped by all layers, by the shim, by its tab")
-    entries = [
-        ("all layers clamped", "", solid_values(SolidCase(alone, level=level)), by_beam, ""),
-        (
-            "the shim alone clamped",
-            "the ceramic's lower end is free; the shim must pass the moment on by shear",
-            solid_values(SolidCase(alone, held="shim", level=level)),
-            by_beam, "beam model",
-        ),
-        (
-            f"a tab of {1e3 * tab:.2f} mm",
-            "the shim goes on below the ceramic, its lower section clamped",
-            solid_values(SolidCase(on_tab, level=level)),
-            beam_values(on_tab), "beam model",
-        ),
-    ]  # fmt: skip
-    if field is not None:
-        entries.append((
-            "slot, glue and rod",
-            "the tab is held by its faces in soft glue, and the rod bends",
-            field, beam_values(device), "beam model",
-        ))  # fmt: skip
-    return chain(entries)
 
 
 def _with(scene: Scene, group: str, **changed: float) -> Scene:

@@ -116,11 +116,6 @@ class Uncertainty:
     total: dict[str, tuple[float, float]]
 
     @property
-    def nonlinearity(self) -> float:
-        """By how much (relative) the standard deviation of the samples exceeds first order."""
-        return self.sampled / self.standard - 1.0
-
-    @property
     def contributors(self) -> list[tuple[str, float, float]]:
         """Parameters with total index and its confidence, largest first."""
         return sorted(((k, s, c) for k, (s, c) in self.total.items()), key=lambda e: -e[1])

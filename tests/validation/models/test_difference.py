@@ -19,10 +19,8 @@ from tactgen.validation.models.difference import (
     beam_to_solid,
     beam_values,
     change,
-    clamp_to_rod,
     clamped,
     formula_to_field,
-    on_rod,
     remaining,
     solid_values,
     without,
@@ -147,19 +145,6 @@ def test_shim_alone_lowers_the_frequency():
     # a corner singularity: one division finer changes the second by 0.01, as does a second one
     assert lost[0] == pytest.approx(0.10, abs=0.01)
     assert lost[1] == pytest.approx(0.19, abs=0.02)
-
-
-@pytest.mark.usefixtures("few")
-def test_every_step_to_the_rod_softens():
-    """By the solid, and by the beam where it knows the step; the last is what it is given."""
-    scene = load_scene("bimorph_on_rod")[0]
-    in_rod = beam_values(on_rod(scene))
-    found = clamp_to_rod(scene, lambda _: None, level=0, field=in_rod)
-    assert len(found) == 4
-    assert all(step.change[FIRST_FREQUENCY] < 0.0 for step in found[1:])
-    assert found[1].predicted[FIRST_FREQUENCY] == 0.0  # no beam knows the shim's clamp
-    assert found[-1].values == in_rod
-    assert found[-1].simple[FIRST_FREQUENCY] < found[-2].simple[FIRST_FREQUENCY]
 
 
 def test_the_formula_leads_to_the_field():

@@ -23,17 +23,14 @@ from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.beam.scattering import Element
-from tactgen.tmm.beam.sections import Joint, section
+from tactgen.tmm.beam.sections import section
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.models.difference import (
-    FIRST_FREQUENCY,
     SolidCase,
     Values,
-    beam_row,
     beam_values,
     clamped,
     on_rod,
-    row_values,
     solid_values,
 )
 from tactgen.validation.scene.scene import Scene
@@ -69,17 +66,6 @@ class SupportCompliance:
     def centre(self) -> float:
         """Depth below the ceramic's edge where force and rotation do not couple (m)."""
         return float(-self.matrix[0, 1] / self.matrix[1, 1])
-
-    @property
-    def lateral_stiffness_at_centre(self) -> float:
-        """Force per displacement at that point (N/m)."""
-        m = self.matrix
-        return float(1.0 / (m[0, 0] - m[0, 1] ** 2 / m[1, 1]))
-
-    def moved_up(self, distance: float) -> SupportCompliance:
-        """Compliance seen at a point higher by `distance` (m) on a rigid arm."""
-        arm = _arm(distance)
-        return SupportCompliance(arm @ self.matrix @ arm.T)
 
 
 def _arm(length: float) -> Floats:
@@ -159,20 +145,6 @@ def tab_for(tabs: Sequence[SupportCompliance], stiffness: float, joint: float = 
     if not rotations.min() <= wanted <= rotations.max():
         return float("nan")
     return float(np.interp(wanted, rotations, TAB_LENGTHS))
-
-
-def frequency_on(scene: Scene, support: SupportCompliance) -> float:
-    """First frequency (Hz) of the scene's beam bimorph on a support without mass."""
-    alone = clamped(scene)
-    row = [(Joint(support.matrix), 0.0), *beam_row(alone)]
-    return row_values(alone, row)[FIRST_FREQUENCY]
-
-
-def fitted_springs(scene: Scene) -> SupportCompliance:
-    """Compliance of the scene's two springs, as the paper fits them."""
-    support = scene.support
-    stiffness = np.array([support.lateral_stiffness, support.rotational_stiffness])
-    return SupportCompliance(np.diag(1.0 / stiffness))
 
 
 #: Permittivity with which the paper's d31 and s11 give a coupling beyond known ceramics.
