@@ -108,9 +108,7 @@ class RefinementRow:
     #: With it (N, Wb)
     force: float
     flux_linkage: float
-    #: Relative to the row before; 0 in the first
-    force_change: float
-    flux_linkage_change: float
+    force_change: float  #: Relative to the row before; 0 in the first
 
 
 def network_refinements(device: Device, current: float, gap: float) -> tuple[RefinementRow, ...]:
@@ -120,9 +118,8 @@ def network_refinements(device: Device, current: float, gap: float) -> tuple[Ref
     for step, stage in _stages():
         found = network_samples(device, *at, stage)
         force, linkage = float(found.force[0, 0]), float(found.flux_linkage[0, 0])
-        before = rows[-1] if rows else RefinementRow("", force, linkage, 0.0, 0.0)
-        changes = force / before.force - 1.0, linkage / before.flux_linkage - 1.0
-        rows.append(RefinementRow(step, force, linkage, *changes))
+        before = rows[-1].force if rows else force
+        rows.append(RefinementRow(step, force, linkage, force / before - 1.0))
     return tuple(rows)
 
 

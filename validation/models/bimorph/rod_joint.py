@@ -37,8 +37,6 @@ from tactgen.validation.scene.scene import Scene
 
 #: Free lengths of the tab (m) for which the bricks are solved.
 TAB_LENGTHS = (0.0, 0.4e-3, 0.8e-3, 1.2e-3, 1.6e-3, 2.4e-3)
-#: Glue moduli (Pa): from a soft to a filled adhesive.
-GLUE_MODULI = (1e9, 3e9, 10e9)
 #: Ceramic's length in widths for the root alone; its upper end is then far away.
 _WIDTHS = 4.0
 
