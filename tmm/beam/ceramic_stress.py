@@ -102,7 +102,7 @@ def _stress(
     for one in row:
         for element, length in one.beams:
             if isinstance(element, Section):
-                decay += one.repeats * wavenumbers(element, length, omega)[1]
+                decay = decay + one.repeats * wavenumbers(element, length, omega)[1]
     known = np.flatnonzero(decay < _DECAY)
     largest = np.full(frequencies.shape, np.nan)
     for first in range(0, known.size, _AT_ONCE):
