@@ -102,7 +102,7 @@ def _stress(
     for one in row:
         for element, length in one.beams:
             if isinstance(element, Section):
-                decay = decay + one.repeats * wavenumbers(element, length, omega)[1]
+                decay += one.repeats * wavenumbers(element, length, omega)[1]
     known = np.flatnonzero(decay < _DECAY)
     largest = np.full(frequencies.shape, np.nan)
     for first in range(0, known.size, _AT_ONCE):
@@ -138,7 +138,7 @@ class _Slice(NamedTuple):
     section: Section  #: At its lower end
     #: Stress per curvature (Pa m) and per volt (Pa/V) at each face of its ceramics
     stresses: list[tuple[complex, complex]]
-    repeats: int = 1
+    repeats: int = 1  #: How many equal slices lie one below the other
 
 
 def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Slice]:

@@ -599,8 +599,8 @@ def condition(beam: Section, length: Any, omega: Any) -> Floats:
 def wavenumbers(beam: Section, length: float, omega: Floats) -> tuple[Floats, Floats]:
     """|λ₁| and |λ₂| (n,) of the lossless beam, for choosing how to divide it."""
     o2 = np.asarray(omega, dtype=float) ** 2
-    ei = np.asarray(beam.EI).real
-    sigma = beam.m * o2 * length**2 / beam.GA
+    ei, ga = np.asarray(beam.EI).real, np.asarray(beam.GA).real
+    sigma = beam.m * o2 * length**2 / ga
     tau = beam.rhoI * o2 * length**2 / ei
     root = np.sqrt(beam.m * o2 * length**4 / ei + 0.25 * (sigma - tau) ** 2)
     mean = 0.5 * (sigma + tau)

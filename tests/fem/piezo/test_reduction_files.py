@@ -31,7 +31,7 @@ def reduced(mesh):
 
 
 def test_a_file_holds_the_matrices(reduced, tmp_path):
-    """To the last bit, under the names that who opens it without this package reads."""
+    """To the last bit, under fixed names, for readers without this package."""
     write_ports(tmp_path / "p.npz", reduced, made_from="mine")
     with np.load(tmp_path / "p.npz", allow_pickle=False) as found:
         for level in ("fine", "coarse"):

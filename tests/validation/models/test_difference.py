@@ -1,4 +1,4 @@
-"""Steps from the beam to the solid, from a clamp to the rod, from the formula to the field."""
+"""Steps from the beam to the solid and from the formula to the field; a bimorph's clamp and rod."""
 
 import math
 

@@ -47,23 +47,10 @@ class SupportCompliance:
 
     matrix: Floats
 
-    def __add__(self, other: SupportCompliance) -> SupportCompliance:
-        return SupportCompliance(self.matrix + other.matrix)
-
     @property
     def rotational_stiffness(self) -> float:
         """Moment per rotation, no force (N m/rad): the meaning of the paper's c_s."""
         return float(1.0 / self.matrix[1, 1])
-
-    @property
-    def lateral_stiffness(self) -> float:
-        """Force per displacement at the ceramic's edge, no moment (N/m): the paper's c_sl."""
-        return float(1.0 / self.matrix[0, 0])
-
-    @property
-    def centre(self) -> float:
-        """Depth below the ceramic's edge where force and rotation do not couple (m)."""
-        return float(-self.matrix[0, 1] / self.matrix[1, 1])
 
 
 def _arm(length: float) -> Floats:
