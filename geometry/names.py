@@ -50,6 +50,7 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "current": ("coil.current", "input_current"),
     "layers": ("bimorph.layers",),
     "unimorph": ("bimorph.layers",),
+    "patch": ("bimorph.layers",),
     "deflection": ("tip_displacement", "static_tip_displacement"),
     "displacement": ("tip_displacement",),
     "velocity": ("tip_velocity",),

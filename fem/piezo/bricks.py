@@ -399,7 +399,7 @@ def _prescribed_potential(bricks: Bricks, outer: Bools) -> Floats:
             x = bricks.x.nodes[bricks.x.nodes_of(*slab.x)]
             share = (x - x[0]) / (x[-1] - x[0])
             share = share if slab.hot > 0 else 1.0 - share
-            at = bricks.x.nodes_of(*slab.x), slice(None), bricks.z.nodes_of(*bricks.electrode)
+            at = bricks.x.nodes_of(*slab.x), slice(None), bricks.z.nodes_of(*bricks.driven(slab))
             found[at] = share[:, None, None]
     return found
 

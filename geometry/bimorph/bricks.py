@@ -17,13 +17,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
-from tactgen.geometry.bimorph.segments import bimorph_stack
+from tactgen.geometry.bimorph.segments import apart, bimorph_stack
 from tactgen.geometry.device.checks import check_bonded, check_constant_section
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.meshing.mesh import Mesh
@@ -198,10 +199,14 @@ class Bricks:
             for sign in slab.faces:
                 at = slab.x[sign > 0] * self.x.degree
                 if sign == slab.hot:
-                    hot[at, :, self.z.nodes_of(*self.electrode)] = True
+                    hot[at, :, self.z.nodes_of(*self.driven(slab))] = True
                 else:
                     cold[at, :, self.z.nodes_of(*slab.z)] = True
         return hot, cold
+
+    def driven(self, slab: Slab) -> tuple[int, int]:
+        """Break points along z between which a ceramic's face at the voltage has its electrode."""
+        return max(slab.z[0], self.electrode[0]), min(slab.z[1], self.electrode[1])
 
     def used(self) -> Bools:
         """Mask (nx, ny, nz) of the nodes that any material has."""
@@ -401,7 +406,7 @@ def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers")
     z, ceramic, electrode = _along(device, meshing)
     ends = (*ceramic, z.size - 1)
     listed = bool(device.bimorph.layers)
-    x, slabs = _listed(device, meshing, ends) if listed else _sandwich(device, meshing, ends)
+    x, slabs = _listed(device, meshing, z) if listed else _sandwich(device, meshing, ends)
     ax, ay, az = (
         Axis(breaks, degree, hierarchic=meshing.richness is not None)
         for breaks, degree in zip(
@@ -438,14 +443,15 @@ def _sandwich(
     return x, (*slabs, Slab("piezo", (first, x.size - 1), (low, high), ceramic=True, hot=1))
 
 
-def _listed(
-    device: Device, meshing: BrickMeshing, ends: tuple[int, int, int]
-) -> tuple[Floats, tuple[Slab, ...]]:
+def _listed(device: Device, meshing: BrickMeshing, z: Floats) -> tuple[Floats, tuple[Slab, ...]]:
     """Break points along x, 0 in the middle, and slabs of the layers that the bimorph lists."""
-    low, high, n = ends
+    listed = device.bimorph.layers
     x, slabs = [-0.5 * device.bimorph.thickness], []
-    goes_on = device.bimorph.layers.continues
-    for number, (layer, on) in enumerate(zip(bimorph_stack(device), goes_on, strict=True)):
+    extents = listed.extents(device.bimorph.length)
+    for number, layer in enumerate(bimorph_stack(device)):
+        lower, upper = (device.bimorph.tab_length + end for end in extents[number])
+        if listed.continues[number]:
+            lower, upper = 0.0, device.bimorph.height
         is_ceramic, thickness = layer.poling != 0.0, float(layer.thickness)
         shares: tuple[float, ...] = (1.0,)
         if is_ceramic:
@@ -460,9 +466,9 @@ def _listed(
             Slab(
                 layer.region,
                 (first, len(x) - 1),
-                (0, n) if on else (low, high),
+                (_nearest(z, lower), _nearest(z, upper)),
                 ceramic=is_ceramic,
-                faces=device.bimorph.layers.faces(number),
+                faces=listed.faces(number),
                 hot=int(layer.hot),
                 uniform=layer.uniform,
             )
@@ -505,24 +511,25 @@ def _along(
     at_most, at_least = (length / pieces for pieces in meshing.pieces)
     longest = min(max(meshing.longest * bimorph.thickness, at_least), at_most)
     first, last = meshing.smallest * thin, max(meshing.smallest, meshing.tip) * thin
-    below, above = bimorph.bare_below, bimorph.bare_above
-    extension = bimorph.tip_extension
-    end = last if extension == 0.0 else first
-    stretches = [
-        (bimorph.tab_length, first, first),
-        (below, first, first),
-        (bimorph.length - below - above, first, end if above == 0.0 else first),
-        (above, first, end),
-        (extension, first, last),
-    ]
-    z, marks = np.zeros(1), []
-    for length, lower, upper in stretches:
-        marks.append(z.size - 1)
-        if length > 0.0:
-            part = _graded(length, lower, upper, meshing.growth, longest)
-            z = np.concatenate([z, z[-1] + part[1:]])
-    z[-1] = bimorph.height
-    return z, (marks[1], marks[4]), (marks[2], marks[3])
+    ceramic = (bimorph.tab_length, bimorph.tab_length + bimorph.length)
+    electrode = (ceramic[0] + bimorph.bare_below, ceramic[1] - bimorph.bare_above)
+    extents = bimorph.layers.extents(bimorph.length)
+    edges = [bimorph.tab_length + end for extent in extents for end in extent]
+    cuts = apart([*ceramic, *electrode, *edges], length)
+    z = np.zeros(1)
+    for low, high in pairwise(cuts):
+        upper = last if high == length else first
+        part = _graded(high - low, first, upper, meshing.growth, longest)
+        z = np.concatenate([z, low + part[1:]])
+    z[-1] = length
+    (lower, upper), (bottom, top) = (
+        [_nearest(z, end) for end in ends] for ends in (ceramic, electrode)
+    )
+    return z, (lower, upper), (bottom, top)
+
+
+def _nearest(breaks: Floats, place: float) -> int:
+    return int(np.abs(breaks - place).argmin())
 
 
 def _graded(length: float, first: float, last: float, growth: float, longest: float) -> Floats:

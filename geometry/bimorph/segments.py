@@ -6,10 +6,10 @@ stated here; each model computes its own section constants from them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import fsum
 from typing import Any, Literal
 
@@ -46,6 +46,7 @@ class Piece:
     #: where they are the device's own
     ends: tuple[Dimensions, Dimensions] | None = None
     electrode: bool = True  #: Whether the ceramic's outer faces carry electrodes
+    without: tuple[int, ...] = ()  #: Numbers of the listed layers that do not reach here
 
     @property
     def tapered(self) -> bool:
@@ -140,7 +141,7 @@ def stack(piece: Piece, device: Device, share: Any = 0.5) -> list[StackLayer]:
     """
     bimorph, active = device.bimorph, piece.section == "bimorph"
     if bimorph.layers:
-        return _stated(device, active=active, electrodes=piece.electrode)
+        return _stated(device, piece)
     sizes = piece.layers(bimorph, share)
     half, sign = 0.5 * np.asarray(sizes.shim_thickness), bimorph.poling_sign
     core = StackLayer("shim", device.shim, -half, half)
@@ -160,16 +161,16 @@ def stack(piece: Piece, device: Device, share: Any = 0.5) -> list[StackLayer]:
     return [below, *bonds[:1], core, *bonds[1:], above]
 
 
-def _stated(device: Device, *, active: bool, electrodes: bool) -> list[StackLayer]:
-    """Layers that the bimorph lists; where the ceramic ends those that go on."""
+def _stated(device: Device, piece: Piece) -> list[StackLayer]:
+    """Layers that the bimorph lists and that are there; where the ceramic ends those that go on."""
     layers = device.bimorph.layers
     sizes, found = [layer.thickness for layer in layers], []
     # rounded alike from both sides, so that layers that mirror each other do so to the last digit
     faces = [0.5 * (fsum(sizes[:n]) - fsum(sizes[n:])) for n in range(len(sizes) + 1)]
     for number, (layer, goes_on) in enumerate(zip(layers, layers.continues, strict=True)):
         low, high = faces[number : number + 2]
-        if active or goes_on:
-            at = electrodes and layer.electrodes != "bare"
+        if goes_on or (piece.section == "bimorph" and number not in piece.without):
+            at = piece.electrode and layer.electrodes != "bare"
             region, of = layers.region(number), material_of(device, layer)
             poling, hot = device.bimorph.drive_poling(number), layers.hot(number)
             share = layer.width / device.bimorph.width if layer.width else 1.0
@@ -207,24 +208,35 @@ def _of_library(name: str, *, ceramic: bool) -> Piezo | Shim:
 
 
 def _ceramic_pieces(bimorph: Bimorph) -> list[Piece]:
-    """Cut the ceramic at every point of a profile and at the electrodes' edges."""
-    length = bimorph.length
+    """Cut the ceramic at every point of a profile, at the electrodes' and the layers' edges."""
+    length, extents = bimorph.length, bimorph.layers.extents(bimorph.length)
     lower_edge, upper_edge = bimorph.bare_below, length - bimorph.bare_above
     points = [z for profile in bimorph.profiles.values() for z, _ in profile]
-    cuts = [0.0]
-    for z in sorted([lower_edge, upper_edge, *points, length]):
-        if cuts[-1] + _APART * length < z <= length:
-            cuts.append(z)
-    cuts[-1] = length
+    cuts = apart([lower_edge, upper_edge, *points, *chain(*extents)], length)
     return [
         Piece(
             "bimorph",
             high - low,
             ends=bimorph.dimensions(low, high) if bimorph.profiles else None,
             electrode=lower_edge < 0.5 * (low + high) < upper_edge,
+            without=tuple(
+                number
+                for number, (start, end) in enumerate(extents)
+                if not start < 0.5 * (low + high) < end
+            ),
         )
         for low, high in pairwise(cuts)
     ]
+
+
+def apart(points: Iterable[float], length: float) -> list[float]:
+    """Points (m) from 0 to `length`, both included, in order; those too close count once."""
+    cuts = [0.0]
+    for z in sorted([*points, length]):
+        if cuts[-1] + _APART * length < z <= length:
+            cuts.append(z)
+    cuts[-1] = length
+    return cuts
 
 
 def _rod_pieces(device: Device) -> list[Piece]:

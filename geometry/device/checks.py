@@ -165,6 +165,7 @@ def _check_layers(bimorph: Bimorph, support: Support) -> None:
             "0.26 mm +x"
         )
     _check_contacts(layers)
+    _check_extents(bimorph)
     along = [layer for layer in layers if layer.pitch]
     for layer in along:
         if not layer.thickness <= layer.pitch <= bimorph.length:
@@ -183,6 +184,11 @@ def _check_layers(bimorph: Bimorph, support: Support) -> None:
             raise InputError(
                 f"bimorph.{name} = {getattr(bimorph, name) * 1e3:g} mm is not known with a ceramic "
                 f"poled along in {text}; set 0 mm, with bimorph.length up to the last electrode"
+            )
+        if getattr(bimorph, name) and layers.has_patches:
+            raise InputError(
+                f"bimorph.{name} = {getattr(bimorph, name) * 1e3:g} mm is not known with layers of "
+                f"their own place in {text}, whose electrodes cover them; set 0 mm"
             )
     for name in ("tab_length", "tip_extension"):
         if getattr(bimorph, name) > 0.0 and not any(layers.continues):
@@ -237,10 +243,37 @@ def _check_contacts(layers: Laminate) -> None:
             below, before, at_voltage = layer, number + 1, hot > 0
 
 
+def _check_extents(bimorph: Bimorph) -> None:
+    """Refuse layers beyond the length, no layer all along, and a gap between layers."""
+    layers, length = bimorph.layers, bimorph.length
+    extents = layers.extents(length)
+    for number, (layer, (_, end)) in enumerate(zip(layers, extents, strict=True)):
+        if layer.start >= length or end > (1.0 + _ROUNDING) * length:
+            raise InputError(
+                f"bimorph.layers has layer {number + 1} ({layer}) beyond bimorph.length = "
+                f"{length * 1e3:g} mm; let it end there, or make the bimorph longer"
+            )
+    if all(layer.is_patch for layer in layers):
+        raise InputError(
+            f'bimorph.layers = "{layers}" has no layer all along bimorph.length, which would carry '
+            "the others; leave out the place of one"
+        )
+    ends = sorted({end for extent in extents for end in extent})
+    for low, high in pairwise(ends):
+        there = [n for n, (start, end) in enumerate(extents) if start <= low and high <= end]
+        for below, above in pairwise(there):
+            if above > below + 1 and high - low > _ROUNDING:
+                raise InputError(
+                    f"bimorph.layers has nothing between layer {below + 1} ({layers[below]}) and "
+                    f"layer {above + 1} ({layers[above]}) from {low * 1e3:g} to {high * 1e3:g} mm; "
+                    "let the outer one cover no more than the one below it"
+                )
+
+
 def _mirrored(layers: Laminate) -> bool:
     """Whether layers and voltages are the same seen from both sides, with two driven ceramics."""
     hot = [layers.hot(number) for number in range(len(layers))]
-    sizes = [(of.material, of.thickness, of.width, of.electrodes, of.pitch) for of in layers]
+    sizes = [layer._replace(poling=0, hot=0, of=None) for layer in layers]
     alike = sizes == sizes[::-1] and hot == [-sign for sign in hot[::-1]]
     return alike and len([sign for sign in hot if sign]) == 2
 

@@ -5,7 +5,8 @@ of its faces has the drive voltage (``hot +x``; by default the outer one), that 
 (``shorted``) or that it has no electrodes (``bare``).  Poled along the bimorph it has
 interdigitated electrodes (``+z pitch 0.5 mm``; ``-z`` where a positive voltage is against the
 poling).  A layer of another width than the bimorph's states it after the thickness (``wide 5
-mm``).  Read at the edge with units, held in metres.
+mm``), and one that covers part of the length where it is (``from 5 mm to 12 mm``).  Read at the
+edge with units, held in metres.
 """
 
 from __future__ import annotations
@@ -25,10 +26,16 @@ _EXAMPLE = "brass 0.2 mm; PZT-5A 0.26 mm +x"
 _REMEDY = f'write for example "{_EXAMPLE}"'
 _THICKNESS = Unit("m", "thickness", "0.2 mm", above=0.0, limits=(1e-9, 0.1), shown="mm", per_si=1e3)
 _WIDTH = Unit("m", "width", "5 mm", above=0.0, limits=(1e-6, 1.0), shown="mm", per_si=1e3)
+_PLACE = Unit("m", "length", "5 mm", at_least=0.0, limits=(0.0, 1.0), shown="mm", per_si=1e3)
 _PITCH = Unit("m", "pitch", "0.5 mm", above=0.0, limits=(1e-6, 0.1), shown="mm", per_si=1e3)
+_SIZES = {
+    "thickness": _THICKNESS, "width": _WIDTH, "pitch": _PITCH, "start": _PLACE, "end": _PLACE,
+}  # fmt: skip
 _LAYER = re.compile(
     rf"(?P<material>\S.*?)\s+(?P<thickness>{NUMBER}\s*[^\s\d+-]+)"
     rf"(?:\s+wide\s+(?P<width>{NUMBER}\s*[^\s\d+-]+))?"
+    rf"(?:\s+from\s+(?P<start>{NUMBER}\s*[^\s\d+-]+))?"
+    rf"(?:\s+to\s+(?P<end>{NUMBER}\s*[^\s\d+-]+))?"
     rf"(?:\s+(?P<poling>[+-]x|[+-]z\s+pitch\s+(?P<pitch>{NUMBER}\s*[^\s\d+-]+)))?"
     r"(?:\s+(?P<electrodes>hot [+-]x|shorted|bare))?",
     re.IGNORECASE | re.ASCII,
@@ -54,12 +61,19 @@ class Layer(NamedTuple):
     #: m, centre distance of neighbouring fingers of interdigitated electrodes; 0 for a ceramic
     #: poled through its thickness
     pitch: float = 0.0
+    start: float = 0.0  #: m, where it begins above the lower end of `bimorph.length`
+    end: float = 0.0  #: m, where it ends, on the same scale; 0 for the upper end
     of: Any = None  #: Constants, as the section has them, in place of those of its name
 
     @property
     def is_ceramic(self) -> bool:
         """Whether it is piezoelectric."""
         return self.poling != 0
+
+    @property
+    def is_patch(self) -> bool:
+        """Whether it covers a part of the bimorph's length."""
+        return self.start > 0.0 or self.end > 0.0
 
     @property
     def electrode_distance(self) -> float:
@@ -69,6 +83,8 @@ class Layer(NamedTuple):
     def __str__(self) -> str:
         words = [self.material, _THICKNESS.show(self.thickness)]
         words += [f"wide {_WIDTH.show(self.width)}"] if self.width else []
+        words += [f"from {_PLACE.show(self.start)}"] if self.start else []
+        words += [f"to {_PLACE.show(self.end)}"] if self.end else []
         words += [_direction(self.poling, "z" if self.pitch else "x")] if self.poling else []
         words += [f"pitch {_PITCH.show(self.pitch)}"] if self.pitch else []
         words += [self.electrodes] if self.electrodes else []
@@ -95,9 +111,20 @@ class Laminate(tuple[Layer, ...]):
         return any(layer.width for layer in self)
 
     @property
+    def has_patches(self) -> bool:
+        """Whether a layer covers a part of the bimorph's length."""
+        return any(layer.is_patch for layer in self)
+
+    @property
     def continues(self) -> tuple[bool, ...]:
-        """Whether each layer goes on where the ceramic ends: all but ceramics and glue."""
-        return tuple(not layer.is_ceramic and layer.material != "glue" for layer in self)
+        """Whether each layer goes on where the ceramic ends: not ceramics, glue and patches."""
+        return tuple(
+            not (layer.is_ceramic or layer.material == "glue" or layer.is_patch) for layer in self
+        )
+
+    def extents(self, length: float) -> list[tuple[float, float]]:
+        """Where each layer begins and ends (m) on a bimorph's length (m)."""
+        return [(layer.start, layer.end or length) for layer in self]
 
     def region(self, number: int) -> str:
         """Name of a layer's part of the body: what it is, and its number from 1 at −x."""
@@ -154,17 +181,23 @@ def _layer(text: str, info: ValidationInfo) -> Layer:
     if found is None or _MISPLACED.search(found["material"]):
         raise ValueError(
             f"has the layer {quoted(text)}, which is not a material, a thickness with its unit, at "
-            'most a width with its unit ("wide 3 mm"), and of a ceramic its poling (with the pitch '
-            'of its electrodes where it is poled along, "+z pitch 0.5 mm") and at most its '
+            'most a width with its unit ("wide 3 mm") and its place along ("from 5 mm to 12 mm"), '
+            "and of a ceramic its poling (with the pitch of its electrodes where it is poled "
+            'along, "+z pitch 0.5 mm") and at most its '
             f"electrodes, in this order and without tolerances; {_REMEDY}"
         )
     sizes = []
-    for name, of in (("thickness", _THICKNESS), ("width", _WIDTH), ("pitch", _PITCH)):
+    for name, of in _SIZES.items():
         try:
             sizes.append(of(found[name], info) if found[name] else 0.0)
         except ValueError as error:
             raise ValueError(f"has the layer {quoted(text)}, whose {name} {error}") from None
-    thickness, width, pitch = sizes
+    thickness, width, pitch, start, end = sizes
+    if found["end"] and end <= start:
+        raise ValueError(
+            f"has the layer {quoted(text)}, which ends at {_PLACE.show(end)}, not above its "
+            f"beginning at {_PLACE.show(start)}; change one of the two"
+        )
     material, ceramic = _material(found["material"])
     poling, electrodes = found["poling"], (found["electrodes"] or "").lower()
     if ceramic and poling is None:
@@ -185,7 +218,7 @@ def _layer(text: str, info: ValidationInfo) -> Layer:
     kind, _, face = electrodes.partition(" ")
     sign = {"+": 1, "-": -1, "": 0}
     poled, hot = sign[(poling or "")[:1]], sign[face[:1]]
-    return Layer(material, thickness, poled, kind, hot, width, pitch)  # type: ignore[arg-type]
+    return Layer(material, thickness, poled, kind, hot, width, pitch, start, end)  # type: ignore[arg-type]
 
 
 def _material(text: str) -> tuple[str, bool]:

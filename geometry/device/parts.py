@@ -185,8 +185,10 @@ def _bimorph(device: Device, standing: Standing) -> dict[str, Part]:
     lowest, highest = shim_base(device, standing), top + b.tip_extension
     if b.layers:
         parts, x = {}, -b.thickness / 2
-        for number, (layer, goes_on) in enumerate(zip(b.layers, b.layers.continues, strict=True)):
-            ends = (lowest, highest) if goes_on else (base, top)
+        extents = b.layers.extents(b.length)
+        for number, layer in enumerate(b.layers):
+            low, high = extents[number]
+            ends = (lowest, highest) if b.layers.continues[number] else (base + low, base + high)
             box = _box((x, x + layer.thickness), layer.width or b.width, ends)
             parts[b.layers.region(number)] = Part(box)
             x += layer.thickness
@@ -328,9 +330,11 @@ def closed_form_volumes(device: Device, standing: Standing = "rod") -> dict[str,
     names = tuple(layout(device, standing))
     b, rod, coil, sleeve = device.bimorph, device.rod, device.coil, device.sleeve
     if b.layers:
-        high = [b.height if goes_on else b.length for goes_on in b.layers.continues]
-        sizes = [layer.thickness * (layer.width or b.width) for layer in b.layers]
-        return {name: s * h for name, s, h in zip(names, sizes, high, strict=True)}
+        goes_on, extents = b.layers.continues, b.layers.extents(b.length)
+        return {
+            name: layer.thickness * (layer.width or b.width) * (b.height if on else end - start)
+            for name, layer, on, (start, end) in zip(names, b.layers, goes_on, extents, strict=True)
+        }
     if b.profiles:
         return {name: _volume(part.body) for name, part in layout(device, standing).items()}
     layer = b.length * b.width * b.piezo_thickness

@@ -187,7 +187,7 @@ def calibration(*, listed: bool) -> Calibration:
 
 
 def check_known(device: Device, support: Support) -> None:
-    """Refuse what no calibration knows: a rod's joint, layers of widths of their own.
+    """Refuse what no calibration knows: a rod's joint, layers of widths of their own, patches.
 
     And materials that no solid has, ceramics that couple far more than those of the fit, or hardly
     bend it.
@@ -204,6 +204,11 @@ def check_known(device: Device, support: Support) -> None:
         raise InputError(
             f'bimorph.layers = "{layers}" has layers of different widths, which the model '
             "calibrated does not know; ask for --model tmm or cad"
+        )
+    if layers.has_patches:
+        raise InputError(
+            f'bimorph.layers = "{layers}" has layers that cover a part of the length, which the '
+            "model calibrated does not know; ask for --model tmm or solid"
         )
     if layers and lever(plain(device)) < _LEVER:
         raise InputError(

@@ -236,7 +236,10 @@ def _slopes(actuator: Actuator, key: str) -> Floats | None:
         measured_pieces(actuator.with_values({key: value * (1.0 + s)}).device, actuator.support)
         for s in (_STEP, -_STEP)
     )
-    kinds = [[(piece.section, piece.electrode) for piece in pieces] for pieces in (row, more, less)]
+    kinds = [
+        [(piece.section, piece.electrode, piece.without) for piece in pieces]
+        for pieces in (row, more, less)
+    ]
     if kinds[0] != kinds[1] or kinds[0] != kinds[2]:
         return None
     steps = [

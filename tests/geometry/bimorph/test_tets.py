@@ -122,21 +122,21 @@ def test_bimorph_volumes_and_areas_are_exact(bimorph):
 
 
 def test_listed_layers_are_boxes_of_their_own():
-    """Also of other widths, and beyond the ceramic where they go on; half of them is meshed."""
-    layers = "brass 0.3 mm; glue 0.05 mm; PZT-5A 0.26 mm wide 3 mm -x"
+    """Also of another width and place, and where they go on; half of them is meshed."""
+    layers = "brass 0.3 mm; glue 0.05 mm; PZT-5A 0.26 mm wide 3 mm from 1 mm to 5 mm -x"
     bimorph = Bimorph(length=6e-3, width=4e-3, tab_length=1e-3, tip_extension=2e-3, layers=layers)
     device = Device(bimorph=bimorph)
     expected = closed_form_volumes(device, "alone")
     assert list(expected) == ["shim_1", "glue_2", "piezo_3"]
     assert expected["shim_1"] == pytest.approx(0.3e-3 * 4e-3 * 9e-3)
-    assert expected["piezo_3"] == pytest.approx(0.26e-3 * 3e-3 * 6e-3)
+    assert expected["piezo_3"] == pytest.approx(0.26e-3 * 3e-3 * 4e-3)
     half = tetrahedralise(device, "alone", options=TetMeshing(edge_length=2e-3, mirrors=(1,)))
     halves = {name: 0.5 * volume for name, volume in expected.items()}
     assert region_volumes(half) == pytest.approx(halves, rel=1e-9)
     electrodes = {n for n in half.faces if n.startswith("electrode")}
     assert electrodes == {"electrode_piezo_3_upper_outer", "electrode_piezo_3_lower_inner"}
     for name in electrodes:
-        assert area(half, name) == pytest.approx(0.5 * 3e-3 * 6e-3, rel=1e-9)
+        assert area(half, name) == pytest.approx(0.5 * 3e-3 * 4e-3, rel=1e-9)
     for name in ("tip", "base"):
         assert area(half, name) == pytest.approx(0.5 * 0.3e-3 * 4e-3, rel=1e-9)
 

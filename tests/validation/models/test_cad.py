@@ -1,6 +1,7 @@
 """The model cad: beside the bricks, on the rod, and what it cannot take."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -56,8 +57,8 @@ def test_comparison_takes_the_bricks_as_reference(both):
 
 @pytest.mark.heavy
 def test_listed_layers_agree_with_bricks_and_of_other_widths_with_the_beam():
-    """A unimorph by both solids; a ceramic narrower than its metal, which bricks do not know, by
-    as much from beam theory as one of the same width."""
+    """A unimorph and a patch by both solids; a ceramic narrower than its metal, which bricks do not
+    know, by as much from beam theory as one of the same width."""
     names = "static_tip_displacement", "short_circuit_frequencies", "capacitance_free"
     asked = ("bimorph.length=20mm", "bimorph.width=5mm", "accuracy=1e-2", "modes=3",
              f"quantities={','.join(names)}")  # fmt: skip
@@ -67,9 +68,9 @@ def test_listed_layers_agree_with_bricks_and_of_other_widths_with_the_beam():
         scene, _ = load_scene("j1", [*asked, f"bimorph.layers={layers}", f"models={models}"])
         return solve(scene)
 
-    found = answers("", "solid,cad,tmm")
-    for name in names:
-        bricks, cad = (found.get(name, model) for model in ("solid", "cad"))
+    patch, found = answers("from 4 mm to 14 mm ", "solid,cad"), answers("", "solid,cad,tmm")
+    for of, name in product((patch, found), names):
+        bricks, cad = (of.get(name, model) for model in ("solid", "cad"))
         assert (np.abs(bricks.value - cad.value) <= bricks.error + cad.error).all(), name
         assert (cad.error <= 3e-2 * np.abs(cad.value)).all(), name
     narrow = answers("wide 3 mm ", "cad,tmm")

@@ -91,6 +91,7 @@ def test_unimorph_bends_as_timoshenko_says():
         "PZT-5A 0.15 mm +x hot +x; PZT-5A 0.2 mm +x hot -x",
         "PZT-5A 0.2 mm +x bare; brass 0.1 mm; PZT-5A 0.2 mm +x",
         "PZT-5A 0.2 mm +z pitch 0.5 mm; brass 0.1 mm; PZT-5H 0.1 mm -z pitch 1 mm shorted",
+        "PZT-5A 0.2 mm from 3 mm to 15 mm +x; brass 0.1 mm; PZT-5H 0.1 mm wide 3 mm from 9 mm +x",
         FOUR,
     ],
 )
@@ -98,7 +99,11 @@ def test_beam_elements_agree_with_the_transfer_matrix(layers):
     """Their sections are integrated layer by layer, voltage and axial strain being unknowns."""
     metal = any(name in layers for name in ("brass", "steel"))
     more = {"tip_extension": "4 mm"} if metal else {}
-    more |= {} if "pitch" in layers else {"bare_above" if metal else "bare_below": "2 mm"}
+    more |= (
+        {}
+        if "pitch" in layers or "from" in layers
+        else {"bare_above" if metal else "bare_below": "2 mm"}
+    )
     one, other = (
         answers(scene(layers, model, **more), *NUMBERS, "admittance", model=model)
         for model in ("tmm", "beam")
@@ -259,6 +264,10 @@ def test_a_bare_tip_carries_no_ceramic():
         ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 30 mm", "bimorph.length = 20 mm"),
         ("brss 0.2 mm; PZT-5A 0.2 mm +x", 'did you mean "brass"'),
         ("brass 200 mm; PZT-5A 0.2 mm +x", "must be"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm from 9 mm to 2 mm +x", "not above its beginning at 9 mm"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm to 21 mm +x", "beyond bimorph.length = 20 mm"),
+        ("brass 0.2 mm to 9 mm; PZT-5A 0.2 mm to 9 mm +x", "no layer all along"),
+        ("brass 0.2 mm; glue 0.1 mm to 5 mm; PZT-5A 0.2 mm +x", "nothing between .* 5 to 20 mm"),
     ],
 )
 def test_refusals_name_the_layer(layers, words):
@@ -284,6 +293,8 @@ def test_what_a_list_cannot_be_combined_with_is_refused():
         scene("PZT-5A 0.1 mm -x; brass 0.1 mm; PZT-5A 0.2 mm -x hot -x")
     with pytest.raises(InputError, match="no layer that goes on"):
         scene("PZT-5A 0.1 mm +x; PZT-5A 0.1 mm -x hot +x", tip_extension="2 mm")
+    with pytest.raises(InputError, match="whose electrodes cover them"):
+        scene("brass 0.2 mm; PZT-5A 0.2 mm from 2 mm +x", bare_above="1 mm")
     with pytest.raises(InputError, match="whose rod holds a shim"):
         checked_scene({"bimorph": {"layers": uni}, "support": {"kind": "rod"}})
 
@@ -335,6 +346,43 @@ def test_a_narrower_layer_counts_by_its_width():
         answers(scene(f"brass 0.3 mm; {patch}", m), *NUMBERS, model=m) for m in ("tmm", "beam")
     )
     np.testing.assert_allclose(beam, tmm, rtol=2e-8)  # rounding of beam elements
+
+
+@pytest.mark.parametrize("model", ["lumped", "tmm", "beam", "solid"])
+def test_a_patch_is_the_ceramic_between_tab_and_tip_extension(model):
+    """The same device in other words: equal to rounding, that of beam elements being 1e-9."""
+    patch = "brass 0.3 mm; PZT-5A 0.2 mm from 2 mm to 11 mm +x"
+    bare = {"length": "9 mm", "tab_length": "2 mm", "tip_extension": "9 mm"}
+    one, other = (
+        answers(of, *NUMBERS, model=model)
+        for of in (scene(patch, model), scene("brass 0.3 mm; PZT-5A 0.2 mm +x", model, **bare))
+    )
+    np.testing.assert_allclose(one, other, rtol=2e-8)
+
+
+def test_patches_on_both_faces_bend_where_each_is():
+    """Slopes add up: each patch alone turns what is above it by its curvature times its length.
+
+    Between the layers of a mirrored pair the bending stiffness is another, hence three curvatures.
+    """
+    lower, upper = "PZT-5A 0.2 mm {}-x", "PZT-5A 0.2 mm {}-x"
+    core, u = "brass 0.3 mm", "static_tip_displacement"
+    per_square = [
+        answers(scene("; ".join(layers)), u)[0] / (0.5 * 0.02**2)
+        for layers in (
+            (lower.format(""), core),
+            (lower.format(""), core, upper.format("")),
+            (core, upper.format("")),
+        )
+    ]
+    cuts = [0.0, 4e-3, 12e-3, 18e-3]  # lower alone, both, upper alone
+    bent = sum(
+        curvature * (high - low) * (0.02 - 0.5 * (low + high))
+        for curvature, low, high in zip(per_square, cuts[:-1], cuts[1:], strict=True)
+    )
+    of = scene(f"{lower.format('to 12 mm ')}; {core}; {upper.format('from 4 mm to 18 mm ')}")
+    assert answers(of, u)[0] == pytest.approx(bent, rel=1e-12)
+    assert str(of.bimorph.layers).endswith("PZT-5A 0.2 mm from 4 mm to 18 mm -x")
 
 
 def test_the_solid_refuses_layers_of_different_widths():
