@@ -3,8 +3,10 @@
 A scene writes them as text such as ``"c11 127.2 GPa; e31 -6.62 C/m^2; eps33S 1433; k33 0.75"``, in
 any mixture of forms (IEEE 176): compliances ``s``, stiffnesses ``c``, Young's moduli ``Y``, Poisson
 ratios ``nu``, piezoelectric ``d``, ``e`` and ``g``, relative permittivities ``eps`` at constant
-stress or (``S``) strain, coupling factors ``k``.  Elastic constants are those at constant field, or
-(``D``) at constant displacement.  What is not stated keeps its ratio to a base material.
+stress or (``S``) strain, coupling factors ``k``.  ``e31bar`` and ``eps33bar`` are those of a strip
+that is strained along alone, ``e31f`` and ``eps33f`` of a film held on a substrate.  Elastic
+constants are those at constant field, or (``D``) at constant displacement.  What is not stated
+keeps its ratio to a base material.
 """
 
 from __future__ import annotations
@@ -12,7 +14,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -28,7 +30,7 @@ from tactgen.geometry.units import NUMBER, Unit, quoted
 _EXAMPLE = "s11 16.4e-12 m^2/N; d33 374 pC/N; k33 0.705"
 _REMEDY = f'write for example "{_EXAMPLE}"'
 _STATED = re.compile(
-    rf"(?P<name>[A-Za-z]+\d*[A-Za-z]?)\s*[=:]?\s+(?P<value>{NUMBER}.*)", re.ASCII | re.DOTALL
+    rf"(?P<name>[A-Za-z]+\d*[A-Za-z]*)\s*[=:]?\s+(?P<value>{NUMBER}.*)", re.ASCII | re.DOTALL
 )
 
 #: Full tables are printed to three digits, and what follows from the others agrees to this.
@@ -101,6 +103,16 @@ def _kt(of: Forms) -> float:
     return float(np.sqrt(1.0 - of.c[2, 2] / of.c_d[2, 2]))
 
 
+def _held_e31(directions: int, of: Forms) -> float:
+    """Charge per area and strain (C/m²), which is along 1 or along 1 and 2 alike."""
+    return float(of.d[2, 0] / of.s[0, :directions].sum())
+
+
+def _held_eps33(directions: int, of: Forms) -> float:
+    """Relative permittivity without that strain."""
+    return float((of.eps_t[2, 2] - directions * of.d[2, 0] * _held_e31(directions, of)) / EPS0)
+
+
 class _Kind(NamedTuple):
     unit: Unit
     value: _Value
@@ -133,6 +145,9 @@ def _kinds() -> Iterator[tuple[str, _Kind]]:
         yield f"eps{at}S", _Kind(permittivity, _entry("eps_s", i, i, EPS0))
         modulus = Unit("Pa", "modulus", "61 GPa", above=0.0, shown="GPa", per_si=1e-9)
         yield f"Y{at}", _Kind(modulus, _modulus(i))
+    for name, directions in (("bar", 1), ("f", 2)):
+        yield f"e31{name}", _Kind(stress, partial(_held_e31, directions))
+        yield f"eps33{name}", _Kind(permittivity, partial(_held_eps33, directions))
     poisson = Unit("", "Poisson ratio", "0.35", above=-1.0, below=1.0)
     yield "nu12", _Kind(poisson, lambda of: float(-of.s[0, 1] / of.s[0, 0]))
     yield "nu13", _Kind(poisson, lambda of: float(-of.s[0, 2] / of.s[0, 0]))
@@ -141,6 +156,8 @@ def _kinds() -> Iterator[tuple[str, _Kind]]:
 
 
 _KINDS = dict(_kinds())
+#: Keys of the scene for what data sheets print beside these.
+_OTHER_KEYS = ("piezo.density", "piezo.quality_factor", "piezo.loss_tangent")
 
 
 class Constant(NamedTuple):
@@ -186,9 +203,10 @@ def _constant(text: str) -> Constant:
     plain = _plain(name)
     if plain not in _KINDS:
         raise ValueError(
-            f"has {quoted(name)}, which is not a known constant{nearest(name, _KINDS)}; use s, c, "
+            f"has {quoted(name)}, which is not a known constant"
+            f"{nearest(name, (*_KINDS, *_OTHER_KEYS))}; use s, c, "
             "Y, d, e, g, eps or k with their indices, with D at constant displacement and S at "
-            "constant strain, or nu12, nu13, kp, kt"
+            "constant strain, or e31bar, e31f, eps33bar, eps33f, nu12, nu13, kp, kt"
         )
     unit = _KINDS[plain].unit
     try:
@@ -277,13 +295,18 @@ def _forms(unknowns: Floats) -> Forms:
     return Forms(s, d, np.diag([eps11, e22 * eps11, eps33]))
 
 
+_PARTS = re.compile(r"(?P<letter>eps|nu|[scYdegk])(?P<at>\d\d|[pt])(?:[DSf]|bar)?")
+
+
 def _said(constants: Sequence[Constant], base: Piezoceramic) -> list[int]:
     """Unknowns that the constants are there to say."""
     keys = []
     for name, _ in constants:
-        letter = name.rstrip("DS0123456789") if name not in ("kp", "kt") else "k"
+        parts = _PARTS.fullmatch(name)
+        assert parts is not None
+        letter = parts["letter"]
         kind = {"eps": "dielectric"}.get(letter, "piezoelectric" if letter in "degk" else "elastic")
-        keys.append((kind, name.removeprefix(letter).rstrip("DS")))
+        keys.append((kind, parts["at"]))
     found = set()
     for kind, at in keys:
         first, second = _SECOND.get((kind, at), ("", ""))

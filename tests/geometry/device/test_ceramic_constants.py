@@ -86,6 +86,23 @@ def test_a_drawn_polymer_is_not_a_ceramic():
     assert_same(completed(LIBRARY["PZT-5A"], read_constants(printed(film, names))), film)
 
 
+def test_constants_of_strips_and_films():
+    """As Erturk and Inman (2009) print PZT-5A to three digits; of a film by its stiffness."""
+    pzt = LIBRARY["PZT-5A"]
+    of = completed(pzt, read_constants(f"e31bar -10.4 C/m^2; eps33bar {13.3e-9 / EPS0}"))
+    assert of.d[2, 0] == pytest.approx(pzt.d[2, 0], rel=5e-3)
+    assert of.eps_t[2, 2] == pytest.approx(pzt.eps_t[2, 2], rel=5e-3)
+    stress = np.linalg.solve(pzt.s[:2, :2], pzt.d[2, :2])  # of a film that is held, per field
+    held = (pzt.eps_t[2, 2] - pzt.d[2, :2] @ stress) / EPS0
+    other = LIBRARY["PZT-8"]
+    text = (
+        f"s11 {pzt.s[0, 0]} m^2/N; s12 {pzt.s[0, 1]} m^2/N; e31f {stress[0]} C/m^2; eps33f {held}"
+    )
+    of = completed(other, read_constants(text))
+    assert of.d[2, 0] == pytest.approx(pzt.d[2, 0], rel=ROUNDING)
+    assert of.eps_t[2, 2] == pytest.approx(pzt.eps_t[2, 2], rel=ROUNDING)
+
+
 def test_the_rest_keeps_its_ratio():
     """What is not stated keeps its ratio, and d31 its value, as when single values are replaced."""
     base = LIBRARY["PZT-5A"]
@@ -121,6 +138,7 @@ def test_a_whole_table_is_taken():
         ),
         ("d33 374", 'which has no unit; a piezoelectric constant needs one, for example "-171 pC'),
         ("d33 374 pF", "which is not a piezoelectric constant"),
+        ("tand 0.02", r'did you mean "piezo\.loss_tangent"'),
         ("q31 4", 'has "q31", which is not a known constant'),
         ("E33 61 GPa", r'not a known constant \(did you mean'),
         ("k31 1.2", "must be less than 1"),
