@@ -44,8 +44,9 @@ def pytest_collection_modifyitems(items):
 
 
 def pytest_collection_finish():
-    """Look for cycles from here on, but not among what was imported."""
+    """Look for cycles from here on, but seldom, and not among what was imported."""
     gc.freeze()
+    gc.set_threshold(50_000)
     gc.enable()
 
 

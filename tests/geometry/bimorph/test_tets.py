@@ -123,7 +123,7 @@ def test_bimorph_volumes_and_areas_are_exact(bimorph):
 
 def test_listed_layers_are_boxes_of_their_own():
     """Also of another width and place, and where they go on; half of them is meshed."""
-    layers = "brass 0.3 mm; glue 0.05 mm; PZT-5A 0.26 mm wide 3 mm from 1 mm to 5 mm -x"
+    layers = "brass 0.3 mm; glue 0.2 mm; PZT-5A 0.26 mm wide 3 mm from 1 mm to 5 mm -x"
     bimorph = Bimorph(length=6e-3, width=4e-3, tab_length=1e-3, tip_extension=2e-3, layers=layers)
     device = Device(bimorph=bimorph)
     expected = closed_form_volumes(device, "alone")
