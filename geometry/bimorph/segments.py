@@ -17,7 +17,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints, Numbers
 from tactgen.geometry.device.bimorph import Dimensions
-from tactgen.geometry.device.laminate import OWN, Layer
+from tactgen.geometry.device.laminate import OWN, Laminate, Layer
 from tactgen.geometry.device.parameters import (
     NOMINAL_GAP,
     Bimorph,
@@ -167,16 +167,22 @@ def _stated(device: Device, piece: Piece) -> list[StackLayer]:
     sizes, found = [layer.thickness for layer in layers], []
     # rounded alike from both sides, so that layers that mirror each other do so to the last digit
     faces = [0.5 * (fsum(sizes[:n]) - fsum(sizes[n:])) for n in range(len(sizes) + 1)]
-    for number, (layer, goes_on) in enumerate(zip(layers, layers.continues, strict=True)):
-        low, high = faces[number : number + 2]
-        if goes_on or (piece.section == "bimorph" and number not in piece.without):
-            at = piece.electrode and layer.electrodes != "bare"
-            region, of = layers.region(number), material_of(device, layer)
-            poling, hot = device.bimorph.drive_poling(number), layers.hot(number)
-            share = layer.width / device.bimorph.width if layer.width else 1.0
-            uniform = layer.pitch > 0.0
-            found.append(StackLayer(region, of, low, high, poling, hot, at, share, uniform))
+    for number in listed_at(piece, layers):
+        layer, (low, high) = layers[number], faces[number : number + 2]
+        at = piece.electrode and layer.electrodes != "bare"
+        region, of = layers.region(number), material_of(device, layer)
+        poling, hot = device.bimorph.drive_poling(number), layers.hot(number)
+        share = layer.width / device.bimorph.width if layer.width else 1.0
+        uniform = layer.pitch > 0.0
+        found.append(StackLayer(region, of, low, high, poling, hot, at, share, uniform))
     return found
+
+
+def listed_at(piece: Piece, layers: Laminate) -> list[int]:
+    """Numbers of the listed layers that reach a piece."""
+    if piece.section == "bimorph":
+        return [number for number in range(len(layers)) if number not in piece.without]
+    return [number for number, goes_on in enumerate(layers.continues) if goes_on]
 
 
 def material_of(device: Device, layer: Layer) -> Piezo | Shim | Glue:

@@ -29,8 +29,14 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.bimorph.segments import Piece, beam_pieces, bimorph_stack, material_of
-from tactgen.geometry.device.laminate import Laminate
+from tactgen.geometry.bimorph.segments import (
+    Piece,
+    beam_pieces,
+    bimorph_stack,
+    listed_at,
+    material_of,
+)
+from tactgen.geometry.device.laminate import Laminate, Layer
 from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
@@ -160,9 +166,9 @@ class Calibration:
     """A fit, and factors on its errors."""
 
     fit: Fit
-    #: Factors on all errors by property that the fit does not know, such as a tab, and of ratios
-    #: beyond its range; of others, such as a taper, no error is known
-    beyond: dict[str, float]
+    #: Factors (7,) on :data:`ERRORS` by property that the fit does not know, such as a tab, and of
+    #: ratios beyond its range; of others, such as a taper, no error is known
+    beyond: dict[str, list[float]]
 
 
 def calibration_from(record: dict[str, Any]) -> Calibration:
@@ -187,7 +193,7 @@ def calibration(*, listed: bool) -> Calibration:
 
 
 def check_known(device: Device, support: Support) -> None:
-    """Refuse what no calibration knows: a rod's joint, layers of widths of their own, patches.
+    """Refuse what no calibration knows: a rod's joint, layers of widths of their own.
 
     And materials that no solid has, ceramics that couple far more than those of the fit, or hardly
     bend it.
@@ -204,11 +210,6 @@ def check_known(device: Device, support: Support) -> None:
         raise InputError(
             f'bimorph.layers = "{layers}" has layers of different widths, which the model '
             "calibrated does not know; ask for --model tmm or cad"
-        )
-    if layers.has_patches:
-        raise InputError(
-            f'bimorph.layers = "{layers}" has layers that cover a part of the length, which the '
-            "model calibrated does not know; ask for --model tmm or solid"
         )
     if layers and lever(plain(device)) < _LEVER:
         raise InputError(
@@ -248,8 +249,8 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     near, whole = root_length(simple), interior(glued)
     theory = theory_change(glued, whole, near)
     terms = fit.terms(at, theory.sizes)
-    if any(layer.pitch for layer in simple.bimorph.layers):
-        terms = 0.0 * terms  # the theories alone: no ceramic of the fit is strained by d33
+    if any(layer.pitch for layer in simple.bimorph.layers) or not ceramics(simple):
+        terms = 0.0 * terms  # the theories alone: all layers of the fit's are strained by d31
     further = terms @ fit.ratios  # of the higher modes as of the third
     stiffness, root, shear, coupling, root_coupling, capacitance = np.exp(
         theory.factors + terms @ fit.factors
@@ -259,14 +260,16 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     broad = simple.bimorph.width / simple.bimorph.length
     damping = DAMPING + _PER_WIDTH * min(broad, 1.0) + _PER_CORE * core_shear(simple)
     unknown = (*properties(device), *(["range"] if outside else []))
-    widened = float(np.prod([known.beyond.get(name, np.nan) for name in unknown]))
+    unstated = [np.nan] * len(ERRORS)
+    widened = np.prod([known.beyond.get(name, unstated) for name in unknown], axis=0)
     own = section(Piece("bimorph", glued.bimorph.length), glued, beam, lossy=False)
     active = replace(whole, EI=whole.EI * stiffness, GA=whole.GA / shear)
     return SectionFactors(
         stiffness=active.EI / own.EI,
         shear=active.GA / own.GA,
         coupling=coupling * (whole.K / own.K if own.K else 1.0),
-        capacitance=capacitance * free_capacitance(whole) / free_capacitance(own),
+        capacitance=capacitance
+        * (free_capacitance(whole) / free_capacitance(own) if own.C else 1.0),
         root=float(root), root_coupling=float(root_coupling), root_length=near,
         knots=theory.frequencies, ratios=np.exp(theory.ratios + np.pad(further, (0, 2), "edge")),
         errors=widened * np.exp(errors), lengthwise=lengthwise_modes(simple),
@@ -322,7 +325,7 @@ def properties(device: Device) -> tuple[str, ...]:
     found = {
         "tab": own.tab_length > 0.0, "glue": own.glue_thickness > 0.0 and not own.layers,
         "bare ends": own.bare_below + own.bare_above > 0.0, "taper": bool(own.profiles),
-        "tip extension": own.tip_extension > 0.0,
+        "tip extension": own.tip_extension > 0.0, "patch": own.layers.has_patches,
         "poled along": any(layer.pitch for layer in own.layers),
     }  # fmt: skip
     return tuple(name for name, has in found.items() if has)
@@ -338,7 +341,7 @@ def sections(
     segments: int = transfer_matrix.SEGMENTS,
 ) -> list[Element]:
     """Row of calibrated beams from base to tip, see :func:`tmm.beam.transfer_matrix.sections`."""
-    asked = support, beam, lossy, segments
+    asked = support, beam, segments
     row = _row(device, factors, *asked)
     if not lossy:
         return row
@@ -361,32 +364,41 @@ def _over(factors: SectionFactors, root_length: float) -> SectionFactors:
 
 
 def _row(
-    device: Device, factors: SectionFactors, support: Support, beam: Beam, lossy: bool,
-    segments: int,
-) -> list[Element]:  # fmt: skip
-    """Row of calibrated beams without losses, and what is below and above them with its own."""
-    left = 0.0 if device.bimorph.tab_length else factors.root_length
+    device: Device, factors: SectionFactors, support: Support, beam: Beam, segments: int
+) -> list[Element]:
+    """Row of calibrated beams without losses."""
+    left = factors.root_length
     found: list[Element] = []
     for piece in beam_pieces(device, support):
-        calibrated = piece.section == "bimorph"
+        own = factors
+        if piece.section != "bimorph" or piece.without:
+            own = _over(section_factors(_part(device, piece), beam), factors.root_length)
         parts = transfer_matrix.elements(
-            replace(piece, electrode=True) if calibrated else piece, device, beam,
-            lossy=lossy and not calibrated, segments=segments,
-        )  # fmt: skip
-        if not calibrated:
-            found += parts
-            continue
+            replace(piece, electrode=True), device, beam, lossy=False, segments=segments
+        )
         for element, length in parts:
             assert isinstance(element, Section)
             near = min(left, length)
             left -= near
             for active, of in (
-                (_corrected(element, factors, at_root=True), near),
-                (_corrected(element, factors, at_root=False), length - near),
+                (_corrected(element, own, at_root=True), near),
+                (_corrected(element, own, at_root=False), length - near),
             ):
                 if of > 0.0:
                     found.append((active if piece.electrode else without_electrode(active), of))
     return found
+
+
+def _part(device: Device, piece: Piece) -> Device:
+    """Bimorph of nothing but the layers of a piece that not all of them reach."""
+    own = plain(device).bimorph
+    layers = Laminate((Layer("shim", own.shim_thickness),))
+    if listed := own.layers:
+        layers = Laminate(
+            listed[n]._replace(hot=0 if listed[n].pitch else listed.hot(n), start=0.0, end=0.0)
+            for n in listed_at(piece, listed)
+        )
+    return device.model_copy(update={"bimorph": own.model_copy(update={"layers": layers})})
 
 
 def _stiffened(device: Device, step: float) -> Device:
@@ -418,10 +430,9 @@ def _changed(of: Piezo | Shim | Glue, step: float) -> Piezo | Shim | Glue:
 
 
 def _with_losses(entry: Element, stiffer: Element, softer: Element) -> Element:
-    """Element with its losses, unless it has them, from two whose moduli have changed."""
+    """Element with its losses, from two whose moduli have changed."""
     (own, length), more, less = entry, stiffer[0], softer[0]
-    if not isinstance(own, Section) or np.iscomplexobj(own.EI):
-        return entry
+    assert isinstance(own, Section)
     found = {}
     for name in ("EI", "GA", "K", "C"):
         value, up, down = (getattr(one, name) for one in (own, more, less))

@@ -147,9 +147,12 @@ def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Slice]:
     while pieces[0].section != "bimorph":
         pieces.pop(0)
     parts: list[_Slice] = []
-    for piece in pieces[::-1]:
+    for piece, above in zip(pieces[::-1], [pieces[-1], *pieces[:0:-1]], strict=True):
+        ends_here = piece.without != above.without  # a patch, above which the stress is another
         number = max(1, math.ceil(_HEIGHTS * piece.length / device.bimorph.length))
         if not piece.tapered:
+            if ends_here:
+                parts.append(_slice_from(piece, device, beam, 1.0, []))
             within = replace(piece, length=piece.length / number)
             beams = elements(within, device, beam, lossy=True, segments=1)
             parts.append(_slice_from(piece, device, beam, 0.0, beams)._replace(repeats=number))
@@ -161,7 +164,7 @@ def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Slice]:
             within = replace(piece, length=length, ends=ends)
             beams = elements(within, device, beam, lossy=True, segments=1)
             # of a taper the upper end counts too; elsewhere it is strained as what is next to it
-            if not any(part.stresses for part in parts):
+            if not any(part.stresses for part in parts) or (ends_here and high == 1.0):
                 parts.append(_slice_from(piece, device, beam, high, []))
             parts.append(_slice_from(piece, device, beam, low, beams))
     return parts

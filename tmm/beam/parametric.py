@@ -220,6 +220,11 @@ def _pieces(actuator: Actuator, values: Values) -> list[Piece]:
             raise _unvariable(actuator, key)
         for i, k in zip(*np.nonzero(slopes), strict=True):
             dimensions[i][k] = dimensions[i][k] + slopes[i, k] * (value - actuator.value(key))
+    if any(np.min(length) <= 0.0 for length, *_ in dimensions):
+        raise InputError(
+            f"{', '.join(values)} leave nothing of a part of the bimorph; keep bimorph.length "
+            "above the end of every layer, electrode and place of measurement"
+        )
     return [_with_dimensions(piece, d) for piece, d in zip(row, dimensions, strict=True)]
 
 

@@ -76,7 +76,7 @@ def plate_change(device: Device, root: float, lengthwise: int) -> PlateChange:
     if coupling:
         moved = own / coupling * tip @ by_voltage - 0.5 * (1.0 - near) ** 2
         follows = moved / (near * (1.0 - 0.5 * near))
-    charged = (capacitance + volt @ by_voltage) / free
+    charged = (capacitance + volt @ by_voltage) / free if free else 1.0
     inverse, _ = eigenpairs(product((0, 0), (0, 0)), stiffness)
     beam = frequencies_with_root(near, softer)
     ratios = 0.5 * np.log(beam**2 * own * inverse[: -_MODES - 1 : -1])

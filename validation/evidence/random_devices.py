@@ -329,6 +329,8 @@ def unusual_bimorph(rng: np.random.Generator, overrides: Sequence[str], what: st
         value["bimorph.tab_length"] = f"{length * share:.5g}mm"
     elif what == "tip extension":
         value["bimorph.tip_extension"] = f"{length * share:.5g}mm"
+    elif what == "patch":
+        value["bimorph.layers"] = _patched(rng, listed, length)
     elif what == "glue":
         glue = min(piezo, shim) * between(rng, 0.03, 0.3)
         value["bimorph.glue_thickness"] = f"{max(glue, 1e-3):.5g}mm"
@@ -352,6 +354,21 @@ def unusual_bimorph(rng: np.random.Generator, overrides: Sequence[str], what: st
         value["bimorph.length"] = f"{shorter:.5g}mm"
         value["bimorph.width"] = f"{min(width, BROADEST * shorter):.5g}mm"
     return [f"{key}={text}" for key, text in value.items()]
+
+
+def _patched(rng: np.random.Generator, listed: str, length: float) -> str:
+    """Layers of which all but the first elastic one, or the lowest, cover a part of a length (mm).
+
+    Half of them begin at the clamp.
+    """
+    layers = listed.split("; ")
+    core = next((n for n, layer in enumerate(layers) if layer.startswith("shim")), 0)
+    start = length * max(rng.uniform(-0.3, 0.3), 0.0)
+    place = f"from {start:.5g} mm to {length * rng.uniform(0.4, 1.0):.5g} mm"
+    return "; ".join(
+        layer if n == core else re.sub(r" mm", f" mm {place}", layer, count=1)
+        for n, layer in enumerate(layers)
+    )
 
 
 def sprung(rng: np.random.Generator, overrides: Sequence[str], stiffness: float) -> list[str]:

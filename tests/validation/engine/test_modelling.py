@@ -17,6 +17,9 @@ BENDER = (
     "support.kind=clamped",
 )  # fmt: skip
 
+#: Of two ceramics, each over a part of the length, one reaching the clamp.
+PATCHES = "PZT-5A 0.2 mm to 12 mm -x; brass 0.3 mm; PZT-5A 0.2 mm from 4 mm to 18 mm -x"
+
 
 def both(name, *overrides, models=("tmm", "solid"), asked=ASKED):
     scene, _ = load_scene(name, ["mesh.level=2", "modes=1", *overrides])
@@ -34,10 +37,12 @@ def both(name, *overrides, models=("tmm", "solid"), asked=ASKED):
         ),
         ("prototype", ["shim.youngs_modulus=20MPa", "shim.shear_modulus=7.7MPa"]),
         ("j1", ["bimorph.width=15mm"]),
+        ("prototype", [f"bimorph.layers={PATCHES}", "bimorph.width=4mm", "bimorph.length=25mm",
+                       "support.kind=clamped", "bimorph.tip_extension=3mm"]),
     ],
 )  # fmt: skip
 def test_it_covers_what_the_solid_says(name, overrides):
-    """The paper's devices, a wide bender with a tip mass, a soft core, a wide plate."""
+    """The paper's devices, a wide bender with a tip mass, a soft core, a wide plate, patches."""
     for quick, solid in both(name, *overrides):
         right, bar = float(np.ravel(solid.value)[0]), float(np.ravel(solid.error)[0])
         value, error = float(np.ravel(quick.value)[0]), float(np.ravel(quick.modelling_error)[0])
