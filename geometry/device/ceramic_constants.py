@@ -103,14 +103,20 @@ def _kt(of: Forms) -> float:
     return float(np.sqrt(1.0 - of.c[2, 2] / of.c_d[2, 2]))
 
 
+def _held(directions: int, of: Forms) -> Floats:
+    """Stress per field (n,) in C/m² where strain along 1, or along 1 and 2, is held at zero."""
+    return np.linalg.solve(of.s[:directions, :directions], of.d[2, :directions])
+
+
 def _held_e31(directions: int, of: Forms) -> float:
-    """Charge per area and strain (C/m²), which is along 1 or along 1 and 2 alike."""
-    return float(of.d[2, 0] / of.s[0, :directions].sum())
+    """Charge per area and strain along 1 (C/m²), the other directions free."""
+    return float(_held(directions, of)[0])
 
 
 def _held_eps33(directions: int, of: Forms) -> float:
-    """Relative permittivity without that strain."""
-    return float((of.eps_t[2, 2] - directions * of.d[2, 0] * _held_e31(directions, of)) / EPS0)
+    """Relative permittivity while that strain is held at zero."""
+    stored = of.d[2, :directions] @ _held(directions, of)
+    return float((of.eps_t[2, 2] - stored) / EPS0)
 
 
 class _Kind(NamedTuple):
@@ -125,7 +131,7 @@ def _kinds() -> Iterator[tuple[str, _Kind]]:
     strain = Unit("m/V", "piezoelectric constant", "-171 pC/N", shown="pC/N", per_si=1e12)
     stress = Unit("C/m**2", "piezoelectric constant", "-6.62 C/m^2", shown="C/m^2")
     voltage = Unit("V*m/N", "piezoelectric constant", "-11e-3 V*m/N", shown="V*m/N")
-    permittivity = Unit("", "relative permittivity", "1700", above=0.0)
+    permittivity = Unit("", "relative permittivity", "1700", at_least=1.0)
     factor = Unit("", "coupling factor", "0.344", at_least=0.0, below=1.0)
     for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2), (3, 3), (4, 4), (5, 5)):
         at = f"{i + 1}{j + 1}"
@@ -210,11 +216,20 @@ def _constant(text: str) -> Constant:
         )
     unit = _KINDS[plain].unit
     try:
-        number = unit.parse(parts["value"])
+        number = _relative(parts["value"]) if plain.startswith("eps") else None
+        number = unit.parse(parts["value"]) if number is None else number
         unit.check(number)
     except ValueError as error:
         raise ValueError(f"has {quoted(text)}, which {error}") from None
     return Constant(plain, number)
+
+
+def _relative(text: str) -> float | None:
+    """Relative permittivity of one that is stated in F/m; None of any other text."""
+    try:
+        return Unit("F/m", "permittivity", "13.3 nF/m").parse(text) / EPS0
+    except ValueError:
+        return None
 
 
 #: Superscripts that stand before the indices, and names of the relative permittivity.
@@ -289,8 +304,9 @@ def _forms(unknowns: Floats) -> Forms:
     s[:3, :3] = [[s11, s12, s13], [s12, r22 * s11, r23 * s13], [s13, r23 * s13, r33 * s11]]
     s55, eps11 = r55 * s11, e11 * eps33
     s[3, 3], s[4, 4], s[5, 5] = r44 * s55, s55, r66 * 2.0 * (s11 - s12)
-    d[2, :3] = d31, u32 * d31, k33 * np.sqrt(s[2, 2] * eps33)
-    d[0, 4] = k15 * np.sqrt(s55 * eps11)
+    with np.errstate(invalid="ignore"):  # of no material, which is then refused
+        d[2, :3] = d31, u32 * d31, k33 * np.sqrt(s[2, 2] * eps33)
+        d[0, 4] = k15 * np.sqrt(s55 * eps11)
     d[1, 3] = u24 * d[0, 4]
     return Forms(s, d, np.diag([eps11, e22 * eps11, eps33]))
 
@@ -329,9 +345,12 @@ def completed(base: Piezoceramic, constants: Sequence[Constant]) -> Piezoceramic
     if not constants:
         return base
     forms, misfit = _fitted(base, constants)
-    if misfit.max() > _PRINTED_ALIKE:
+    if not misfit.max() <= _PRINTED_ALIKE:
         raise InputError(_contradiction(base, constants))
-    return replace(base, s=forms.s, d=forms.d, eps_t=forms.eps_t, stated={}, spreads={})
+    origin = f"from piezo.constants, the rest by ratio to {base.name}"
+    return replace(
+        base, s=forms.s, d=forms.d, eps_t=forms.eps_t, origin=origin, stated={}, spreads={}
+    )
 
 
 def moved(of: Piezoceramic, constants: Sequence[Constant]) -> list[str]:
@@ -402,7 +421,7 @@ def _contradiction(base: Piezoceramic, constants: Sequence[Constant]) -> str:
     found, least = "", np.inf
     for odd in constants if len(constants) > 1 else ():
         forms, misfit = _fitted(base, [one for one in constants if one is not odd])
-        if misfit.max() > _PRINTED_ALIKE:
+        if not misfit.max() <= _PRINTED_ALIKE:
             continue
         kind = _KINDS[odd.name]
         value = kind.value(forms)

@@ -12,6 +12,8 @@ from tactgen.geometry.errors import InputError
 
 #: Rounding of sums of dimensions (m).
 _ROUNDING = 1e-12
+#: Least part of the length that a layer covers.
+_SHORTEST = 1e-6
 
 #: Softest glue between layers (Pa) with which the bricks' error bars were found to hold.
 _LEAST_GLUE = 1e7
@@ -164,15 +166,16 @@ def _check_layers(bimorph: Bimorph, support: Support) -> None:
             f"{text} has no ceramic at the drive voltage; add one with its poling, such as PZT-5A "
             "0.26 mm +x"
         )
-    _check_contacts(layers)
     _check_extents(bimorph)
+    _check_contacts(layers)
     along = [layer for layer in layers if layer.pitch]
     for layer in along:
-        if not layer.thickness <= layer.pitch <= bimorph.length:
+        covered = (layer.end or bimorph.length) - layer.start
+        if not layer.thickness <= layer.pitch <= covered:
             raise InputError(
                 f"bimorph.layers has {layer}, whose pitch must lie between its thickness, as the "
-                "field of closer fingers does not fill it, and bimorph.length = "
-                f"{bimorph.length * 1e3:g} mm; change the pitch"
+                f"field of closer fingers does not fill it, and its length, {covered * 1e3:g} mm; "
+                "change the pitch"
             )
         if bimorph.wiring == "series":
             raise InputError(
@@ -185,10 +188,10 @@ def _check_layers(bimorph: Bimorph, support: Support) -> None:
                 f"bimorph.{name} = {getattr(bimorph, name) * 1e3:g} mm is not known with a ceramic "
                 f"poled along in {text}; set 0 mm, with bimorph.length up to the last electrode"
             )
-        if getattr(bimorph, name) and layers.has_patches:
+        if getattr(bimorph, name) and any(of.is_patch and of.is_ceramic for of in layers):
             raise InputError(
-                f"bimorph.{name} = {getattr(bimorph, name) * 1e3:g} mm is not known with layers of "
-                f"their own place in {text}, whose electrodes cover them; set 0 mm"
+                f"bimorph.{name} = {getattr(bimorph, name) * 1e3:g} mm is not known with ceramics "
+                f"of their own place in {text}, whose electrodes cover them; set 0 mm"
             )
     for name in ("tab_length", "tip_extension"):
         if getattr(bimorph, name) > 0.0 and not any(layers.continues):
@@ -253,6 +256,11 @@ def _check_extents(bimorph: Bimorph) -> None:
                 f"bimorph.layers has layer {number + 1} ({layer}) beyond bimorph.length = "
                 f"{length * 1e3:g} mm; let it end there, or make the bimorph longer"
             )
+        if end - layer.start < _SHORTEST * length:
+            raise InputError(
+                f"bimorph.layers has layer {number + 1} ({layer}), which covers next to nothing of "
+                f"bimorph.length = {length * 1e3:g} mm; make it longer, or leave it out"
+            )
     if all(layer.is_patch for layer in layers):
         raise InputError(
             f'bimorph.layers = "{layers}" has no layer all along bimorph.length, which would carry '
@@ -266,7 +274,8 @@ def _check_extents(bimorph: Bimorph) -> None:
                 raise InputError(
                     f"bimorph.layers has nothing between layer {below + 1} ({layers[below]}) and "
                     f"layer {above + 1} ({layers[above]}) from {low * 1e3:g} to {high * 1e3:g} mm; "
-                    "let the outer one cover no more than the one below it"
+                    "let the outer one cover no more than what carries it, and give patches beside "
+                    "each other one layer"
                 )
 
 

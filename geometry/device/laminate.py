@@ -31,17 +31,19 @@ _PITCH = Unit("m", "pitch", "0.5 mm", above=0.0, limits=(1e-6, 0.1), shown="mm",
 _SIZES = {
     "thickness": _THICKNESS, "width": _WIDTH, "pitch": _PITCH, "start": _PLACE, "end": _PLACE,
 }  # fmt: skip
+#: A number with its unit.
+_SIZE = rf"{NUMBER}\s*(?!from\b|to\b|wide\b)[a-zµμ][^\s\d+-]*"
 _LAYER = re.compile(
-    rf"(?P<material>\S.*?)\s+(?P<thickness>{NUMBER}\s*[^\s\d+-]+)"
-    rf"(?:\s+wide\s+(?P<width>{NUMBER}\s*[^\s\d+-]+))?"
-    rf"(?:\s+from\s+(?P<start>{NUMBER}\s*[^\s\d+-]+))?"
-    rf"(?:\s+to\s+(?P<end>{NUMBER}\s*[^\s\d+-]+))?"
-    rf"(?:\s+(?P<poling>[+-]x|[+-]z\s+pitch\s+(?P<pitch>{NUMBER}\s*[^\s\d+-]+)))?"
+    rf"(?P<material>\S.*?)\s+(?P<thickness>{_SIZE})"
+    rf"(?:\s+wide\s+(?P<width>{_SIZE}))?"
+    rf"(?:\s+from\s+(?P<start>{_SIZE}))?"
+    rf"(?:\s+to\s+(?P<end>{_SIZE}))?"
+    rf"(?:\s+(?P<poling>[+-]x|[+-]z\s+pitch\s+(?P<pitch>{_SIZE})))?"
     r"(?:\s+(?P<electrodes>hot [+-]x|shorted|bare))?",
     re.IGNORECASE | re.ASCII,
 )
 #: What is in no material's name: a size that stands in the wrong place, a tolerance.
-_MISPLACED = re.compile(r"\d\s*[µu]?m?m\b|±")
+_MISPLACED = re.compile(r"\d\s*[µu]?m?m\b|\d\.\d|±")
 #: Largest number of layers.
 _MOST = 50
 #: Materials of the scene's own, by the group that states them.
@@ -177,14 +179,18 @@ def read_layers(value: Any, info: ValidationInfo) -> Laminate:
 
 
 def _layer(text: str, info: ValidationInfo) -> Layer:
-    found = _LAYER.fullmatch(text)
+    found = _LAYER.match(text)
     if found is None or _MISPLACED.search(found["material"]):
         raise ValueError(
-            f"has the layer {quoted(text)}, which is not a material, a thickness with its unit, at "
-            'most a width with its unit ("wide 3 mm") and its place along ("from 5 mm to 12 mm"), '
-            "and of a ceramic its poling (with the pitch of its electrodes where it is poled "
-            'along, "+z pitch 0.5 mm") and at most its '
-            f"electrodes, in this order and without tolerances; {_REMEDY}"
+            f"has the layer {quoted(text)}, which does not begin with a material and a thickness "
+            f"with its unit and without tolerances; {_REMEDY}"
+        )
+    if rest := text[found.end() :].strip():
+        raise ValueError(
+            f"has the layer {quoted(text)}, where {quoted(rest)} is not understood; after material "
+            'and thickness may stand, in this order, "wide 3 mm", "from 5 mm", "to 12 mm", the '
+            'poling of a ceramic ("+x", "+z pitch 0.5 mm") and its electrodes ("hot -x", '
+            '"shorted", "bare"), all without tolerances'
         )
     sizes = []
     for name, of in _SIZES.items():

@@ -108,6 +108,7 @@ class QuantityRow:
     #: first
     varied: bool = False
     is_limit: bool = False  #: Whether its least value over a band counts, not its largest
+    peak_of: str = ""  #: Response at whose largest value over a band it counts, if not at its own
     #: If it can be measured as a frequency response: what its column is called, and the magnitudes
     #: that can be meant
     curve: Unit | None = None
@@ -346,7 +347,7 @@ CIRCUIT_POWER = QuantityRow(
 )  # fmt: skip
 OPTIMUM_RESISTANCE = QuantityRow(
     "optimum_resistance", "ohm", "resistance across the electrodes that takes the most power",
-    CircuitReadout(lambda found: found.optimum_resistance), by_name=True,
+    CircuitReadout(lambda found: found.optimum_resistance), by_name=True, peak_of="optimum_power",
 )  # fmt: skip
 OPTIMUM_POWER = QuantityRow(
     "optimum_power", "W", "mean power into the optimum resistance, by tip force and acceleration",

@@ -369,7 +369,8 @@ def representative(q: Quantity) -> Representative:
         )  # fmt: skip
     what, size = "least" if QUANTITIES[q.name].is_limit else "largest", np.abs(q.value)
     if q.extreme is not None:
-        found = q.extreme
+        found, other = q.extreme, QUANTITIES[q.name].peak_of
+        what = f"at largest {QUANTITIES[other].label}" if other else what
         return Representative(
             found.value, found.error, q.unit, what, found.frequency, modelling=_of_extreme(q)
         )

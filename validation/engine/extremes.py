@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.validation.catalogue.quantities import QuantityRow
+from tactgen.validation.catalogue.quantities import QUANTITIES, QuantityRow
 from tactgen.validation.engine.readout import read
 from tactgen.validation.models.bimorph.model import BimorphModel
 from tactgen.validation.models.model import Extreme, Model
@@ -31,7 +31,8 @@ _AROUND = 0.2
 def extreme(row: QuantityRow, model: Model, around: float | None = None) -> Extreme | None:
     """Largest size of a response in the band of the scene's sweep, of a limit the least.
 
-    None of what is no scalar response of the bimorph, and of fewer than eight frequencies.
+    Or its size where another response is largest, if it counts there (`peak_of`).  None of what is
+    no scalar response of the bimorph, and of fewer than eight frequencies.
 
     Parameters
     ----------
@@ -42,14 +43,15 @@ def extreme(row: QuantityRow, model: Model, around: float | None = None) -> Extr
     asked = np.unique(np.asarray(model.scene.frequency, dtype=float))
     if not row.is_response or not isinstance(model, BimorphModel) or asked.size < _SWEEP:
         return None
-    best = _top(row, partial(model.at, judged=False), asked, around)
+    sought = QUANTITIES.get(row.peak_of, row)
+    best = _top(sought, partial(model.at, judged=False), asked, around)
     if best is None:
         return None
     found = read(row, model.at(np.array([best]), judged=False))
     value, error = float(np.abs(found.value[0])), float(found.error[0])
     for n, (_, factor) in enumerate(model.at(np.array([best])).versions):
         version = partial(_version, model, n)
-        top = _top(row, version, asked, best)
+        top = _top(sought, version, asked, best)
         error += factor * abs(value - abs(read(row, version(np.array([top]))).value[0]))
     return Extreme(best, value, float(error))
 

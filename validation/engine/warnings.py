@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from tactgen.geometry.bimorph.segments import Piece, bimorph_stack
+from tactgen.geometry.bimorph.segments import beam_pieces, bimorph_stack
 from tactgen.geometry.device.bimorph import Piezo
 from tactgen.geometry.device.ceramic_constants import moved
 from tactgen.geometry.device.support_table import support_table
@@ -102,14 +102,17 @@ def _no_bending(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     asked = any(QUANTITIES[name].actuator == "bimorph" for name in quantities)
     if not (asked and scene.bimorph.layers):
         return
-    piece = Piece("bimorph", scene.bimorph.length)
-    found = section(piece, scene.device, scene.beam, lossy=False)
+    found = [
+        section(piece, scene.device, scene.beam, lossy=False)
+        for piece in beam_pieces(scene.device, scene.support)
+        if piece.section == "bimorph"
+    ]
     driven = any(
         layer.hot and layer.material.d31
         for layer in bimorph_stack(scene.device)
         if isinstance(layer.material, Piezo)
     )
-    if driven and found.K**2 <= _NO_COUPLING * found.EI * found.C:
+    if driven and all(of.K**2 <= _NO_COUPLING * of.EI * of.C for of in found):
         yield (
             f'the ceramics of bimorph.layers = "{scene.bimorph.layers}" stretch it and do not bend '
             "it, so that voltage and bending do not couple; turn the poling of one, or name its "

@@ -133,6 +133,12 @@ def check_lengths(device: Actuator, lengths: Floats) -> None:
             f"{mm * bimorph.bare_below:g} mm and bimorph.bare_above = "
             f"{mm * bimorph.bare_above:g} mm; start above {mm * bare:g} mm"
         )
+    covered = max((max(layer.start, layer.end) for layer in bimorph.layers), default=0.0)
+    if shortest < covered:
+        raise InputError(
+            f"lengths from {mm * shortest:g} mm end below a layer of bimorph.layers = "
+            f'"{bimorph.layers}"; start at {mm * covered:g} mm or more'
+        )
 
 
 def check_moves(displacement: Floats) -> None:

@@ -104,6 +104,28 @@ def test_the_same_ceramic_in_other_words_has_the_same_stress(same, relative):
     )
 
 
+@pytest.mark.parametrize("waist", [5e-3, 0.5e-3])
+def test_the_upper_end_of_a_patch_counts(waist, monkeypatch):
+    """Of a force at the tip at rest, also where a waist strains it most: more heights find no more.
+
+    But for the moment between two heights, which is 1 % of that at the root.
+    """
+    device = other(
+        layers="PZT-5A 0.2 mm to 10 mm +x; brass 0.3 mm; PZT-5A 0.2 mm from 12 mm -x",
+        width_profile=((0.0, 5e-3), (10e-3, waist), (20e-3, 5e-3)),
+    )
+
+    def largest():
+        force, nothing = np.array([[0.1, 0.0]], complex), np.zeros((1, 2), complex)
+        return ceramic._stress(
+            device, BEAM, np.array([1e-3]), nothing, force, np.zeros(1, complex), 0.0
+        )
+
+    found = largest()
+    monkeypatch.setattr(ceramic, "_HEIGHTS", 400)
+    assert found == pytest.approx(largest(), rel=0.01)
+
+
 def test_a_taper_has_its_force_s_moment_over_its_section():
     """A wedge in plan under a force at its tip at rest: F z / W is the same at all heights."""
     device = other(width_profile=((0.0, 4e-3), (20e-3, 1e-6)), poling="+x")

@@ -171,6 +171,17 @@ def test_optimum_resistance_takes_the_most():
     assert at > power(0.95 * float(best[0]))
 
 
+def test_the_resistance_of_a_sweep_is_that_of_its_largest_power():
+    """Not its own largest, which is where the harvester gives least."""
+    stated = {"bimorph.length": "40 mm", "circuit.kind": "load", "drive.base_acceleration": "1 g"}
+    names = ("optimum_resistance", "optimum_power")
+    swept = tactgen.solve(scene(stated, frequency=list(np.linspace(50.0, 400.0, 40))), None, names)
+    resistance, power = (swept.get(name, "tmm").extreme for name in names)
+    assert resistance.frequency == power.frequency
+    (there,) = answers(scene(stated, frequency=[power.frequency]), names[0])
+    assert resistance.value == pytest.approx(there[0], rel=1e-12)
+
+
 def test_resistor_and_capacitor_in_parallel_are_a_cable_on_a_sensor():
     """At high resistance the open voltage times C / (C + C_cable), from the scene's own C."""
     stated = {"bimorph.length": "20 mm", "drive.tip_force": "10 mN", "circuit.kind": "load",

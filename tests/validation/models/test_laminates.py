@@ -255,21 +255,24 @@ def test_a_bare_tip_carries_no_ceramic():
         ("brass 0.2 mm; PZT-5A 0.2 mm", "without a poling"),
         ("brass 0.2 mm +x; PZT-5A 0.2 mm +x", "brass is not piezoelectric"),
         ("brass 0.2 mm", "no ceramic at the drive voltage"),
-        ("brass 0.2; PZT-5A 0.2 mm +x", "not a material, a thickness"),
+        ("brass 0.2; PZT-5A 0.2 mm +x", "not begin with a material and a thickness"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +x wide 4 mm", "in this order"),
         ("brass 0.2 mm; PZT-5A 0.2 ± 0.01 mm +x", "without tolerances"),
-        ("brass 0.2 mm; PZT-5A 0.2 mm +z", "with the pitch"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm +z", r'"\+z" is not understood.*"\+z pitch 0\.5 mm"'),
         ("brass 0.2 mm; PZT-5A 0.2 mm +x pitch 0.5 mm", "in this order"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 0.5 mm hot +x", "write shorted"),
         ("PZT-5A 0.2 mm +x; PZT-5A 0.2 mm +z pitch 0.5 mm", "cannot touch another ceramic"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 0.1 mm", "must lie between its thickness"),
-        ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 30 mm", "bimorph.length = 20 mm"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 30 mm", "its length, 20 mm"),
         ("brss 0.2 mm; PZT-5A 0.2 mm +x", 'did you mean "brass"'),
         ("brass 200 mm; PZT-5A 0.2 mm +x", "must be"),
         ("brass 0.2 mm; PZT-5A 0.2 mm from 9 mm to 2 mm +x", "not above its beginning at 9 mm"),
         ("brass 0.2 mm; PZT-5A 0.2 mm to 21 mm +x", "beyond bimorph.length = 20 mm"),
         ("brass 0.2 mm to 9 mm; PZT-5A 0.2 mm to 9 mm +x", "no layer all along"),
         ("brass 0.2 mm; glue 0.1 mm to 5 mm; PZT-5A 0.2 mm +x", "nothing between .* 5 to 20 mm"),
+        ("brass 1 mm; PZT-5A 0.2 mm to 5 mm +x; PZT-5A 0.2 mm from 7 mm +x", "beside each other"),
+        ("brass 0.2 mm; PZT-5A 0.2 mm from 5 mm to 5.00000001 mm +x", "next to nothing"),
+        ("brass 0.2 mm; PZT-5A 0.1 mm to 3 mm +z pitch 5 mm", "its length, 3 mm"),
     ],
 )
 def test_refusals_name_the_layer(layers, words):
@@ -407,6 +410,9 @@ def test_ceramics_that_only_stretch_are_named(poling, warned):
     of = scene(f"PZT-5A 0.2 mm +x; brass 0.1 mm; PZT-5A 0.2 mm {poling}")
     found = request_warnings(of, of.models, of.quantities)
     assert any("stretch it and do not bend it" in w for w in found) is warned
+    apart = f"PZT-5A 0.2 mm to 8 mm +x; brass 0.1 mm; PZT-5A 0.2 mm from 12 mm {poling}"
+    found = request_warnings(scene(apart), of.models, of.quantities)
+    assert not any("do not bend it" in w for w in found)
 
 
 def test_more_layers_than_the_memory_holds_are_refused(monkeypatch):

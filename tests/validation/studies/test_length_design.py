@@ -27,6 +27,7 @@ BAND = (10.0, 1000.0)
 #: From well below to above the paper's lengths: m is decided by the band's end, then a minimum.
 SHORTER = (10e-3, 40e-3)
 PROFILE = "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"
+PATCH = ["support.kind=clamped", "bimorph.layers=brass 0.2 mm; PZT-5A 0.2 mm from 3 mm to 19 mm +x"]
 KINDS = [
     ("paper", []),
     ("paper", ["bimorph.wiring=series"]),
@@ -219,6 +220,7 @@ def test_the_scenes_own_length_is_judged_once(paper, lengths):
     [
         ([PROFILE], (20e-3, 40e-3), r"bimorph\.width_profile is stated for 20 mm; leave"),
         (["bimorph.bare_above=12mm"], SHORTER, r"leave no electrode .* 12 mm; start above 12 mm"),
+        (PATCH, SHORTER, r"end below a layer of .*; start at 19 mm or more"),
         (
             [],
             (1e-6, 40e-3),

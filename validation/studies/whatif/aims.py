@@ -221,7 +221,8 @@ def _node(tree: ast.expr, names: dict[str, None]) -> Node:
 
 def _over_band(function: str, q: Quantity, value: Any) -> Any:
     """Function of one quantity; its searched extreme where the function asks for that one."""
-    searched = "min_over" if QUANTITIES[q.name].is_limit else "max_over"
+    row = QUANTITIES[q.name]
+    searched = "" if row.peak_of else "min_over" if row.is_limit else "max_over"
     if function == searched and q.extreme is not None:
         return q.extreme.value * value.units
     return _FUNCTIONS[function](value)
