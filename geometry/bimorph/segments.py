@@ -46,7 +46,8 @@ class Piece:
     #: where they are the device's own
     ends: tuple[Dimensions, Dimensions] | None = None
     electrode: bool = True  #: Whether the ceramic's outer faces carry electrodes
-    without: tuple[int, ...] = ()  #: Numbers of the listed layers that do not reach here
+    #: Numbers, from 0, of the listed layers that do not reach here
+    without: tuple[int, ...] = ()
 
     @property
     def tapered(self) -> bool:
@@ -130,7 +131,7 @@ class StackLayer:
 
 
 def bimorph_stack(device: Device) -> list[StackLayer]:
-    """Layers of the length that the ceramics cover, from −x to +x."""
+    """All layers from −x to +x, as where the ceramics are and no listed one ends."""
     return stack(Piece("bimorph", device.bimorph.length), device)
 
 

@@ -46,7 +46,7 @@ from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.chebyshev import Products, weighted_powers
-from tactgen.validation.evidence.coverage import PROMISED, cached_by_code
+from tactgen.validation.evidence.coverage import cached_by_code
 from tactgen.validation.evidence.fit_record import evidence, products_record, rounded
 from tactgen.validation.evidence.random_devices import (
     accepted,
@@ -414,7 +414,7 @@ def _widening(known: Calibration, of: Sequence[Observed]) -> list[float]:
         scene, _ = load_scene("prototype", list(one.overrides))
         stated = section_factors(scene.device, scene.beam, known).errors
         ratios.append(left_over(one, scene, known) / stated)
-    factors = np.maximum(np.nanquantile(ratios, PROMISED, axis=0), 1.0)
+    factors = np.maximum(np.nanquantile(ratios, _QUANTILE, axis=0), 1.0)
     return [float(f"{factor:.3g}") for factor in factors]
 
 
