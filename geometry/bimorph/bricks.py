@@ -17,14 +17,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Literal
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
-from tactgen.geometry.bimorph.segments import apart, bimorph_stack
+from tactgen.geometry.bimorph.segments import bimorph_stack, cuts_along
 from tactgen.geometry.device.checks import check_bonded, check_constant_section
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.meshing.mesh import Mesh
@@ -160,10 +160,6 @@ class Bricks:
     def regions(self) -> tuple[str, ...]:
         """Names of the materials, each once."""
         return tuple(dict.fromkeys(slab.region for slab in self.slabs))
-
-    def slabs_of(self, region: str) -> tuple[Slab, ...]:
-        """Slabs of a region."""
-        return tuple(slab for slab in self.slabs if slab.region == region)
 
     def nodes_of(self, *regions: str) -> Bools:
         """Mask (nx, ny, nz) of the nodes that belong to any of the regions."""
@@ -445,13 +441,9 @@ def _sandwich(
 
 def _listed(device: Device, meshing: BrickMeshing, z: Floats) -> tuple[Floats, tuple[Slab, ...]]:
     """Break points along x, 0 in the middle, and slabs of the layers that the bimorph lists."""
-    listed = device.bimorph.layers
-    x, slabs = [-0.5 * device.bimorph.thickness], []
-    extents = listed.extents(device.bimorph.length)
-    for number, layer in enumerate(bimorph_stack(device)):
-        lower, upper = (device.bimorph.tab_length + end for end in extents[number])
-        if listed.continues[number]:
-            lower, upper = 0.0, device.bimorph.height
+    own = device.bimorph
+    x, slabs = [-0.5 * own.thickness], []
+    for number, (layer, ends) in enumerate(zip(bimorph_stack(device), own.spans, strict=True)):
         is_ceramic, thickness = layer.poling != 0.0, float(layer.thickness)
         shares: tuple[float, ...] = (1.0,)
         if is_ceramic:
@@ -466,9 +458,9 @@ def _listed(device: Device, meshing: BrickMeshing, z: Floats) -> tuple[Floats, t
             Slab(
                 layer.region,
                 (first, len(x) - 1),
-                (_nearest(z, lower), _nearest(z, upper)),
+                (_nearest(z, ends[0]), _nearest(z, ends[1])),
                 ceramic=is_ceramic,
-                faces=listed.faces(number),
+                faces=own.layers.faces(number),
                 hot=int(layer.hot),
                 uniform=layer.uniform,
             )
@@ -513,9 +505,7 @@ def _along(
     first, last = meshing.smallest * thin, max(meshing.smallest, meshing.tip) * thin
     ceramic = (bimorph.tab_length, bimorph.tab_length + bimorph.length)
     electrode = (ceramic[0] + bimorph.bare_below, ceramic[1] - bimorph.bare_above)
-    extents = bimorph.layers.extents(bimorph.length)
-    edges = [bimorph.tab_length + end for extent in extents for end in extent]
-    cuts = apart([*ceramic, *electrode, *edges], length)
+    cuts = cuts_along([*ceramic, *electrode, *chain(*bimorph.spans)], length)
     z = np.zeros(1)
     for low, high in pairwise(cuts):
         upper = last if high == length else first

@@ -219,7 +219,7 @@ def _ceramic_pieces(bimorph: Bimorph) -> list[Piece]:
     length, extents = bimorph.length, bimorph.layers.extents(bimorph.length)
     lower_edge, upper_edge = bimorph.bare_below, length - bimorph.bare_above
     points = [z for profile in bimorph.profiles.values() for z, _ in profile]
-    cuts = apart([lower_edge, upper_edge, *points, *chain(*extents)], length)
+    cuts = cuts_along([lower_edge, upper_edge, *points, *chain(*extents)], length)
     return [
         Piece(
             "bimorph",
@@ -236,8 +236,8 @@ def _ceramic_pieces(bimorph: Bimorph) -> list[Piece]:
     ]
 
 
-def apart(points: Iterable[float], length: float) -> list[float]:
-    """Points (m) from 0 to `length`, both included, in order; those too close count once."""
+def cuts_along(points: Iterable[float], length: float) -> list[float]:
+    """Ascending points (m) from 0 to `length`, both among them; those too close count once."""
     cuts = [0.0]
     for z in sorted([*points, length]):
         if cuts[-1] + _APART * length < z <= length:

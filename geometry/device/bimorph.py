@@ -160,6 +160,15 @@ class Bimorph(Parameters):
         return float(self.tab_length + self.length + self.tip_extension)
 
     @property
+    def spans(self) -> list[tuple[float, float]]:
+        """Where each listed layer begins and ends (m), from the tab's lower end."""
+        extents = self.layers.extents(self.length)
+        return [
+            (0.0, self.height) if goes_on else (self.tab_length + low, self.tab_length + high)
+            for goes_on, (low, high) in zip(self.layers.continues, extents, strict=True)
+        ]
+
+    @property
     def electrode_distance(self) -> float:
         """Smallest distance of electrodes that the drive voltage lies across (m)."""
         if not self.layers:

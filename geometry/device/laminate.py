@@ -113,11 +113,6 @@ class Laminate(tuple[Layer, ...]):
         return any(layer.width for layer in self)
 
     @property
-    def has_patches(self) -> bool:
-        """Whether a layer covers a part of the bimorph's length."""
-        return any(layer.is_patch for layer in self)
-
-    @property
     def continues(self) -> tuple[bool, ...]:
         """Whether each layer goes on where the ceramic ends: not ceramics, glue and patches."""
         return tuple(

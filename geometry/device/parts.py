@@ -185,10 +185,7 @@ def _bimorph(device: Device, standing: Standing) -> dict[str, Part]:
     lowest, highest = shim_base(device, standing), top + b.tip_extension
     if b.layers:
         parts, x = {}, -b.thickness / 2
-        extents = b.layers.extents(b.length)
-        for number, layer in enumerate(b.layers):
-            low, high = extents[number]
-            ends = (lowest, highest) if b.layers.continues[number] else (base + low, base + high)
+        for number, (layer, ends) in enumerate(zip(b.layers, b.spans, strict=True)):
             box = _box((x, x + layer.thickness), layer.width or b.width, ends)
             parts[b.layers.region(number)] = Part(box)
             x += layer.thickness
@@ -330,10 +327,9 @@ def closed_form_volumes(device: Device, standing: Standing = "rod") -> dict[str,
     names = tuple(layout(device, standing))
     b, rod, coil, sleeve = device.bimorph, device.rod, device.coil, device.sleeve
     if b.layers:
-        goes_on, extents = b.layers.continues, b.layers.extents(b.length)
         return {
-            name: layer.thickness * (layer.width or b.width) * (b.height if on else end - start)
-            for name, layer, on, (start, end) in zip(names, b.layers, goes_on, extents, strict=True)
+            name: layer.thickness * (layer.width or b.width) * (high - low)
+            for name, layer, (low, high) in zip(names, b.layers, b.spans, strict=True)
         }
     if b.profiles:
         return {name: _volume(part.body) for name, part in layout(device, standing).items()}

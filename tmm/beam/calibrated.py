@@ -325,7 +325,8 @@ def properties(device: Device) -> tuple[str, ...]:
     found = {
         "tab": own.tab_length > 0.0, "glue": own.glue_thickness > 0.0 and not own.layers,
         "bare ends": own.bare_below + own.bare_above > 0.0, "taper": bool(own.profiles),
-        "tip extension": own.tip_extension > 0.0, "patch": own.layers.has_patches,
+        "tip extension": own.tip_extension > 0.0,
+        "patch": any(layer.is_patch for layer in own.layers),
         "poled along": any(layer.pitch for layer in own.layers),
     }  # fmt: skip
     return tuple(name for name, has in found.items() if has)
@@ -390,7 +391,7 @@ def _row(
 
 
 def _part(device: Device, piece: Piece) -> Device:
-    """Bimorph of nothing but the layers of a piece that not all of them reach."""
+    """Bimorph that has all along the layers of a piece, and no others."""
     own = plain(device).bimorph
     layers = Laminate((Layer("shim", own.shim_thickness),))
     if listed := own.layers:

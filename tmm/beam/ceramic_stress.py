@@ -147,7 +147,7 @@ def _down_to_the_ceramic(device: Device, beam: Beam) -> list[_Slice]:
     while pieces[0].section != "bimorph":
         pieces.pop(0)
     parts: list[_Slice] = []
-    for piece, above in zip(pieces[::-1], [pieces[-1], *pieces[:0:-1]], strict=True):
+    for above, piece in pairwise([pieces[-1], *pieces[::-1]]):
         ends_here = piece.without != above.without  # a patch, above which the stress is another
         number = max(1, math.ceil(_HEIGHTS * piece.length / device.bimorph.length))
         if not piece.tapered:

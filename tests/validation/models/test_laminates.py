@@ -354,18 +354,22 @@ def test_a_narrower_layer_counts_by_its_width():
 
 
 @pytest.mark.parametrize(
-    ("model", "names"),
-    [("lumped", NUMBERS), ("tmm", NUMBERS), ("beam", NUMBERS), ("solid", STATIC)],
+    ("model", "names", "poling"),
+    [
+        *((model, NUMBERS, "+x") for model in ("lumped", "tmm", "beam")),
+        ("solid", STATIC, "+x"),
+        ("solid", STATIC, "+z pitch 0.5 mm"),
+    ],
 )
-def test_a_patch_is_the_ceramic_between_tab_and_tip_extension(model, names):
+def test_a_patch_is_the_ceramic_between_tab_and_tip_extension(model, names, poling):
     """The same device in other words: equal to rounding, that of beam elements being 1e-9."""
-    patch = "brass 0.3 mm; PZT-5A 0.2 mm from 2 mm to 11 mm +x"
+    patch = f"brass 0.3 mm; PZT-5A 0.2 mm from 2 mm to 11 mm {poling}"
     bare = {"length": "9 mm", "tab_length": "2 mm", "tip_extension": "9 mm"}
     one, other = (
         answers(of, *names, model=model)
         for of in (
             scene(patch, model, level=1),
-            scene("brass 0.3 mm; PZT-5A 0.2 mm +x", model, level=1, **bare),
+            scene(f"brass 0.3 mm; PZT-5A 0.2 mm {poling}", model, level=1, **bare),
         )
     )
     np.testing.assert_allclose(one, other, rtol=2e-8)
