@@ -255,119 +255,120 @@ class Unit:
         return number
 
 
-def _quantity(unit: Unit) -> Any:
+def quantity(unit: Unit) -> Any:
+    """Annotation of a number of a kind."""
     return Annotated[float, BeforeValidator(unit), unit]
 
 
 #: Sizes that a part can have: from a film of ten nanometres to a metre.
 _SIZES = (1e-9, 100.0)
 
-Length = _quantity(
+Length = quantity(
     Unit("m", "length", "20 mm", above=0.0, limits=(1e-6, 100.0), shown="mm", per_si=1e3)
 )
-SmallLength = _quantity(
+SmallLength = quantity(
     Unit("m", "length", "0.2 mm", above=0.0, limits=_SIZES, shown="mm", per_si=1e3)
 )
-LengthOrZero = _quantity(
+LengthOrZero = quantity(
     Unit("m", "length", "2 mm", at_least=0.0, limits=_SIZES, shown="mm", per_si=1e3)
 )
 #: Glue between layers: no thicker than the layers of the thickest bimorphs.
-LayerThickness = _quantity(
+LayerThickness = quantity(
     Unit(
         "m", "thickness of glue", "20 um",
         at_least=0.0, limits=(1e-9, 1e-3), shown="um", per_si=1e6,
     )
 )  # fmt: skip
 #: Over which the pressure of rough surfaces changes: from a polished to a blasted one.
-RoughnessLength = _quantity(
+RoughnessLength = quantity(
     Unit(
         "m", "length of roughness", "0.3 um",
         above=0.0, limits=(1e-10, 1e-3), shown="um", per_si=1e6,
     )
 )  # fmt: skip
-Position = _quantity(Unit("m", "position", "0.3 mm", limits=_SIZES, shown="mm", per_si=1e3))
-Density = _quantity(
+Position = quantity(Unit("m", "position", "0.3 mm", limits=_SIZES, shown="mm", per_si=1e3))
+Density = quantity(
     Unit("kg/m**3", "density", "7900 kg/m^3", above=0.0, limits=(1.0, 1e5), shown="kg/m^3")
 )
-Modulus = _quantity(
+Modulus = quantity(
     Unit("Pa", "modulus", "140 GPa", above=0.0, limits=(1e4, 1e13), shown="GPa", per_si=1e-9)
 )
-Compliance = _quantity(
+Compliance = quantity(
     Unit(
         "1/Pa", "elastic compliance", "15.8e-12 m^2/N",
         above=0.0, limits=(1e-13, 1e-4), shown="m^2/N",
     )
 )  # fmt: skip
-PiezoConstant = _quantity(
+PiezoConstant = quantity(
     Unit(
         "m/V", "piezoelectric constant", "-385 pC/N",
         limits=(1e-18, 1e-6), shown="pC/N", per_si=1e12,
     )
 )  # fmt: skip
-Stress = _quantity(
+Stress = quantity(
     Unit("Pa", "stress", "28 MPa", above=0.0, limits=(1.0, 1e12), shown="MPa", per_si=1e-6)
 )
-ElectricField = _quantity(
+ElectricField = quantity(
     Unit(
         "V/m", "electric field", "0.4 kV/mm",
         above=0.0, limits=(1.0, 1e12), shown="kV/mm", per_si=1e-6,
     )
 )  # fmt: skip
-HeatTransfer = _quantity(
+HeatTransfer = quantity(
     Unit("W/(m**2*K)", "heat transfer coefficient", "25 W/(m^2*K)", above=0.0, limits=(1e-3, 1e6))
 )
-RotationalStiffness = _quantity(
+RotationalStiffness = quantity(
     Unit("N*m/rad", "rotational stiffness", "0.24 N*m/rad", at_least=0.0, limits=(1e-12, 1e9))
 )
-LateralStiffness = _quantity(Unit("N/m", "stiffness", "3e6 N/m", at_least=0.0, limits=(1e-6, 1e15)))
-RotationalDamping = _quantity(
+LateralStiffness = quantity(Unit("N/m", "stiffness", "3e6 N/m", at_least=0.0, limits=(1e-6, 1e15)))
+RotationalDamping = quantity(
     Unit(
         "N*m*s/rad", "rotational damping", "4.46e-6 N*m*s/rad",
         at_least=0.0, limits=(1e-18, 1e3),
     )
 )  # fmt: skip
-LateralDamping = _quantity(
+LateralDamping = quantity(
     Unit("N*s/m", "damping coefficient", "0.5 N*s/m", at_least=0.0, limits=(1e-12, 1e9))
 )
-RotationalInertia = _quantity(
+RotationalInertia = quantity(
     Unit(
         "kg*m**2", "rotational inertia", "1e-12 kg*m^2",
         at_least=0.0, limits=(1e-24, 1.0), shown="kg*m^2",
     )
 )  # fmt: skip
-Mass = _quantity(
+Mass = quantity(
     Unit("kg", "mass", "10 mg", at_least=0.0, limits=(1e-15, 1e3), shown="mg", per_si=1e6)
 )
 VOLTAGE = Unit("V", "voltage", "50 V", limits=(1e-12, 1e6), sinusoid=True)
-Voltage = _quantity(VOLTAGE)
+Voltage = quantity(VOLTAGE)
 CURRENT = Unit("A", "current", "130 mA", limits=(1e-12, 1e4), shown="mA", per_si=1e3)
-Current = _quantity(CURRENT)
-Force = _quantity(
+Current = quantity(CURRENT)
+Force = quantity(
     Unit("N", "force", "110 mN", at_least=0.0, limits=(1e-9, 1e4), shown="mN", per_si=1e3)
 )
-ForceAmplitude = _quantity(Unit("N", "force", "1 N", limits=(1e-12, 1e6), sinusoid=True))
-Acceleration = _quantity(
+ForceAmplitude = quantity(Unit("N", "force", "1 N", limits=(1e-12, 1e6), sinusoid=True))
+Acceleration = quantity(
     Unit("m/s**2", "acceleration", "1 g", limits=(1e-9, 1e7), shown="m/s^2", sinusoid=True)
 )
-Capacitance = _quantity(
+Capacitance = quantity(
     Unit("F", "capacitance", "10 nF", at_least=0.0, limits=(1e-18, 1e3), shown="nF", per_si=1e9)
 )
-Inductance = _quantity(
+Inductance = quantity(
     Unit("H", "inductance", "10 mH", at_least=0.0, limits=(1e-12, 1e9), shown="mH", per_si=1e3)
 )
-ElectricalResistance = _quantity(
+ElectricalResistance = quantity(
     Unit("ohm", "resistance", "100 kohm", at_least=0.0, limits=(1e-9, 1e15), shown="ohm")
 )
-Resistivity = _quantity(
+Resistivity = quantity(
     Unit("ohm*m", "resistivity", "1.72e-8 ohm*m", above=0.0, limits=(1e-9, 1e-4))
 )
-Temperature = _quantity(Unit("K", "temperature", "20 degC", above=0.0, limits=(1.0, 2000.0)))
-FillFactor = _quantity(Unit("", "share", "0.5", above=0.0, below=1.0))
-Duration = _quantity(Unit("s", "time", "600 s", above=0.0, limits=(0.1, 1e6)))
-RelaxationTime = _quantity(
+Temperature = quantity(Unit("K", "temperature", "20 degC", above=0.0, limits=(1.0, 2000.0)))
+FillFactor = quantity(Unit("", "share", "0.5", above=0.0, below=1.0))
+Duration = quantity(Unit("s", "time", "600 s", above=0.0, limits=(0.1, 1e6)))
+RelaxationTime = quantity(
     Unit("s", "relaxation time", "20 us", at_least=0.0, limits=(1e-12, 1.0), shown="us", per_si=1e6)
 )
-Resistance = _quantity(
+Resistance = quantity(
     Unit("ohm", "resistance", "10 ohm", at_least=0.0, limits=(1e-9, 1e9), shown="ohm")
 )
 #: Mechanical impedance: force per velocity.
@@ -381,32 +382,32 @@ DYNAMIC_ROTATION = Unit(
 #: Of a motion that is felt: from below what anyone feels to what hurts.
 AMPLITUDE = Unit("m", "displacement", "2 um", above=0.0, limits=(1e-12, 1.0))
 PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
-Angle = _quantity(
+Angle = quantity(
     Unit("rad", "angle", "45 deg", limits=(1e-6, 10.0), shown="deg", per_si=180.0 / math.pi)
 )
 #: Up to where waves in the device are shorter than 0.1 mm.
 FREQUENCY = Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7))
-RelativePermittivity = _quantity(
+RelativePermittivity = quantity(
     Unit("", "relative permittivity", "6000", above=1.0, limits=(1.0, 1e7))
 )
-RelativePermeability = _quantity(
+RelativePermeability = quantity(
     Unit("", "relative permeability", "1000", at_least=1.0, limits=(1.0, 1e7))
 )
-Turns = _quantity(Unit("", "number of turns", "560", at_least=1.0, limits=(1.0, 1e6)))
-QualityFactor = _quantity(Unit("", "quality factor", "60", above=0.0, limits=(0.1, 1e9)))
+Turns = quantity(Unit("", "number of turns", "560", at_least=1.0, limits=(1.0, 1e6)))
+QualityFactor = quantity(Unit("", "quality factor", "60", above=0.0, limits=(0.1, 1e9)))
 #: Relative growth of a constant per amplitude of the electric field.
-FieldGrowth = _quantity(
+FieldGrowth = quantity(
     Unit("m/V", "growth per electric field", "2 mm/kV", at_least=0.0, limits=(1e-12, 1e-3),
          shown="mm/kV", per_si=1e6)
 )  # fmt: skip
-LossTangent = _quantity(Unit("", "loss tangent", "0.03", at_least=0.0, limits=(1e-12, 10.0)))
-LossFactor = _quantity(Unit("", "loss factor", "0.02", at_least=0.0, limits=(1e-9, 2.0)))
-PoissonRatio = _quantity(Unit("", "Poisson ratio", "0.3", above=-1.0, below=0.5))
-PositiveNumber = _quantity(Unit("", "number", "0.8333", above=0.0, limits=(1e-3, 1e3)))
-RelativeScatter = _quantity(
+LossTangent = quantity(Unit("", "loss tangent", "0.03", at_least=0.0, limits=(1e-12, 10.0)))
+LossFactor = quantity(Unit("", "loss factor", "0.02", at_least=0.0, limits=(1e-9, 2.0)))
+PoissonRatio = quantity(Unit("", "Poisson ratio", "0.3", above=-1.0, below=0.5))
+PositiveNumber = quantity(Unit("", "number", "0.8333", above=0.0, limits=(1e-3, 1e3)))
+RelativeScatter = quantity(
     Unit("", "relative scatter", "0.02", at_least=0.0, below=0.3, limits=(1e-9, 0.3))
 )
-RelativeError = _quantity(
+RelativeError = quantity(
     Unit("", "relative accuracy", "1e-3", above=0.0, below=1.0, limits=(1e-9, 1.0))
 )
 

@@ -167,13 +167,14 @@ def _stated(device: Device, piece: Piece) -> list[StackLayer]:
     layers = device.bimorph.layers
     sizes, found = [layer.thickness for layer in layers], []
     # rounded alike from both sides, so that layers that mirror each other do so to the last digit
-    faces = [0.5 * (fsum(sizes[:n]) - fsum(sizes[n:])) for n in range(len(sizes) + 1)]
+    add = fsum if all(isinstance(size, float) for size in sizes) else sum
+    faces = [0.5 * (add(sizes[:n]) - add(sizes[n:])) for n in range(len(sizes) + 1)]
     for number in listed_at(piece, layers):
         layer, (low, high) = layers[number], faces[number : number + 2]
         at = piece.electrode and layer.electrodes != "bare"
         region, of = layers.region(number), material_of(device, layer)
         poling, hot = device.bimorph.drive_poling(number), layers.hot(number)
-        share = layer.width / device.bimorph.width if layer.width else 1.0
+        share = layer.width / device.bimorph.width if np.any(layer.width) else 1.0
         uniform = layer.pitch > 0.0
         found.append(StackLayer(region, of, low, high, poling, hot, at, share, uniform))
     return found

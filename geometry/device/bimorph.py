@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import pi, sqrt
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
-from pydantic import PrivateAttr, model_validator
+from pydantic import PrivateAttr, ValidationInfo, model_validator
+from pydantic.fields import FieldInfo
 
 from tactgen.geometry import units as u
 from tactgen.geometry.arrays import Floats
@@ -18,7 +20,17 @@ from tactgen.geometry.device.ceramic_constants import (
     completed,
     read_constants,
 )
-from tactgen.geometry.device.laminate import OWN, PLAIN, Laminate, Layers
+from tactgen.geometry.device.laminate import (
+    OWN,
+    PLAIN,
+    SCATTER,
+    Laminate,
+    Layers,
+    declaration,
+    is_size,
+    read_layers,
+    read_sizes,
+)
 from tactgen.geometry.device.material_library import (
     LIBRARY,
     PAPERS,
@@ -39,9 +51,6 @@ from tactgen.geometry.device.profile import UNIFORM, LengthProfile, Profile
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 
-#: How far layers of somebody else's bimorph may lie from what is said of them.
-_LAYER = Own("layer thickness", 0.05)
-
 
 @dataclass(frozen=True)
 class Dimensions:
@@ -61,12 +70,12 @@ class Bimorph(Parameters):
         "active (ceramic) length",
         Spread(19.9e-3, 20.1e-3, "chosen by design; assumed: cut to 0.1 mm", absolute=True),
     )
-    width: u.SmallLength = printed(2.1e-3, PAPER_2, "width b", 0.05e-3, own=Own("width", 0.025))
+    width: u.SmallLength = printed(2.1e-3, PAPER_2, "width b", 0.05e-3, own=SCATTER["width"])
     piezo_thickness: u.SmallLength = printed(
-        0.26e-3, PAPER_2, "thickness of one piezo layer h_p", 0.005e-3, own=_LAYER
+        0.26e-3, PAPER_2, "thickness of one piezo layer h_p", 0.005e-3, own=SCATTER["thickness"]
     )
     shim_thickness: u.SmallLength = printed(
-        0.25e-3, PAPER_2, "thickness of the shim h_s", 0.005e-3, own=_LAYER
+        0.25e-3, PAPER_2, "thickness of the shim h_s", 0.005e-3, own=SCATTER["thickness"]
     )
     tab_length: u.LengthOrZero = field(
         0.0, "assumed: no bare shim below the ceramic", "length of the bare shim below the ceramic"
@@ -116,6 +125,43 @@ class Bimorph(Parameters):
         "assumed: gives the signs of the paper's matrix A (positive U bends towards +x)",
         "direction in which both layers are poled; U is outer electrodes minus shim",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _put_sizes_in_place(cls, given: Any, info: ValidationInfo) -> Any:
+        """Layers with the sizes that keys of their own state; what is no list says so itself."""
+        sizes = (
+            {name: v for name, v in given.items() if is_size(name)}
+            if isinstance(given, dict)
+            else {}
+        )
+        if not sizes:
+            return given
+        rest = {name: value for name, value in given.items() if name not in sizes}
+        try:
+            layers = read_layers(given.get("layers", PLAIN), info)
+        except ValueError:
+            return rest
+        return {**rest, "layers": read_sizes(layers, sizes, info)}
+
+    @classmethod
+    def declaration(cls, name: str) -> FieldInfo:
+        """Declaration of a parameter, or of a listed layer's size such as ``layers.2.end``."""
+        return declaration(name) if is_size(name) else super().declaration(name)
+
+    def value(self, name: str) -> Any:
+        """Value of a parameter, or a listed layer's size; InputError if there is no such layer."""
+        return self.layers.size(name) if is_size(name) else super().value(name)
+
+    def changed(self, values: Mapping[str, Any]) -> Self:
+        """Bimorph with other values, unchecked; of arrays, which faces are driven stays."""
+        sizes = {name: value for name, value in values.items() if is_size(name)}
+        plain = {name: value for name, value in values.items() if name not in sizes}
+        if sizes:
+            many = any(not isinstance(value, float) for value in sizes.values())
+            layers = self.layers.with_hot_faces() if many else self.layers
+            plain["layers"] = layers.with_sizes(sizes)
+        return super().changed(plain)
 
     @property
     def thickness(self) -> float:

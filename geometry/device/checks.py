@@ -256,6 +256,11 @@ def _check_extents(bimorph: Bimorph) -> None:
                 f"bimorph.layers has layer {number + 1} ({layer}) beyond bimorph.length = "
                 f"{length * 1e3:g} mm; let it end there, or make the bimorph longer"
             )
+        if end <= layer.start:
+            raise InputError(
+                f"bimorph.layers has layer {number + 1} ({layer}), which ends at {end * 1e3:g} mm, "
+                f"not above its beginning at {layer.start * 1e3:g} mm; change one of the two"
+            )
         if end - layer.start < _SHORTEST * length:
             raise InputError(
                 f"bimorph.layers has layer {number + 1} ({layer}), which covers next to nothing of "

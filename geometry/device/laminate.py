@@ -6,31 +6,44 @@ of its faces has the drive voltage (``hot +x``; by default the outer one), that 
 interdigitated electrodes (``+z pitch 0.5 mm``; ``-z`` where a positive voltage is against the
 poling).  A layer of another width than the bimorph's states it after the thickness (``wide 5
 mm``), and one that covers part of the length where it is (``from 5 mm to 12 mm``).  Read at the
-edge with units, held in metres.
+edge with units, held in metres.  Each size is a scene key besides, such as
+``bimorph.layers.2.end``, by which it is varied.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from dataclasses import replace
 from itertools import takewhile
 from typing import Annotated, Any, Literal, NamedTuple
 
+import numpy as np
 from pydantic import BeforeValidator, ValidationInfo
+from pydantic.fields import FieldInfo
 
 from tactgen.geometry.device.material_library import LIBRARY, PAPERS, SHIMS, library_name, shim_name
+from tactgen.geometry.device.materials import Own, Spread
 from tactgen.geometry.device.parameter_group import NONE, read_list
+from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
-from tactgen.geometry.units import NUMBER, Unit, quoted
+from tactgen.geometry.units import NUMBER, Unit, quantity, quoted
 
 _EXAMPLE = "brass 0.2 mm; PZT-5A 0.26 mm +x"
 _REMEDY = f'write for example "{_EXAMPLE}"'
 _THICKNESS = Unit("m", "thickness", "0.2 mm", above=0.0, limits=(1e-9, 0.1), shown="mm", per_si=1e3)
 _WIDTH = Unit("m", "width", "5 mm", above=0.0, limits=(1e-6, 1.0), shown="mm", per_si=1e3)
 _PLACE = Unit("m", "length", "5 mm", at_least=0.0, limits=(0.0, 1.0), shown="mm", per_si=1e3)
+_END = replace(_PLACE, at_least=None, above=0.0)
 _PITCH = Unit("m", "pitch", "0.5 mm", above=0.0, limits=(1e-6, 0.1), shown="mm", per_si=1e3)
-_SIZES = {
-    "thickness": _THICKNESS, "width": _WIDTH, "pitch": _PITCH, "start": _PLACE, "end": _PLACE,
+SIZES = {
+    "thickness": _THICKNESS, "width": _WIDTH, "pitch": _PITCH, "start": _PLACE, "end": _END,
 }  # fmt: skip
+#: Declaration of each size, as of any other number of a scene.
+_DECLARATIONS = {name: FieldInfo.from_annotation(quantity(unit)) for name, unit in SIZES.items()}
+#: How far the sizes of somebody else's layers may lie from what is said of them.
+SCATTER = {"thickness": Own("layer thickness", 0.05), "width": Own("width", 0.025)}
+_SIZE_NAME = re.compile(rf"layers\.(?P<number>[1-9]\d?)\.(?P<size>{'|'.join(SIZES)})", re.ASCII)
 #: A number with its unit.
 _SIZE = rf"{NUMBER}\s*(?!from\b|to\b|wide\b)[a-zµμ][^\s\d+-]*"
 _LAYER = re.compile(
@@ -94,6 +107,16 @@ class Layer(NamedTuple):
         return " ".join(words)
 
 
+def is_size(name: str) -> bool:
+    """Whether a name in the group ``bimorph`` is that of a listed layer's size."""
+    return _SIZE_NAME.fullmatch(name) is not None
+
+
+def declaration(name: str) -> FieldInfo:
+    """Declaration of a layer's size by its name."""
+    return _DECLARATIONS[name.rpartition(".")[2]]
+
+
 class Laminate(tuple[Layer, ...]):
     """Layers from the lower face to the upper one; empty for piezo / shim / piezo."""
 
@@ -110,7 +133,7 @@ class Laminate(tuple[Layer, ...]):
     @property
     def stepped(self) -> bool:
         """Whether a layer has a width of its own."""
-        return any(layer.width for layer in self)
+        return any(np.any(layer.width) for layer in self)
 
     @property
     def continues(self) -> tuple[bool, ...]:
@@ -122,6 +145,71 @@ class Laminate(tuple[Layer, ...]):
     def extents(self, length: float) -> list[tuple[float, float]]:
         """Where each layer begins and ends (m) on a bimorph's length (m)."""
         return [(layer.start, layer.end or length) for layer in self]
+
+    @property
+    def sizes(self) -> dict[str, Any]:
+        """All sizes that are stated, by their names, such as ``layers.2.end``."""
+        return {
+            f"layers.{number}.{size}": value
+            for number, layer in enumerate(self, start=1)
+            for size in SIZES
+            if (value := getattr(layer, size))
+        }
+
+    @property
+    def smooth_sizes(self) -> tuple[str, ...]:
+        """Names of those by which sections and pieces follow a formula, and no solved field."""
+        return tuple(
+            name
+            for name in self.sizes
+            if not (self[self._place(name)[0]].pitch and name.endswith(("thickness", "pitch")))
+        )
+
+    def spreads(self) -> dict[str, Spread]:
+        """Assumed range of each size that has one, by its name; of glue nothing is known."""
+        kinds = ((name, value, name.rpartition(".")[2]) for name, value in self.sizes.items())
+        return {
+            name: SCATTER[kind].around(value)
+            for name, value, kind in kinds
+            if kind in SCATTER and self[self._place(name)[0]].material != "glue"
+        }
+
+    def size(self, name: str) -> Any:
+        """Size by its name, 0 where it is not stated; InputError if there is no such layer."""
+        number, size = self._place(name)
+        return getattr(self[number], size)
+
+    def with_sizes(self, values: Mapping[str, Any]) -> Laminate:
+        """Layers with other sizes by name, unchecked but for the layer; InputError as `size`."""
+        layers = list(self)
+        for name, value in values.items():
+            number, size = self._place(name)
+            layers[number] = layers[number]._replace(**{size: value})
+        return Laminate(layers)
+
+    def _place(self, name: str) -> tuple[int, str]:
+        """Number of a layer, from 0, and which of its sizes a name means."""
+        _, number, size = name.split(".")
+        if not self:
+            raise InputError(
+                f"bimorph.{name} is a size of a listed layer, and none is listed; set "
+                "bimorph.layers, or piezo_thickness or shim_thickness of bimorph"
+            )
+        if int(number) > len(self):
+            raise InputError(
+                f"bimorph.{name} is a size of layer {number}, and bimorph.layers lists "
+                f"{len(self)}; use bimorph.layers.1.{size} to bimorph.layers.{len(self)}.{size}"
+            )
+        return int(number) - 1, size
+
+    def with_hot_faces(self) -> Laminate:
+        """The same layers, each ceramic of which states its face at the drive voltage."""
+        faces = [0 if layer.pitch else self.hot(number) for number, layer in enumerate(self)]
+        stated = (
+            layer._replace(electrodes="hot", hot=face) if face else layer
+            for layer, face in zip(self, faces, strict=True)
+        )
+        return Laminate(stated)
 
     def region(self, number: int) -> str:
         """Name of a layer's part of the body: what it is, and its number from 1 at −x."""
@@ -173,32 +261,47 @@ def read_layers(value: Any, info: ValidationInfo) -> Laminate:
     return found
 
 
+def read_sizes(layers: Laminate, values: Mapping[str, Any], info: ValidationInfo) -> Laminate:
+    """Layers with some sizes in place of those of their text, by name as a scene states them.
+
+    Raises InputError in a sentence that names the key.
+    """
+    read = {}
+    for name, value in values.items():
+        size = name.rpartition(".")[2]
+        try:
+            read[name] = SIZES[size](value, info)
+        except ValueError as error:
+            raise InputError(f"bimorph.{name} = {quoted(value)} {error}") from None
+        if size == "pitch" and not layers.size(name):
+            raise InputError(
+                f"bimorph.{name} = {quoted(value)} is of a layer without interdigitated "
+                "electrodes; state their pitch in bimorph.layers"
+            )
+    return layers.with_sizes(read)
+
+
 def _layer(text: str, info: ValidationInfo) -> Layer:
     found = _LAYER.match(text)
     if found is None or _MISPLACED.search(found["material"]):
         raise ValueError(
             f"has the layer {quoted(text)}, which does not begin with a material and a thickness "
-            f"with its unit and without tolerances; {_REMEDY}"
+            f"with its unit; {_REMEDY}"
         )
     if rest := text[found.end() :].strip():
         raise ValueError(
             f"has the layer {quoted(text)}, where {quoted(rest)} is not understood; after material "
             'and thickness may stand, in this order, "wide 3 mm", "from 5 mm", "to 12 mm", the '
             'poling of a ceramic ("+x", "+z pitch 0.5 mm") and its electrodes ("hot -x", '
-            '"shorted", "bare"), all without tolerances'
+            '"shorted", "bare")'
         )
     sizes = []
-    for name, of in _SIZES.items():
+    for name, of in SIZES.items():
         try:
             sizes.append(of(found[name], info) if found[name] else 0.0)
         except ValueError as error:
             raise ValueError(f"has the layer {quoted(text)}, whose {name} {error}") from None
     thickness, width, pitch, start, end = sizes
-    if found["end"] and end <= start:
-        raise ValueError(
-            f"has the layer {quoted(text)}, which ends at {_PLACE.show(end)}, not above its "
-            f"beginning at {_PLACE.show(start)}; change one of the two"
-        )
     material, ceramic = _material(found["material"])
     poling, electrodes = found["poling"], (found["electrodes"] or "").lower()
     if ceramic and poling is None:

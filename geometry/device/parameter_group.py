@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field
+from pydantic.fields import FieldInfo
 
 from tactgen.geometry.device.materials import PRINTED, Own, Spread
 
@@ -76,3 +77,16 @@ class Parameters(BaseModel):
     """Base of all parameter groups: immutable, no unknown keys, finite values."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @classmethod
+    def declaration(cls, name: str) -> FieldInfo:
+        """Declaration of a parameter by the part of its scene key after the group."""
+        return cls.model_fields[name]
+
+    def value(self, name: str) -> Any:
+        """Value of a parameter by the same name."""
+        return getattr(self, name)
+
+    def changed(self, values: Mapping[str, Any]) -> Self:
+        """Group with other values, unchecked: arrays and complex ones pass."""
+        return self.model_copy(update=dict(values))

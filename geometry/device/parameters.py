@@ -90,6 +90,8 @@ def spreads(group: Parameters) -> dict[str, Spread]:
             found[name] = Own(*own).around(value)  # type: ignore[arg-type]
         elif isinstance(spread, list):
             found[name] = Spread(*spread).moved(float(info.default), value)  # type: ignore[arg-type]
+    if isinstance(group, Bimorph):
+        found.update(group.layers.spreads())
     if isinstance(group, Shim) and group.material in SHIMS:
         tables = SHIMS[group.material].spreads().items()
         found.update({n: r for n, r in tables if r.low <= getattr(group, n) <= r.high})

@@ -60,16 +60,16 @@ class Actuator:
 
     def value(self, key: str) -> float:
         """Value of a scene key such as ``piezo.s11`` (SI)."""
-        group, name = key.split(".")
-        return float(getattr(self.group(group), name))
+        group, _, name = key.partition(".")
+        return float(self.group(group).value(name))
 
     def with_values(self, values: Values) -> Actuator:
         """Actuator with other values (unchecked: arrays and complex ones pass)."""
         changes: dict[str, dict[str, Any]] = {}
         for key, value in values.items():
-            group, name = key.split(".")
+            group, _, name = key.partition(".")
             changes.setdefault(group, {})[name] = value
-        groups = {g: self.group(g).model_copy(update=change) for g, change in changes.items()}
+        groups = {g: self.group(g).changed(change) for g, change in changes.items()}
         own = {g: groups.pop(g) for g in ("support", "load", "beam", "drive") if g in groups}
         return replace(self, device=self.device.model_copy(update=groups), **own)
 
@@ -106,7 +106,7 @@ def _number_keys(actuator: Actuator) -> list[str]:
         for field, info in type(group).model_fields.items():
             if any(isinstance(m, Unit) for m in info.metadata) and getattr(group, field):
                 found.append(f"{name}.{field}")
-    return found
+    return [*found, *(f"bimorph.{name}" for name in actuator.device.bimorph.layers.smooth_sizes)]
 
 
 def has_kink(actuator: Actuator, key: str) -> bool:
@@ -197,7 +197,9 @@ def _mounted(
     actuator: Actuator, values: Values, *, lossless: bool
 ) -> tuple[list[Element], Ends, bool]:
     """Row of elements, boundary conditions, and whether it is wired in series."""
-    now = actuator.with_values(values)
+    # where a layer begins and ends say the pieces
+    sizes = {key: v for key, v in values.items() if not key.endswith((".start", ".end"))}
+    now = actuator.with_values(sizes)
     row: list[Element] = []
     for piece in _pieces(actuator, values):
         row += elements(piece, now.device, now.beam, lossy=not lossless, segments=actuator.segments)

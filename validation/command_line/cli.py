@@ -60,9 +60,9 @@ tactgen solve --help lists all quantities and models. tactgen scenes lists the b
 
 
 def _is_scene_key(name: str) -> bool:
-    from tactgen.validation.scene.scene import scene_keys
+    from tactgen.validation.scene.scene import is_scene_key
 
-    return name in scene_keys()
+    return is_scene_key(name)
 
 
 class _Parser(argparse.ArgumentParser):

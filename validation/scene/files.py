@@ -14,6 +14,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from tactgen.geometry.device.laminate import is_size
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import read_text
 from tactgen.geometry.names import nearest
@@ -112,11 +113,12 @@ def split_override(text: str) -> tuple[str, str]:
 
 
 def assign(values: dict[str, Any], key: str, value: Any) -> None:
-    """Set the value of a dotted key in nested values."""
-    *groups, last = key.split(".")
-    for group in groups:
-        values = values.setdefault(group, {})
-    values[last] = value
+    """Set the value of a dotted key in nested values: of a group's parameter inside the group."""
+    group, _, name = key.partition(".")
+    if name:
+        values.setdefault(group, {})[name] = value
+    else:
+        values[key] = value
 
 
 def leaves(values: dict[str, Any], prefix: str = "", depth: int = 1) -> Iterator[tuple[str, Any]]:
@@ -125,7 +127,7 @@ def leaves(values: dict[str, Any], prefix: str = "", depth: int = 1) -> Iterator
     So does one deeper than any scene's: a file may nest them by the thousand.
     """
     for key, value in values.items():
-        name = f'{prefix}"{key}"' if "." in key else f"{prefix}{key}"
+        name = f'{prefix}"{key}"' if "." in key and not is_size(key) else f"{prefix}{key}"
         if isinstance(value, dict) and value and depth < _DEEPEST:
             yield from leaves(value, f"{name}.", depth + 1)
         else:

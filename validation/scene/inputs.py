@@ -14,7 +14,6 @@ from typing import Any
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.device.support_table import support_table
-from tactgen.geometry.units import Unit
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import (
     CONDITIONS,
@@ -32,10 +31,14 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.scene.scene import (
     ON_COMMAND_LINE,
     Scene,
+    declaration,
+    is_scene_key,
     no_solid,
+    read_as,
     scene_keys,
     unusual_values,
 )
+from tactgen.validation.scene.tolerances import unit_of
 from tactgen.validation.scene.variation import value_of
 
 #: Keys that say whose scene it is and what is asked of it.
@@ -212,7 +215,7 @@ def scene_warnings(
         quantities = _sensible(scene, key) if report else scene.quantities
         # a file may describe both actuators, whichever is asked about today
         found.append(_idle(scene, key, quantities, asked=origin == ON_COMMAND_LINE))
-    stated = [key for key in origins if key in scene_keys()]
+    stated = [key for key in origins if is_scene_key(key)]
     found += [*unusual_values(scene, stated), no_solid(scene)]
     found += _width_of_bare_shim(scene, origins)
     load = scene.load
@@ -231,6 +234,7 @@ def idle(scene: Scene, key: str) -> str:
 
 def _idle(scene: Scene, key: str, quantities: tuple[str, ...], *, asked: bool) -> str:
     """The same of some quantities; unless `asked` only if the scene itself makes it idle."""
+    stated, key = key, read_as(key)
     if key in _ASKED or key in keys_read(scene, _entries(scene.models, quantities)):
         return ""
     sensible = _sensible(scene, key)
@@ -241,7 +245,7 @@ def _idle(scene: Scene, key: str, quantities: tuple[str, ...], *, asked: bool) -
     if asked and not because:
         because = _use(scene, key, sensible) or _unmet(scene, key, MODELS, sensible)
         because = because or "on any quantity; tactgen report shows the coil's resistance and heat"
-    return because and f"{key} = {_text(scene, key)} has no effect {because}"
+    return because and f"{stated} = {_text(scene, stated)} has no effect {because}"
 
 
 def _use(scene: Scene, key: str, quantities: tuple[str, ...]) -> str:
@@ -312,11 +316,7 @@ def _remedy(scene: Scene, condition: str) -> str:
 
 
 def _text(scene: Scene, key: str) -> str:
-    value: Any = scene
-    info: Any = None
-    for name in key.split("."):
-        info, value = type(value).model_fields[name], getattr(value, name)
+    value, unit = value_of(scene, key), unit_of(declaration(key))
     if isinstance(value, tuple):
         return f"{len(value)} value{'s' if len(value) > 1 else ''}"
-    unit = next((m for m in info.metadata if isinstance(m, Unit)), None)
-    return unit.show(value) if unit else str(value)
+    return unit.show(value) if unit and value is not None else str(value)

@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 
 from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.device.parameter_group import RECONSTRUCTED
-from tactgen.geometry.device.parameters import Parameters, sources, spreads
+from tactgen.geometry.device.parameters import Bimorph, Parameters, sources, spreads
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.units import Unit
@@ -20,7 +20,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.scene.files import NEUTRAL
 from tactgen.validation.scene.scene import Scene, load_scene
 from tactgen.validation.scene.tolerances import Tolerance
-from tactgen.validation.scene.variation import is_papers_actuator
+from tactgen.validation.scene.variation import is_papers_actuator, value_of
 
 #: Source of a size that a scene with an actuator of its own leaves out.
 _NOT_STATED = "assumed: not stated, that of the built-in actuator"
@@ -132,13 +132,13 @@ def _ranges(scene: Scene) -> Iterator[tuple[str, Spread]]:
     for name in type(scene).model_fields:
         group = getattr(scene, name)
         usual = spreads(group) if isinstance(group, Parameters) else {}
-        fields = type(group).model_fields if isinstance(group, Parameters) else (name,)
+        sizes = group.layers.sizes if isinstance(group, Bimorph) else ()
+        fields = (*type(group).model_fields, *sizes) if isinstance(group, Parameters) else (name,)
         for field in fields:
             key = f"{name}.{field}" if isinstance(group, Parameters) else name
             stated = scene.tolerances.get(key)
             if stated is not None:
-                value = getattr(group, field) if isinstance(group, Parameters) else group
-                yield key, stated.spread.moved(stated.value, value)
+                yield key, stated.spread.moved(stated.value, value_of(scene, key))
             elif field in usual:
                 yield key, usual[field]
 

@@ -21,6 +21,7 @@ from pydantic import (
     ValidationInfo,
     field_validator,
 )
+from pydantic.fields import FieldInfo
 
 from tactgen.geometry import units as u
 from tactgen.geometry.bimorph.boundary_conditions import Ends
@@ -28,6 +29,7 @@ from tactgen.geometry.bimorph.segments import material_of
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.bimorph import GROWTHS
 from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
+from tactgen.geometry.device.laminate import SIZES, is_size
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.material_library import steel_name
 from tactgen.geometry.device.plausibility import clamped_for_free, slip
@@ -58,7 +60,7 @@ from tactgen.validation.scene.files import (
     split_override,
     with_start,
 )
-from tactgen.validation.scene.tolerances import Tolerance, split_tolerances
+from tactgen.validation.scene.tolerances import Tolerance, split_tolerances, unit_of
 
 if TYPE_CHECKING:
     from tactgen.tmm.generator.equilibrium import RestingPlace
@@ -469,12 +471,10 @@ def unusual_values(scene: Scene, keys: Iterable[str]) -> list[str]:
     """Questions about values of some keys that lie far outside the range of their kind."""
     found = []
     for key in keys:
-        group, _, name = key.rpartition(".")
-        owner = getattr(scene, group) if group else scene
-        value = getattr(owner, name)
-        unit = next(
-            (m for m in type(owner).model_fields[name].metadata if isinstance(m, u.Unit)), None
-        )
+        group, _, name = key.partition(".")
+        owner = getattr(scene, group) if name else scene
+        name = name or key
+        value, unit = owner.value(name), unit_of(owner.declaration(name))
         if isinstance(value, float) and (text := slip(key, value, unit)):
             found.append(text)
     if "piezo.eps33" in keys:
@@ -523,16 +523,46 @@ def _groups() -> set[str]:
     return {key.split(".", 1)[0] for key in scene_keys() if "." in key}
 
 
+def is_scene_key(key: str) -> bool:
+    """Whether a scene may set a key, that of a listed layer's size among them."""
+    group, _, name = key.partition(".")
+    return key in scene_keys() or (group == "bimorph" and is_size(name))
+
+
+def declaration(key: str) -> FieldInfo:
+    """Declaration of a scene key."""
+    group, _, name = key.partition(".")
+    info = Scene.model_fields[group]
+    of: Any = info.annotation
+    return of.declaration(name) if name else info
+
+
+def read_as(key: str) -> str:
+    """Key that models read: of a layer's size that of all layers."""
+    group, _, name = key.partition(".")
+    return "bimorph.layers" if group == "bimorph" and is_size(name) else key
+
+
+def number_keys(scene: Scene) -> tuple[str, ...]:
+    """Every key of a scene, and those of its layers' sizes."""
+    return (*scene_keys(), *(f"bimorph.{name}" for name in scene.bimorph.layers.sizes))
+
+
 def check_key(key: str) -> None:
     """Refuse a key that no scene has, with the nearest one; InputError."""
-    known = scene_keys()
-    if key in known:
+    if is_scene_key(key):
         return
+    known = scene_keys()
     group = key.split(".", maxsplit=1)[0]
     inside = [k for k in known if k.startswith(f"{group}.")]
     if "." not in key and inside:
         raise InputError(
             f'scene key "{key}" is a group, not a value; set one of {", ".join(inside)}'
+        )
+    if key.startswith("bimorph.layers."):
+        raise InputError(
+            f"scene key {quoted(key)} is unknown; a layer's sizes are bimorph.layers.NUMBER.SIZE, "
+            f"the number from 1 at -x and the size {', '.join(SIZES)}"
         )
     plain = key.replace('"', "")
     raise InputError(

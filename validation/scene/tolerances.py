@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
@@ -33,6 +34,14 @@ _RANGE = re.compile(
     re.IGNORECASE | re.ASCII,
 )
 
+
+#: Sizes of a layer by the word before them, and one with its tolerance in a layer's text.
+_SIZES = {"": "thickness", "wide": "width", "from": "start", "to": "end", "pitch": "pitch"}
+_SIZE_WITH_TOLERANCE = re.compile(
+    rf"(?:\b(?P<after>wide|from|to|pitch)\s+)?(?<![\w.+-])(?P<text>(?P<value>{NUMBER})"
+    rf"(?:\s*[a-zµμ]+)?\s*(?:{_SIGN}\s*{NUMBER}(?:\s*(?:%|[a-zµμ]+))?|\([^()]*\.\.[^()]*\)))",
+    re.IGNORECASE | re.ASCII,
+)
 
 #: What says how something is solved, not what is built or done.
 _SETTINGS = ("accuracy", "mesh")
@@ -147,9 +156,14 @@ def _split(
     model: type[Parameters], values: dict[str, Any], prefix: str, stated: dict[str, Tolerance]
 ) -> dict[str, Any]:
     plain = dict(values)
-    for name, value in values.items():
-        info, key = model.model_fields.get(name), f"{prefix}{name}"
-        if info is None:
+    if isinstance(values.get("layers"), str):
+        # a size that a key states has none of the text
+        plain = {**_sizes_apart(plain.pop("layers")), **plain}
+    for name, value in tuple(plain.items()):
+        key = f"{prefix}{name}"
+        try:
+            info = model.declaration(name)
+        except KeyError:  # no key of a scene, which its validation says
             continue
         inner = info.annotation
         if isinstance(value, dict) and isinstance(inner, type) and issubclass(inner, Parameters):
@@ -161,6 +175,22 @@ def _split(
             stated[key] = _read(key, value, unit)
             plain[name] = stated[key].text
     return plain
+
+
+def _sizes_apart(layers: str) -> dict[str, str]:
+    """Layers' text without tolerances, and the sizes that have one by keys of their own."""
+    found = {}
+
+    def kept(number: int, size: re.Match[str]) -> str:
+        after, text = size["after"] or "", size["text"]
+        found[f"layers.{number}.{_SIZES[after]}"] = text
+        return f"{after} {size['value']} {''.join(re.findall('[a-zµμ]+', text)[-1:])}"
+
+    texts = [
+        _SIZE_WITH_TOLERANCE.sub(partial(kept, number), text)
+        for number, text in enumerate(re.split("[;,]", layers), start=1)
+    ]
+    return {"layers": ";".join(texts) if found else layers, **found}
 
 
 def _read(key: str, text: str, unit: Unit) -> Tolerance:

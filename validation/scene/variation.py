@@ -45,22 +45,19 @@ SYMBOLS = {
 
 def value_of(scene: Scene, key: str) -> Any:
     """Value of a dotted key."""
-    value: Any = scene
-    for name in key.split("."):
-        value = getattr(value, name)
-    return value
+    group, _, name = key.partition(".")
+    value = getattr(scene, group)
+    return value.value(name) if name else value
 
 
 def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
     """Scene with other values (SI) at some dotted keys, without checking them."""
     update: dict[str, Any] = {}
     for key, value in values.items():
-        group, _, last = key.rpartition(".")
-        if group:
-            inner = update.get(group, getattr(scene, group))
-            update[group] = inner.model_copy(update={last: value})
-        else:
-            update[last] = value
+        group, _, name = key.partition(".")
+        update[group] = (
+            update.get(group, getattr(scene, group)).changed({name: value}) if name else value
+        )
     return scene.model_copy(update=update)
 
 

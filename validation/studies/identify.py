@@ -11,7 +11,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from pydantic import BeforeValidator, TypeAdapter, ValidationError
@@ -26,7 +26,8 @@ from tactgen.validation.engine.warnings import load_warnings
 from tactgen.validation.scene.files import one_line
 from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
-from tactgen.validation.scene.scene import Scene, scene_keys
+from tactgen.validation.scene.scene import Scene, declaration, is_scene_key, scene_keys
+from tactgen.validation.scene.tolerances import unit_of
 from tactgen.validation.scene.variation import SYMBOLS, value_of, with_values
 from tactgen.validation.studies.curve_fit import (
     CONFIDENCE,
@@ -149,16 +150,13 @@ def _read(key: str, text: str, unit: Unit) -> float:
 
 
 def _unit_of_parameter(scene: Scene, key: str, name: str) -> Unit:
-    if key not in scene_keys():
+    if not is_scene_key(key):
         raise InputError(
             f"--fit {quoted(name)} is not a scene key{nearest(name, (*SYMBOLS, *scene_keys()))}; "
             f"use {', '.join(SYMBOLS)} or a key that tactgen init FILE.toml writes"
         )
-    group, _, last = key.rpartition(".")
-    holder: Any = value_of(scene, group) if group else scene
-    metadata = type(holder).model_fields[last].metadata
-    unit = next((m for m in metadata if isinstance(m, Unit)), None)
-    if unit is None or getattr(holder, last) is None:
+    unit = unit_of(declaration(key))
+    if unit is None or value_of(scene, key) is None:
         raise InputError(
             f"--fit {key} is not a number that can be fitted; use for example {', '.join(SYMBOLS)}"
         )

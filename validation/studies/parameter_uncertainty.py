@@ -36,7 +36,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.conditions import beyond_voltage
 from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ranges, show
-from tactgen.validation.scene.scene import Scene, scene_keys
+from tactgen.validation.scene.scene import Scene, declaration, number_keys, read_as
 from tactgen.validation.scene.variation import value_of
 from tactgen.validation.studies.length_map import actuator
 
@@ -227,9 +227,7 @@ def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
         spread = known.get(key)
         if idle(scene, key) or spread is None or not spread.high > spread.low:
             continue
-        group, _, name = key.partition(".")
-        info = type(getattr(scene, group)).model_fields[name]
-        value: float = value_of(scene, key)
+        info, value = declaration(key), value_of(scene, key)
         low, (high, _, unit) = show(spread.low, info), show(spread.high, info).partition(" ")
         text_range = f"{low.partition(' ')[0]} to {high} {unit}".rstrip()
         rows.append(
@@ -245,6 +243,7 @@ def left_out(scene: Scene) -> str:
     """Sentence on numbers that are known to vary and are not sampled, "" if none."""
     device = actuator(scene)
     known = parameter_keys(device)
+    layers = [f"bimorph.{name}" for name in scene.bimorph.layers.smooth_sizes]
 
     def omitted(key: str) -> bool:
         value = value_of(scene, key)
@@ -253,13 +252,14 @@ def left_out(scene: Scene) -> str:
         if not isinstance(value, float) or not value or key in known or idle(scene, key):
             return False
         made_of_contact = scene.support.kind == "contact" and key.startswith(("contact.", "guide."))
-        return made_of_contact or has_kink(device, key)
+        by_field = read_as(key) != key and key not in layers
+        return made_of_contact or by_field or has_kink(device, key)
 
-    keys = ", ".join(key for key in scene_keys() if omitted(key))
+    keys = ", ".join(key for key in number_keys(scene) if omitted(key))
     return keys and (
         f"left out of the parameters: {keys} (points of a profile, springs of a contact, lengths "
-        "at which a piece of the row of beams appears or vanishes, or not read by the "
-        "transfer-matrix model)"
+        "at which a piece of the row of beams appears or vanishes, layers poled along, or not "
+        "read by the transfer-matrix model)"
     )
 
 

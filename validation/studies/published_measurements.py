@@ -18,7 +18,6 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import TipLoad
 from tactgen.geometry.device.parameters import spreads
-from tactgen.geometry.units import Unit
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.contact import moving_rod
@@ -31,8 +30,9 @@ from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import STATES, State, bimorph_mass, five_port
 from tactgen.validation.models.small_signal import ScaledMap
-from tactgen.validation.scene.scene import Scene, load_scene
-from tactgen.validation.scene.variation import with_values
+from tactgen.validation.scene.scene import Scene, declaration, load_scene
+from tactgen.validation.scene.tolerances import unit_of
+from tactgen.validation.scene.variation import value_of, with_values
 
 #: Values of the unknowns by name (SI).
 Values = Mapping[str, float]
@@ -188,13 +188,10 @@ def _assumed(scene: Scene, *keys: str) -> tuple[Unknown, ...]:
     for key in keys:
         group, name = key.split(".")
         spread = spreads(getattr(scene, group))[name]
-        usual, wide = (
-            float(getattr(getattr(scene, group), name)),
-            0.0 < 4.0 * spread.low < spread.high,
-        )
-        metadata = type(getattr(scene, group)).model_fields[name].metadata
-        unit = next((m.si for m in metadata if isinstance(m, Unit)), "") or "1"
-        found.append(Unknown(key, spread.low, spread.high, unit, spread.reason, usual, wide))
+        usual, wide = float(value_of(scene, key)), 0.0 < 4.0 * spread.low < spread.high
+        unit = unit_of(declaration(key))
+        si = unit.si if unit and unit.si else "1"
+        found.append(Unknown(key, spread.low, spread.high, si, spread.reason, usual, wide))
     return tuple(found)
 
 

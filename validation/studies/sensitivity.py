@@ -23,7 +23,14 @@ from tactgen.validation.engine.derivatives import NEAREST, Changed, Derivatives,
 from tactgen.validation.engine.solve import check_models, check_request
 from tactgen.validation.engine.warnings import check_held
 from tactgen.validation.scene.inputs import idle, keys_read
-from tactgen.validation.scene.scene import Scene, scene_keys, scene_values
+from tactgen.validation.scene.scene import (
+    Scene,
+    is_scene_key,
+    number_keys,
+    read_as,
+    scene_keys,
+    scene_values,
+)
 from tactgen.validation.scene.variation import SYMBOLS, ScenesNearby, value_of
 
 #: Groups and keys that say how a model is solved or compared, not what the device is.
@@ -185,7 +192,7 @@ def readable_keys(
             if reason:
                 raise InputError(f"--key {quoted(key)} {reason}")
         return chosen, ""
-    able = [key for key in scene_keys() if not _refusal(scene, key, model)]
+    able = [key for key in number_keys(scene) if not _refusal(scene, key, model)]
     stuck = [key for key in able if unfit(key)]
     sentence = (
         f"left out of the parameters by {model}, since next to their values the parts do not fit "
@@ -197,7 +204,7 @@ def readable_keys(
 def _refusal(scene: Scene, key: str, model: str) -> str:
     """Reason why a key has no sensitivity, and the remedy, or ""."""
     out = "leave the key out"
-    if key not in scene_keys():
+    if not is_scene_key(key):
         symbol = f' (did you mean "{SYMBOLS[key]}"?)' if key in SYMBOLS else ""
         close = symbol or nearest(key, scene_keys())
         return f"is not a scene key{close}; tactgen init FILE.toml writes a scene with every key"
@@ -222,7 +229,7 @@ def _reads(scene: Scene, model: str, key: str) -> bool:
     row = MODELS[model]
     stages = {s for name in scene.quantities for s in row.stages_for(QUANTITIES[name])}
     entries = [entry for stage in stages for entry in row.stages[stage.partition(".")[2]]]
-    return key in keys_read(scene, [*entries, *reading(model)])
+    return read_as(key) in keys_read(scene, [*entries, *reading(model)])
 
 
 def thinned(columns: Sequence[SensitivityColumn]) -> list[SensitivityColumn]:

@@ -30,6 +30,12 @@ ROWS = {
     "taper": actuator("prototype", "bimorph.width_profile=0 mm: 2.1 mm, 14 mm: 1 mm"),
     "series": actuator("prototype", "bimorph.wiring=series", "bimorph.bare_below=2mm"),
     "mass": actuator("prototype", "load.kind=mass", "load.mass=5mg", "support.kind=clamped"),
+    "layers": actuator(
+        "prototype",
+        "bimorph.tab_length=1mm",
+        "bimorph.layers=PZT-5A 0.1 mm +z pitch 0.5 mm; brass 0.2 mm; glue 20 um from 2 mm; "
+        "PZT-5A 0.2 mm wide 1.8 mm from 3 mm to 12 mm +x",
+    ),
     "spring": actuator(
         "paper", "load.kind=spring_damper", "load.stiffness=700N/m", "load.damping=0.5N*s/m"
     ),
@@ -43,7 +49,7 @@ def first(device, *, open_circuit):
 
 @pytest.mark.parametrize("name", ROWS)
 def test_a_varied_value_is_that_of_another_device(name):
-    """Every parameter, tab, rod, taper, bare ceramic, series wiring, mass, spring: 1e-9."""
+    """Every parameter, tab, rod, taper, bare ceramic, series wiring, layers, mass, spring: 1e-9."""
     device, at = ROWS[name], np.array([40.0, 120.0])
     for key in parameter_keys(device):
         moved = 1.001 * device.value(key)
@@ -57,6 +63,11 @@ def test_keys_are_those_that_matter():
     keys = parameter_keys(PAPER)
     assert "piezo.s11" in keys
     assert not [key for key in keys if key.startswith(("rod", "glue", "load", "coil"))]
+    sizes = [key for key in parameter_keys(ROWS["layers"]) if ".layers." in key]
+    # not those by which the field of interdigitated electrodes is solved
+    assert [key.removeprefix("bimorph.layers.") for key in sizes] == [
+        "2.thickness", "3.thickness", "3.start", "4.thickness", "4.width", "4.start", "4.end"
+    ]  # fmt: skip
     rod = parameter_keys(ROWS["rod"])
     assert {"rod.radius", "glue.thickness", "bimorph.tab_length"} <= set(rod)
     assert not [key for key in rod if key.startswith("support")]

@@ -9,6 +9,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.validation.engine.warnings import request_warnings
 from tactgen.validation.models.bimorph import solid
+from tactgen.validation.scene.inputs import stage_key
 from tactgen.validation.scene.scene import checked_scene, load_scene
 
 STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
@@ -257,7 +258,7 @@ def test_a_bare_tip_carries_no_ceramic():
         ("brass 0.2 mm", "no ceramic at the drive voltage"),
         ("brass 0.2; PZT-5A 0.2 mm +x", "not begin with a material and a thickness"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +x wide 4 mm", "in this order"),
-        ("brass 0.2 mm; PZT-5A 0.2 ± 0.01 mm +x", "without tolerances"),
+        ("brass 0.2 mm; PZT-5A ± 0.01 mm +x", "not begin with a material and a thickness"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +z", r'"\+z" is not understood.*"\+z pitch 0\.5 mm"'),
         ("brass 0.2 mm; PZT-5A 0.2 mm +x pitch 0.5 mm", "in this order"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 0.5 mm hot +x", "write shorted"),
@@ -280,6 +281,41 @@ def test_refusals_name_the_layer(layers, words):
     with pytest.raises(InputError, match=words) as refused:
         scene(layers)
     assert "\n" not in str(refused.value)
+
+
+LISTED = "brass 0.2 mm; PZT-5A 0.2 mm wide 3 mm from 1 mm to 9 mm +x"
+
+
+def test_a_size_is_a_key_of_its_own():
+    """In place of the list's, or beside it; also where the layers come after it."""
+    sizes = {"1.thickness": "0.3 mm", "1.width": "4 mm", "2.start": "2 mm", "2.end": "12 mm"}
+    found, _ = load_scene(
+        "prototype",
+        [*(f"bimorph.layers.{name}={size}" for name, size in sizes.items()),
+         f"bimorph.layers={LISTED}"],
+    )  # fmt: skip
+    wanted = "brass 0.3 mm wide 4 mm; PZT-5A 0.2 mm wide 3 mm from 2 mm to 12 mm +x"
+    assert str(found.bimorph.layers) == wanted
+    listed, _ = load_scene("prototype", [f"bimorph.layers={LISTED}"])
+    assert stage_key("tmm.static", found) != stage_key("tmm.static", listed)
+
+
+@pytest.mark.parametrize(
+    ("layers", "override", "words"),
+    [
+        (LISTED, "layers.3.end=9mm", r"size of layer 3, and bimorph\.layers lists 2"),
+        ("none", "layers.1.end=9mm", "none is listed; set bimorph.layers"),
+        (LISTED, "layers.2.length=9mm", "thickness, width, pitch, start, end"),
+        (LISTED, "layers.2.end=9", r'bimorph\.layers\.2\.end = "9" has no unit'),
+        (LISTED, "layers.2.end=0.5mm", "not above its beginning at 1 mm"),
+        (LISTED, "layers.2.pitch=1mm", "without interdigitated electrodes"),
+        ("brass 0.2 m", "layers.1.width=1mm", 'bimorph.layers = "brass 0.2 m" has the layer'),
+    ],
+)
+def test_a_size_that_cannot_be_is_refused(layers, override, words):
+    """In one sentence with its key, or with what is wrong with the list."""
+    with pytest.raises(InputError, match=words):
+        load_scene("prototype", [f"bimorph.layers={layers}", f"bimorph.{override}"])
 
 
 def test_what_a_list_cannot_be_combined_with_is_refused():

@@ -34,6 +34,23 @@ def test_a_file_and_an_override_state_them(tmp_path):
     assert text["bimorph.width"] == "2 mm ± 0.1 mm"
 
 
+def test_a_listed_layer_has_them_in_its_text():
+    """Of any size, in any form; a key that states the size takes its place."""
+    layers = "brass 300 um (290..320 um); PZT-5A 0.2 ± 0.01 mm wide 2 mm ± 5 % to 9 +/- 0.5 mm +x"
+    scene, _ = load_scene("prototype", [f"bimorph.layers={layers}"])
+    assert str(scene.bimorph.layers) == "brass 0.3 mm; PZT-5A 0.2 mm wide 2 mm to 9 mm +x"
+    ends = {
+        "1.thickness": (0.29e-3, 0.32e-3), "2.thickness": (0.19e-3, 0.21e-3),
+        "2.width": (1.9e-3, 2.1e-3), "2.end": (8.5e-3, 9.5e-3),
+    }  # fmt: skip
+    assert set(scene.tolerances) == {f"bimorph.layers.{name}" for name in ends}
+    for name, wanted in ends.items():
+        assert ranges(scene)[f"bimorph.layers.{name}"][:2] == pytest.approx(wanted)
+    other, _ = load_scene("prototype", [f"bimorph.layers={layers}", "bimorph.layers.2.end=8 mm"])
+    assert other.bimorph.layers[1].end == 8e-3
+    assert len(other.tolerances) == 3
+
+
 def test_they_follow_a_value_that_changes():
     """A copy keeps them, another process too; a changed number takes its amount along."""
     scene, _ = load_scene("paper", ["bimorph.width=2.1 ± 0.1 mm"])
@@ -45,6 +62,8 @@ def test_they_follow_a_value_that_changes():
 @pytest.mark.parametrize(
     ("override", "words"),
     [
+        ("bimorph.layers=brass 0.3 ± 0.1 kg", 'layers.1.thickness = "0.3 ± 0.1 kg" has the unit'),
+        ("bimorph.layers=brass 0.3 ± 0.4 mm", "reaches"),
         ("accuracy=1e-3 ± 1e-4", "says how the scene is solved"),
         ("mesh.time_limit=60 ± 1 s", "says how the scene is solved"),
         ("modes=4 ± 1", "is not a whole number"),

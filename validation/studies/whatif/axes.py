@@ -23,7 +23,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, WholeNumber, quoted
 from tactgen.validation.scene.files import parse_frequencies, sentence
-from tactgen.validation.scene.scene import Scene, check_key
+from tactgen.validation.scene.scene import check_key, declaration
 from tactgen.validation.scene.tolerances import unit_of
 
 #: Most values of one axis, and most points of one study.
@@ -98,11 +98,7 @@ class SceneField:
 @cache
 def scene_field(key: str) -> SceneField:
     """Field of a scene key that exists."""
-    owner: Any = Scene
-    *groups, name = key.split(".")
-    for group in groups:
-        owner = owner.model_fields[group].annotation
-    info: FieldInfo = owner.model_fields[name]
+    info = declaration(key)
     return SceneField(key, info, u.FREQUENCY if key == "frequency" else unit_of(info))
 
 

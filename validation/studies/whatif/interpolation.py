@@ -28,7 +28,7 @@ from tactgen.validation.engine.surrogate import (
 )
 from tactgen.validation.engine.warnings import number_warnings, request_warnings
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.scene import Scene, read_as
 from tactgen.validation.scene.variation import ScenesNearby
 from tactgen.validation.studies.whatif.axes import as_stated, scene_field
 from tactgen.validation.studies.whatif.point_answers import reason
@@ -192,6 +192,7 @@ def _is_smooth(model: str, key: str, points: Sequence[Point]) -> bool:
     field, value = scene_field(key), points[0][key]
     if not field.numeric or field.whole or not isinstance(value, float):
         return False
+    key = read_as(key)
     group = key.partition(".")[0]
     if group in _NUMERICAL:
         return False
