@@ -280,6 +280,19 @@ _SECOND = {
 }  # fmt: skip
 
 
+#: What a table of a ceramic shows: a full set, and what is printed beside it.
+_TABLE = (
+    "s11", "s12", "s13", "s33", "s55", "s66", "d31", "d33", "d15", "eps11", "eps33", "eps33S",
+    "k31", "k33", "kp", "Y11",
+)  # fmt: skip
+
+
+def tabulated(of: Piezoceramic) -> Constants:
+    """Constants of a ceramic as a data sheet prints them, to four digits."""
+    forms = Forms(of.s, of.d, of.eps_t)
+    return Constants(Constant(name, float(f"{_KINDS[name].value(forms):.4g}")) for name in _TABLE)
+
+
 def _ratio(first: float, second: float) -> float:
     return float(first / second) if second else 1.0
 

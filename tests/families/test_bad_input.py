@@ -67,6 +67,7 @@ def test_all_commands_are_tried():
         "compare",
         "coverage",
         "calibrate",
+        "materials",
     }
 
 

@@ -37,7 +37,7 @@ _HOME = "tactgen.validation.command_line.commands"
 _COMMANDS = {
     **dict.fromkeys(
         ("report", "solve", "view", "whatif", "compare", "design", "sensitivity", "identify",
-         "backbone", "positions", "simulate", "plan", "bill", "export"), ""
+         "backbone", "positions", "simulate", "plan", "bill", "export", "materials"), ""
     ),
     **dict.fromkeys(("verify", "coverage", "calibrate", "stress", "bench"), "evidence"),
     **dict.fromkeys(("scenes", "cache", "init", "completion"), "without_solving"),
@@ -55,7 +55,8 @@ examples:
   tactgen report mine.toml --out report          verification report
   eval "$(tactgen completion)"                   completion for this shell
 
-tactgen solve --help lists all quantities and models. tactgen scenes lists the built-in scenes.
+tactgen solve --help lists all quantities and models. tactgen scenes lists the built-in scenes,
+tactgen materials the library of materials.
 """
 
 

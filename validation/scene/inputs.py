@@ -43,6 +43,8 @@ from tactgen.validation.scene.variation import value_of
 
 #: Keys that say whose scene it is and what is asked of it.
 _ASKED = ("name", "description", "start_from", "models", "quantities")
+#: Relative distance of two values that may be one, rounded.
+_AS_PRINTED = 0.02
 #: Before a key in a condition that it is not stated, and before a group of a layer's constants.
 _NOT, _LAYER = "no ", "layer of "
 
@@ -95,6 +97,16 @@ def _width_of_bare_shim(scene: Scene, origins: Mapping[str, str]) -> Iterator[st
             yield (
                 f"{key} = {_text(scene, key)} is that of the bare shim ({bare}), and not stated "
                 f"beside {profile}; set {key}"
+            )
+
+
+def _stated_twice(scene: Scene, origins: Mapping[str, str]) -> Iterator[str]:
+    """Yield which constants of the ceramic a key of their own replaces by another value."""
+    for constant in scene.piezo.constants:
+        key, printed = f"piezo.{constant.name}", _AS_PRINTED * abs(constant.value)
+        if key in origins and abs(value_of(scene, key) - constant.value) > printed:
+            yield (
+                f"{key} = {_text(scene, key)} replaces {constant} of piezo.constants; leave one out"
             )
 
 
@@ -217,7 +229,7 @@ def scene_warnings(
         found.append(_idle(scene, key, quantities, asked=origin == ON_COMMAND_LINE))
     stated = [key for key in origins if is_scene_key(key)]
     found += [*unusual_values(scene, stated), no_solid(scene)]
-    found += _width_of_bare_shim(scene, origins)
+    found += [*_width_of_bare_shim(scene, origins), *_stated_twice(scene, origins)]
     load = scene.load
     if load.kind == "mass" and load.mass == 0.0:
         found.append('load.kind = "mass" with load.mass = 0 mg is a free tip; set load.mass')

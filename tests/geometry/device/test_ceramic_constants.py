@@ -10,6 +10,7 @@ from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.geometry.errors import InputError
+from tactgen.validation.scene.inputs import scene_warnings
 from tactgen.validation.scene.scene import load_scene
 
 # Newton's method to the last digits of tensors whose inversion loses three
@@ -169,6 +170,14 @@ def test_a_scene_states_and_replaces():
     assert scene.piezo.d31 == -200e-12
     again = Piezo(**scene.piezo.model_dump(mode="json"))
     assert again == scene.piezo
+
+
+def test_a_constant_stated_twice_is_said():
+    """If the two differ by more than rounding."""
+    twice = ["piezo.material=PZT-5A", "piezo.constants=d31 -175 pC/N; eps33 1700"]
+    scene, origins = load_scene("j1", [*twice, "piezo.d31=-200 pC/N", "piezo.eps33=1705"])
+    (said,) = (text for text in scene_warnings(scene, origins) if "replaces" in text)
+    assert said == "piezo.d31 = -200 pC/N replaces d31 -175 pC/N of piezo.constants; leave one out"
 
 
 def test_what_a_model_does_not_read_does_not_refuse():

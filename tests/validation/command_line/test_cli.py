@@ -1,6 +1,7 @@
 """The command line as other programs see it: output, exit codes, what it imports."""
 
 import json
+import re
 import shlex
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tactgen.geometry.device.material_library import LIBRARY, SHIMS
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import load_scene
@@ -220,6 +222,26 @@ def test_plan_and_scenes_print(capsys):
     assert code == 0
     assert json.loads(out)["plan"]["run"]
     assert "generator" in run(capsys, "scenes")[1]
+
+
+def test_materials_are_listed_and_shown(capsys, tmp_path):
+    """All in a line each, one with its constants, and what the constants of a scene come to."""
+    listed = run(capsys, "materials")[1].splitlines()
+    assert len(listed) == len(LIBRARY) + len(SHIMS) + 1
+    code, out, _ = run(capsys, "materials", "navy II")
+    assert code == 0
+    assert "s11 1.64e-11 m^2/N; d31 -171 pC/N" in out
+    assert "source: PZT-5A, Berlincourt" in out
+    constants = re.search("constants: (.*)", out)[1]
+    file = tmp_path / "mine.toml"
+    file.write_text(f'[piezo]\nmaterial = "PZT-4"\nconstants = "{constants}"\n')
+    (found,) = json.loads(run(capsys, "materials", str(file), "--json")[1])
+    # the constants are printed to four digits
+    assert found["s11"] == pytest.approx(LIBRARY["PZT-5A"].s[0, 0], rel=1e-3)
+    assert found["d31"] == pytest.approx(LIBRARY["PZT-5A"].d[2, 0], rel=1e-3)
+    code, _, err = run(capsys, "materials", "pzt5")
+    assert code == 2
+    assert 'did you mean "PZT-5H"' in err
 
 
 def test_closed_pipe_is_no_error(tmp_path):

@@ -109,13 +109,14 @@ def test_wanted_accuracy_is_reached(scene_name, accuracy):
 
 
 @pytest.mark.heavy
-@pytest.mark.parametrize("seed", [11, 12, 13])
-def test_error_bars_cover_nearly_all_varied_bimorphs(seed):
-    """12 cases: at least 95 % of the errors inside, half the bars at most five times the error.
+def test_error_bars_cover_nearly_all_varied_bimorphs():
+    """36 cases: at least 95 % of the errors inside, half the bars at most five times the error.
 
-    The factors were chosen on other devices, and `tactgen coverage` takes more.
+    The errors of one device are small or large together: over a dozen the median bar scatters
+    from 2 to 7 errors.  The factors were chosen on other devices, and `tactgen coverage` takes
+    more.
     """
-    cases = varied_cases(seed, 12, finer=1)
+    cases = [case for seed in (11, 12, 13) for case in varied_cases(seed, 12, finer=1)]
     assert {case.level for case in cases} == {2, 3}
     outcomes = [one for case in cases for one in judged(case)]
     assert np.mean([one.within for one in outcomes]) >= PROMISED
