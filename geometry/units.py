@@ -43,10 +43,14 @@ BY_HEART = {
     "A/m": ("A/m", 0),
 }  # fmt: skip
 
+#: Units that data sheets mean otherwise than they are defined: no picometre is squared.
+_MEANT = {"pm^2/N": ("1/Pa", -12)}
+
 #: Units as data sheets print them, and as they are written here.
 AS_PRINTED = {
     "Ohm": "ohm", "kOhm": "kohm", "MOhm": "Mohm", "g/cm3": "g/cm^3", "kg/m3": "kg/m^3",
-    "m/s2": "m/s^2", "m2/N": "m^2/N", "Vm/N": "V*m/N", "Nm/rad": "N*m/rad", "Ns/m": "N*s/m",
+    "m/s2": "m/s^2", "m2/N": "m^2/N", "m²/N": "m^2/N",
+    "pm2/N": "pm^2/N", "pm²/N": "pm^2/N", "Vm/N": "V*m/N", "Nm/rad": "N*m/rad", "Ns/m": "N*s/m",
 }  # fmt: skip
 
 #: How the size of a sinusoid is stated, each with the peak amplitude per its number.
@@ -187,7 +191,7 @@ class Unit:
             name = "standard_gravity"
         if not name and self.si:
             raise ValueError(f'has no unit; {self._a_kind} needs one, for example "{self.example}"')
-        si, power = BY_HEART.get(name, ("unknown", 0))
+        si, power = BY_HEART.get(name) or _MEANT.get(name, ("unknown", 0))
         if si == self.si:
             return float(number.scaleb(power))
         import pint

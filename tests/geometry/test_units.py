@@ -259,6 +259,7 @@ def test_what_is_known_by_heart_is_what_pint_says(name, monkeypatch):
         (u.Unit("ohm", "resistance", "1 kohm"), "35 kOhm", 35e3),
         (u.Unit("V*m/N", "voltage constant", "1 V*m/N"), "-11.9e-3 Vm/N", -11.9e-3),
         (u.Unit("m/s**2", "acceleration", "1 m/s^2"), "2.5 m/s2", 2.5),
+        (u.Unit("1/Pa", "compliance", "1e-12 m^2/N"), "16.5 pm²/N", 16.5e-12),
     ],
 )
 def test_units_as_data_sheets_print_them(kind, text, value):

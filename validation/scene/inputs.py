@@ -129,15 +129,19 @@ def _own_keys(scene: Scene, entries: Iterable[str]) -> dict[str, None]:
     return found
 
 
-def keys_read(scene: Scene, entries: Iterable[str]) -> set[str]:
+def keys_read(scene: Scene, entries: Iterable[str]) -> frozenset[str]:
     """All keys that a scene's entries read, those of a contact and of a map included."""
-    entries = tuple(entries)
+    return _keys_read(scene, tuple(entries))
+
+
+@lru_cache(maxsize=128)  # a report asks it for each of its keys, models and quantities
+def _keys_read(scene: Scene, entries: tuple[str, ...]) -> frozenset[str]:
     keys = set(_own_keys(scene, entries))
     if "support" in entries and scene.support.kind == "contact":
         keys |= keys_read(scene, HELD_WITH_CURRENT if scene.coil.current else HELD)
     if "models" in entries:
         keys |= keys_read(scene, stage_reads()[f"{scene.map_model}.map"])
-    return keys - set(_ASKED)
+    return frozenset(keys.difference(_ASKED))
 
 
 def values_read(scene: Scene, entries: Iterable[str]) -> dict[str, Any]:
@@ -255,7 +259,7 @@ def _idle(scene: Scene, key: str, quantities: tuple[str, ...], *, asked: bool) -
     if profile:
         because = f"with {profile}, which gives it along the ceramic; remove one of the two"
     if asked and not because:
-        because = _use(scene, key, sensible) or _unmet(scene, key, MODELS, sensible)
+        because = _use(scene, key, sensible) or _unmet(scene, key, tuple(MODELS), sensible)
         because = because or "on any quantity; tactgen report shows the coil's resistance and heat"
     return because and f"{stated} = {_text(scene, stated)} has no effect {because}"
 
@@ -277,9 +281,10 @@ def _sensible(scene: Scene, key: str) -> tuple[str, ...]:
     return tuple(name for name, row in QUANTITIES.items() if machine or row.actuator in own)
 
 
-def _entries(models: Iterable[str], quantities: Iterable[str]) -> dict[str, None]:
+@lru_cache(maxsize=1024)
+def _entries(models: tuple[str, ...], quantities: tuple[str, ...]) -> tuple[str, ...]:
     """Entries of all that models read for quantities, in order."""
-    quantities, found = tuple(quantities), dict[str, None]()
+    found = dict[str, None]()
     for model in models:
         row, given = MODELS[model], [name for name in quantities if gives(model, name)]
         found |= dict.fromkeys(SETTINGS.get(model, ()))
@@ -288,10 +293,10 @@ def _entries(models: Iterable[str], quantities: Iterable[str]) -> dict[str, None
         for name in given:
             for stage in row.stages_for(QUANTITIES[name]):
                 found |= dict.fromkeys(row.stages[stage.partition(".")[2]])
-    return found
+    return tuple(found)
 
 
-def _unmet(scene: Scene, key: str, models: Iterable[str], quantities: Iterable[str]) -> str:
+def _unmet(scene: Scene, key: str, models: tuple[str, ...], quantities: tuple[str, ...]) -> str:
     """Condition without which a key counts for none of the models, in words."""
     conditions = [CONDITIONS.get(key), CONDITIONS.get(key.partition(".")[0])]
     if key.partition(".")[0] in ("contact", "guide") or key.startswith("spring.eccentricity"):

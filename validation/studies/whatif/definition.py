@@ -23,6 +23,8 @@ from tactgen.validation.studies.whatif.axes import MOST, Axis, as_stated, parse_
 
 #: Version of the file; another one is refused.
 FORMAT = 1
+#: Groups of conditions, beside those that every scene has.
+_CONDITIONS = ("support", "load", "circuit", "drive")
 #: File of the statement in a study's folder.
 FILE = "study.json"
 #: Dimension of values that go hand in hand, and of those that are drawn.
@@ -115,7 +117,12 @@ class Statement:
             scene = checked_scene({**self.values, "models": list(self.models or ("tmm",))})
         except InputError:  # a scene at its points only
             return ""
-        varied = [axis.key for axis in self.axes if axis.key in (*NEUTRAL, *OF_THE_COIL)]
+        told = (*NEUTRAL, *OF_THE_COIL)
+        varied = [
+            k
+            for k in (axis.key for axis in self.axes)
+            if k in told or k.partition(".")[0] in _CONDITIONS
+        ]
         return conditions(scene) + (f" Varied: {', '.join(varied)}." if varied else "")
 
 
