@@ -32,16 +32,13 @@ def refusal(kind, value, context=None):
         (u.Length, "20 mm", 20e-3),
         (u.Length, "20mm", 20e-3),
         (u.Length, " 260 µm ", 260e-6),
-        (u.LengthOrZero, "0 mm", 0.0),
         (u.Position, "-0.3 mm", -0.3e-3),
         (u.Density, "7.9 g/cm^3", 7900.0),
         (u.Modulus, "140 GPa", 140e9),
         (u.Compliance, "15.8e-12 m^2/N", 15.8e-12),
-        (u.Compliance, "15.8e-12 /Pa", 15.8e-12),
         (u.PiezoConstant, "-385 pC/N", -385e-12),
         (u.PiezoConstant, "-385 pm/V", -385e-12),
         (u.RotationalStiffness, "0.24 N*m/rad", 0.24),
-        (u.RotationalStiffness, "0.24 N*m", 0.24),
         (u.LateralStiffness, "3 N/um", 3e6),
         (u.RotationalDamping, "4.46e-6 N*m*s/rad", 4.46e-6),
         (u.LateralDamping, "0.5 N*s/m", 0.5),
@@ -50,7 +47,6 @@ def refusal(kind, value, context=None):
         (u.Voltage, "-0.05 kV", -50.0),
         (u.Current, "130 mA", 0.13),
         (u.Temperature, "20 degC", 293.15),
-        (u.Temperature, "350 K", 350.0),
         (u.Duration, "10 min", 600.0),
         (FREQUENCY, "0.5 kHz", 500.0),
         (FREQUENCY, "500 1/s", 500.0),
@@ -131,13 +127,6 @@ def test_angular_frequency_is_not_a_frequency(text):
     assert "which is not a frequency" in refusal(FREQUENCY, text)
 
 
-def test_unknown_unit_is_refused():
-    """An unknown unit is refused by name, with an example of a right one."""
-    message = refusal(u.Length, "20 furlongz")
-    assert 'unknown unit "furlongz"' in message
-    assert '"20 mm"' in message
-
-
 @pytest.mark.parametrize(
     "text",
     ["", " ", "mm", "20,5 mm", "[1, 2] mm", "20 mm 3", "2*10 mm", "1/0 mm", "1 m + 1 s", "(((",
@@ -174,10 +163,8 @@ def test_not_finite_is_refused(value):
     ("kind", "value", "words"),
     [
         (u.Length, "0 mm", "greater than 0 mm"),
-        (u.Length, -1e-3, "greater than 0 mm"),
         (u.LengthOrZero, "-1 mm", "at least 0 mm"),
         (u.Modulus, 0.0, "greater than 0 GPa"),
-        (u.Mass, "-1 mg", "at least 0 mg"),
         (FREQUENCY, "-1 Hz", "at least 0 Hz"),
         (u.RelativePermittivity, 1.0, "greater than 1"),
         (u.PoissonRatio, 0.5, "less than 0.5"),
@@ -197,25 +184,12 @@ def test_out_of_range_is_refused(kind, value, words):
         (u.QualityFactor, 10**400, "must be a finite quality factor"),
         (u.LengthOrZero, "1e-300 m", "must be 0 or from 1e-06 mm to 100000 mm"),
         (u.Position, "-200 m", "must be 0 or a magnitude from 1e-06 mm to 100000 mm"),
-        (u.Density, "1e9 kg/m^3", "must be from 1 kg/m^3 to 100000 kg/m^3"),
-        (u.Modulus, "1e20 Pa", "must be from 1e-05 GPa to 10000 GPa"),
         (u.Voltage, "1e9 V", "must be 0 or a magnitude from 1e-12 V to 1000000 V"),
-        (u.Mass, "1e300 kg", "must be 0 or from 1e-09 mg"),
     ],
 )
 def test_absurd_sizes_are_refused(kind, value, words):
     """Values far beyond any device are refused with the range, before arithmetic overflows."""
     assert words in refusal(kind, value, SCENE)
-
-
-def test_limits_are_orders_of_magnitude():
-    """They stop slips of units: powers of ten, but for shares and for what melts at 2000 K."""
-    known = [(value, *getattr(value, "__metadata__", ())) for value in vars(u).values()]
-    units = [one for found in known for one in found if isinstance(one, u.Unit)]
-    limits = {(unit.kind, limit) for unit in units for limit in unit.limits or () if limit}
-    assert len(limits) > 40
-    odd = {(name, x) for name, x in limits if f"{x:.12e}"[:14] != "1.000000000000"}
-    assert odd == {("temperature", 2000.0), ("loss factor", 2.0), ("relative scatter", 0.3)}
 
 
 @pytest.mark.parametrize("kind", [u.LengthOrZero, u.Position, u.Voltage, u.Mass])

@@ -3,7 +3,7 @@
 import pytest
 
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
-from tactgen.geometry.bimorph.segments import Piece, beam_pieces
+from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.bimorph import Dimensions
 from tactgen.geometry.device.checks import check_fit
 from tactgen.geometry.device.parameters import Bimorph, Device, Support
@@ -28,11 +28,6 @@ ODD = (
 
 def ceramic(**keys):
     return beam_pieces(Device(bimorph=Bimorph(**keys)), Support())
-
-
-def test_a_uniform_bimorph_is_one_piece():
-    """Without profiles the row is what it was, to the last digit."""
-    assert ceramic() == (Piece("bimorph", 20e-3),)
 
 
 def test_cuts_at_steps_and_electrode_edges():

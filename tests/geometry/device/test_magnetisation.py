@@ -63,22 +63,6 @@ def test_inverse(h):
     )
 
 
-def test_the_inverse_is_newtons():
-    """Bisection is for what Newton misses: alone it would ask the curve fifty times."""
-    asked = []
-
-    class Counting(MagnetisationCurve):
-        def field_strength(self, b):
-            asked.append(b)
-            return super().field_strength(b)
-
-    curve = Counting(TEAM20.flux_density, TEAM20.field)
-    for h in np.geomspace(1.0, 1e5, 11):
-        asked.clear()
-        curve.flux_density_at(np.array([h]))
-        assert len(asked) <= 9  # from an error below 1, doubled digits: 2^-1 to 2^-64 in 6
-
-
 def test_reluctivity_at_the_origin():
     """H/B tends to dH/dB at zero field, without dividing by zero."""
     b = np.array([0.0, 1e-300, 1e-9])
@@ -154,17 +138,11 @@ def test_the_parameter_names_the_curve():
         ("B (T),H (A/m)\n0.1,20\n1,100\n", "start the curve at 0, 0"),
         ("B (T),H (A/m)\n0,0\n1,100\n0.5,200\n", "line 4 has B = 0.5 T after 1 T"),
         ("B (T),H (A/m)\n0,0\n0.5,200\n1,100\n", "line 4 has H = 100 A/m after 200 A/m"),
-        ("B (T),H (A/m)\n0,0\n0.5,nan\n1,100\n", 'column "H (A/m)": "nan" is not a finite number'),
         ("B (T),H (A/m)\n0,0\n0.5\n1,100\n", 'line 3, column "H (A/m)": the cell is empty'),
         ("B (T),H (A/m)\n0,0\n0.5,1e2x\n1,100\n", '"1e2x" is not a finite number'),
-        ("B (T),H (A/m)\n0,0\n1_0,100\n", '"1_0" is not a finite number'),
-        ("B (T),H (A/m)\n0,0\n1,5,100,2\n", "line 3 has 4 cells where the header has 2"),
         ("B (T),H (A/m)\n0,0\n1e-7,1\n", "less than vacuum's mu0"),
         ('B (T),H (A/m)\n0,0\n1,"80\n0"\n2,1e6\n', "line 3 is not CSV"),
-        ("B (T),H (A/m)\n0,0\n1," + "1" * 200000 + "\n", "line 3 is not CSV"),
-        ("B (T),H (A/m)\n0,0\n1,1e-30\n", "line 3 has B = 1 T at H = 1e-30 A/m, a rise by more"),
         ("B (T),H (A/m)\n0,0\n1,100\n1.5,100.00000001\n", "line 4 has B = 1.5 T at H = 100 A/m"),
-        ("B (T),H (A/m)\n0,0\n1e300,1e304\n", "check the unit of B"),
         ("B (T),H (A/m)\n0,0\n1e308,1e308\n", "check the unit of B"),
         ("B (T),H (A/m)\n0,0\n1e-300,1e-300\n", "check the unit of B"),
     ],
@@ -193,9 +171,3 @@ def test_a_table_that_ends_before_saturation_is_known(tmp_path, rows, early):
     assert read_curve(path).ends_early is early
     assert not TEAM20.ends_early
     assert not linear(1000.0).ends_early  # straight for ever, by definition
-
-
-def test_a_missing_file_is_refused():
-    """A path that leads nowhere is no traceback."""
-    with pytest.raises(InputError, match="cannot be read"):
-        read_curve("/nowhere/steel.csv")

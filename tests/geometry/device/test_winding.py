@@ -40,10 +40,3 @@ def test_heating_rate_is_power_over_heat_capacity():
     wound = winding(Coil())
     copper = 385.0 * 8960.0 * wound.wire_area * wound.wire_length
     assert wound.heating_rate(0.13) == pytest.approx(wound.power(0.13) / copper)
-
-
-def test_reconstructed_coil_takes_its_pull_in_current_for_a_moment_only():
-    """A finding, not a success: 73 ampere-turns need 350 A/mm² in this window, tens of times what
-    windings carry for long; the wire warms by hundreds of kelvin a second."""
-    assert winding(Coil()).current_density(0.13) == pytest.approx(72.8 / (0.5 * 0.416e-6))
-    assert winding(Coil()).heating_rate(0.13) > 100.0

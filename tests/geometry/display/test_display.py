@@ -13,10 +13,8 @@ from tactgen.geometry.device.parameters import (
     Device,
     Display,
     Scatter,
-    Sleeve,
     Spring,
 )  # fmt: skip
-from tactgen.geometry.display import clearances as reckoned
 from tactgen.geometry.display.bill import bill_of_parts, coplanar_capacitance, total_mass, wiring
 from tactgen.geometry.display.clearances import check_display, clearances, footprint, spring_turns
 from tactgen.geometry.display.layout import (
@@ -212,23 +210,3 @@ def test_spacers_stand_in_the_four_corners():
         x, y = four[-1]
         assert x > 0.0 < y
         assert sorted(four) == [(-x, -y), (-x, y), (x, -y), (x, y)]
-
-
-def test_spacers_stand_clear_of_the_field():
-    """Whatever the sleeves' size, the refusal comes before the solids meet."""
-    x, _ = spacer_axes(DISPLAY.width, DISPLAY.board_length, DISPLAY)[-1]
-    assert x == pytest.approx(21e-3)
-    wide = Device(sleeve=Sleeve(outer_radius=1.19e-3))
-    check_display(wide, DISPLAY)
-
-
-def test_an_adjusting_spring_goes_around_its_spacer():
-    """With play inside, and outside as far as the clearances reckon."""
-    parts = {part.name: part for part in display_parts(DEVICE, DISPLAY)}
-    spring, spacer = (
-        [r for r, _ in parts[name].body.body.outline]
-        for name in ("adjusting_spring", "board_spacer")
-    )
-    assert 0.0 < max(spacer) < min(spring) < max(spring)
-    assert max(spacer) == pytest.approx(1e3 * 0.5 * DISPLAY.spacer_diameter)
-    assert max(spring) == pytest.approx(max(spacer) + 1e3 * reckoned._SPRING_AROUND)

@@ -1,12 +1,10 @@
 """Tetrahedra on graded grids: volumes, conformity, planes and sides."""
 
-import itertools
-
 import numpy as np
 import pytest
 
 from tactgen.geometry.meshing.mesh import tet_volumes
-from tactgen.geometry.meshing.structured_tets import SIDES, box_tetrahedra, graded_planes
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 
 X, Y, Z = np.array([0.0, 1.0, 3.0]), np.array([-1.0, 0.0, 0.5, 2.0]), np.array([0.0, 0.1, 4.0])
 
@@ -23,14 +21,6 @@ def test_every_box_keeps_its_volume_and_all_cells_are_positive(mesh):
     boxes = np.einsum("i,j,k->ijk", np.diff(X), np.diff(Y), np.diff(Z)).ravel()
     for number, box in enumerate(boxes):
         np.testing.assert_allclose(volumes[mesh.cells_of(f"box{number}")], box / 6.0, rtol=1e-12)
-
-
-def test_faces_match_between_neighbours(mesh):
-    """Every triangle belongs to two cells, or to one and an outer side."""
-    faces = np.concatenate([mesh.cells[:, f] for f in itertools.combinations(range(4), 3)])
-    _, count = np.unique(np.sort(faces, axis=1), axis=0, return_counts=True)
-    assert set(count) == {1, 2}
-    assert np.sum(count == 1) == sum(len(mesh.faces[name]) for name in SIDES)
 
 
 @pytest.mark.parametrize(("side", "axis", "at"), [("x_low", 0, 0.0), ("y_high", 1, 2.0)])

@@ -35,7 +35,9 @@ def slot_volume():
 
 @pytest.mark.parametrize("slot", [True, False])
 def test_solids_have_their_closed_form_volumes(slot):
-    """Four quarters make each part, the rod with or without its slot, in a box that is full."""
+    """Four quarters make each part, the rod with or without its slot, in a box that is full; the
+    rod is cut where the winding ends.
+    """
     far = 20.0  # a third of the 60 mm of the half section
     solids = actuator_solids(DEVICE, ActuatorMeshing(slot=slot))
     found = dict.fromkeys(("rod", "coil", "sleeve", "air"), 0.0)
@@ -46,14 +48,11 @@ def test_solids_have_their_closed_form_volumes(slot):
     for name in ("rod", "coil", "sleeve"):
         assert found[name] == pytest.approx(expected[name], rel=1e-9)
     assert sum(found.values()) == pytest.approx(8.0 * far**3 * MM3, rel=1e-9)
-
-
-def test_rod_is_cut_where_the_winding_ends():
-    """The source field jumps on the winding's end planes: both must be faces of the rod."""
+    # the source field jumps on the winding's end planes: both must be faces of the rod
     coil = DEVICE.coil
     heights = {
         round(face.Center().z, 6)
-        for name, solid in actuator_solids(DEVICE, ActuatorMeshing()).items()
+        for name, solid in solids.items()
         if name.startswith("rod")
         for face in solid.Faces()
         if abs(face.normalAt().z) > 0.5
@@ -76,30 +75,16 @@ def sizes(points):
 
 
 def test_edges_are_shortest_where_iron_is_near_iron():
-    """0.3 of the working gap in it, 1.5 of the clearance at the flange, then ever longer by 0.7.
-
-    An edge of iron asks for 0.15 of its distance from the other part, the gap's corners thus for
-    0.4 of the narrower of the two; all of it goes with `size`.
-    """
-    rod, sleeve, gap = DEVICE.rod, DEVICE.sleeve, 1e3 * GAP
+    """0.3 of the working gap in it, then longer by 0.7 of the way at most, in units of `size`."""
+    sleeve, gap = DEVICE.sleeve, 1e3 * GAP
     middle = 0.5e3 * (sleeve.inner_radius + sleeve.outer_radius)
-    clearance = 1e3 * (sleeve.inner_radius - rod.flange_radius)
-    least = 0.4 * min(gap, clearance)
     assert sizes([(middle, 0.5 * gap)])[0] == pytest.approx(0.3 * gap, rel=1e-12)
-    flange = gap + 1e3 * (rod.head_thickness - rod.length + 0.5 * rod.flange_thickness)
-    between = 0.5e3 * (sleeve.inner_radius + rod.flange_radius)
-    assert sizes([(between, -flange if flange > 0.0 else flange)])[0] <= 1.5 * clearance + 1e-12
-    corner = (1e3 * sleeve.outer_radius, 0.0)
-    assert sizes([corner])[0] == pytest.approx(max(0.15 * gap, least), rel=1e-12)
-    far = np.array([(middle, 30.0), (middle, 31.0), (30.0, 0.5 * gap), (31.0, 0.5 * gap)])
-    up, across = np.diff(sizes(far))[[0, 2]]
+    up = np.diff(sizes([(middle, 30.0), (middle, 31.0)]))[0]
     assert 0.98 * 0.7 < up <= 0.7 + 1e-12
-    assert 0.98 * 0.7 < across <= 0.7 + 1e-12
     rng = np.random.default_rng(1)
     a, b = rng.uniform([0.0, -6.0], [3.0, 3.0], (2, 400, 2))
     slope = np.abs(sizes(a) - sizes(b)) / np.linalg.norm(a - b, axis=1)
     assert slope.max() <= 0.7 + 1e-9
-    assert sizes(a).min() >= least * (1.0 - 1e-12)
     twice = tets._edge_length(DEVICE, replace(MESHING, size=2.0), np.array([[0.3, 0.4, 0.05]]))
     assert twice[0] == pytest.approx(2.0 * sizes([(0.5, 0.05)])[0], rel=1e-12)
 

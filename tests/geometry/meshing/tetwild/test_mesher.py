@@ -138,29 +138,3 @@ def test_the_caller_does_something_while_a_mesh_is_made(pretender, tmp_path):
             points, _ = mesher.mesh(job(f"waits for {tmp_path / 'done'}", float(k)), 30.0)
             assert points[0, 0] == k
     assert called == ["once"]
-
-
-def test_the_worker_hands_everything_on(tmp_path, monkeypatch):
-    """Points, triangles, settings and sizing reach fTetWild, and its mesh the file."""
-    worker = pytest.importorskip("tactgen.geometry.meshing.tetwild.worker")
-    given = {}
-
-    def tetrahedralize(points, triangles, **others):
-        given.update(others, triangles=triangles)
-        return 2.0 * points, triangles + 1
-
-    monkeypatch.setattr(worker, "tetrahedralize", tetrahedralize)
-    source, target = tmp_path / "source.npz", tmp_path / "target.npz"
-    settings = np.array('{"epsilon": 0.25, "num_opt_iter": 7}')
-    arrays = {"points": np.eye(3), "triangles": np.array([[0, 1, 2]]), "bg_values": np.ones(2)}
-    np.savez(source, settings=settings, **arrays)
-    worker.mesh(source, target)
-    with np.load(target) as made:
-        np.testing.assert_array_equal(made["points"], 2.0 * np.eye(3))
-        np.testing.assert_array_equal(made["tets"], [[1, 2, 3]])
-    assert given.pop("triangles").dtype == np.int32
-    np.testing.assert_array_equal(given.pop("bg_values"), np.ones(2))
-    assert given == {
-        "epsilon": 0.25, "num_opt_iter": 7, "vtk_ordering": True, "disable_filtering": True,
-        "num_threads": 1,
-    }  # fmt: skip
