@@ -109,84 +109,6 @@ def test_simply_supported_closed_form():
     np.testing.assert_allclose(got, expected, rtol=1e-11)  # springs 1e14 times the beam's
 
 
-def nafems_fv5():
-    """Return the section of NAFEMS FV5: 2 m x 2 m, E 200 GPa, ν 0.3, 8000 kg/m³, Cowper's κ."""
-    young, nu, side = 200e9, 0.3, 2.0
-    kappa = 10 * (1 + nu) / (12 + 11 * nu)
-    inertia, area = side**4 / 12, side**2
-    return Section(
-        EI=young * inertia, GA=kappa * young / (2 * (1 + nu)) * area,
-        m=8000 * area, rhoI=8000 * inertia,
-    )  # fmt: skip
-
-
-def test_published_deep_beam_clamped_free():
-    """The FV5 section clamped-free: 15.6727, 84.5597, 201.5408 Hz (exact field solution)."""
-    got = modes(nafems_fv5(), 10.0, CLAMPED, 3)
-    np.testing.assert_allclose(got, [15.6727, 84.5597, 201.5408], atol=6e-5)  # digits printed
-
-
-def test_published_deep_beam_simply_supported():
-    """NAFEMS FV5: 42.650 and 148.15 Hz by its finite elements, 42.645 Hz in closed form."""
-    pinned = Ends(Springs(1e22, 0.0), TipLoad(stiffness=1e22))
-    got = modes(nafems_fv5(), 10.0, pinned, 2)
-    assert got[0] == pytest.approx(42.645, abs=6e-4)
-    np.testing.assert_allclose(got, [42.650, 148.15], rtol=2e-3)  # another shear factor there
-
-
-def test_heavy_tip_mass():
-    """Under a heavy mass the beam is a spring: √(3 EI/(l³ M))/2π with shear added."""
-    mass, l = 1.0, 20e-3
-    got = modes(BEAM, l, replace(CLAMPED, tip=TipLoad(mass=mass)), 1)[0]
-    compliance = l**3 / (3 * BEAM.EI.real) + l / BEAM.GA
-    # Rayleigh: 33/140 of the beam's mass rides along, 4e-5 of the mass
-    effective = mass + 33 / 140 * BEAM.m * l
-    assert got == pytest.approx(1 / np.sqrt(compliance * effective) / (2 * np.pi), rel=1e-6)
-
-
-def test_stiff_tip_spring_is_a_pin():
-    """A stiff tip spring raises every mode to the clamped-pinned one, from below."""
-    free, firm, rigid = (
-        modes(BEAM, 20e-3, replace(CLAMPED, tip=TipLoad(stiffness=k)), 4) for k in (0.0, 1e12, 1e14)
-    )
-    assert (free < firm).all()
-    assert (firm < rigid).all()
-    np.testing.assert_allclose(firm, rigid, rtol=1e-6)
-    # clamped-pinned, slender: 3.9266²; shear and rotary inertia take 1 %
-    classical = 3.926602312**2 / (2 * np.pi) * np.sqrt(BEAM.EI.real / BEAM.m) / 20e-3**2
-    assert 0.98 * classical < rigid[0] < classical
-
-
-def test_open_circuit_is_stiffer():
-    """Each open-circuit mode lies between its own and the next short-circuit mode."""
-    for ends in (CLAMPED, PAPER_SUPPORT):
-        short = modes(BEAM, 14e-3, ends, 6)
-        opened = modes(BEAM, 14e-3, ends, 5, open_circuit=True)
-        assert (short[:-1] < opened).all()
-        assert (opened < short[1:]).all()
-
-
-@pytest.mark.parametrize("open_circuit", [False, True])
-def test_cut_beam_has_the_same_modes(open_circuit):
-    """A beam stated in three unequal pieces has the modes of the whole."""
-    whole = modes(BEAM, 20e-3, PAPER_SUPPORT, 5, open_circuit=open_circuit)
-    cut = [(BEAM, 3e-3), (BEAM, 10e-3), (BEAM, 7e-3)]
-    got = bending_frequencies(cut, PAPER_SUPPORT, 5, open_circuit=open_circuit)
-    np.testing.assert_allclose(got, whole, rtol=DIGITS)
-
-
-def test_row_of_unequal_pieces_against_its_ports():
-    """Tab and ceramic: at each mode the terminated ports' determinant changes sign."""
-    device, support = Device(bimorph=Bimorph(tab_length=2e-3)), Support(kind="clamped")
-    pieces = tmm.sections(device, support, Beam(), lossy=False)
-    got = bending_frequencies(pieces, CLAMPED, 4, open_circuit=False)
-    sides = []
-    for shift in (-1e-10, 1e-10):
-        d = tmm.chain(pieces, got * (1 + shift)).stiffness[:, 2:4, 2:4].real
-        sides.append(np.sign(np.linalg.det(d)))
-    assert (sides[0] == -sides[1]).all()
-
-
 THIN = 1e-6
 ROWS = {
     "taper, electrodes, tab and glue": {
@@ -245,26 +167,14 @@ def test_rounding_bar_of_segmented_rows(case, support, ends, open_circuit):
     assert got.rounding.max() < (1e-9 if case.startswith("foil") else 1e-12)
 
 
-def test_count_of_many_segments_agrees_with_the_whole():
-    """A hundred unequal segments of one beam: the same twelve modes, none lost at a joint."""
+@pytest.mark.parametrize("open_circuit", [False, True])
+def test_count_of_many_segments_agrees_with_the_whole(open_circuit):
+    """A hundred unequal segments of one beam: the same six modes, none lost at a joint."""
     lengths = np.linspace(0.5, 1.5, 100) * 0.2e-3
     row = [(BEAM, float(l)) for l in lengths]
-    whole = modes(BEAM, float(lengths.sum()), PAPER_SUPPORT, 12)
-    got = bending_frequencies(row, PAPER_SUPPORT, 12, open_circuit=False)
+    whole = modes(BEAM, float(lengths.sum()), PAPER_SUPPORT, 6, open_circuit=open_circuit)
+    got = bending_frequencies(row, PAPER_SUPPORT, 6, open_circuit=open_circuit)
     np.testing.assert_allclose(got, whole, rtol=DIGITS)
-
-
-@pytest.mark.parametrize("shear", [1e2, 1e5, 1e10, 1e16])
-def test_beam_that_only_shears(shear):
-    """EI/(GA l²) → ∞ on a clamp: √(GA/m) (2n − 1)/4l, a string's, less a share of the order 1/φ.
-
-    The rounding stays that of any beam: what shears is not measured against what bends.
-    """
-    beam = Section(EI=1.0, GA=1.0 / shear, m=1.0, rhoI=1e-3)
-    got = natural_frequencies([(beam, 1.0)], CLAMPED, 4, open_circuit=False)
-    string = np.arange(1.0, 8.0, 2.0) / (4.0 * np.sqrt(shear))
-    np.testing.assert_allclose(got.frequencies, string, rtol=0.1 / shear + 1e-13)
-    assert got.rounding.max() < 1e-13
 
 
 def test_rounding_that_cannot_be_told_is_refused():

@@ -11,11 +11,9 @@ from hypothesis import strategies as st
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Device, Load, Support
-from tactgen.tmm.beam import mounted_beam, span
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.mounted_beam import mounted_response
-from tactgen.tmm.beam.sections import Section, section
-from tactgen.tmm.beam.span import dynamic_stiffness, error_bound
+from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.transfer_matrix import chain
 from tactgen.tmm.ports.elements import attach, base_stiffness, ends_of, tip_stiffness
 from tactgen.tmm.ports.multiport import respond
@@ -86,55 +84,6 @@ def test_against_eighty_digits(length, frequency, lossy, base, stiffness, mass):
     assert reference.relative_error(ours.charge, charge) <= bound
 
 
-def many(seed, n=4000):
-    """Return random sections, lengths, frequencies and ends of a lossless beam."""
-    r, beam = np.random.default_rng(seed), bimorph(lossy=False)
-    beams = Section(
-        beam.EI, beam.GA * 10 ** r.uniform(-2, 2, n), beam.m, beam.rhoI * 10 ** r.uniform(-2, 1, n),
-        beam.K, beam.C,
-    )  # fmt: skip
-    base = (10 ** r.uniform(2, 7, n) + 0j, 10 ** r.uniform(-3, 1, n) + 0j)
-    return beams, 10 ** r.uniform(-4, 1, n), 2 * np.pi * 10 ** r.uniform(-2, 6, n), base
-
-
-def test_double_precision_is_left_in_time(monkeypatch):
-    """What is kept in double precision agrees with extended precision to the promise."""
-    beams, lengths, omega, base = many(1)
-    tip = np.full(omega.size, 100.0)
-    mixed = mounted_response(beams, lengths, omega, base=base, tip=tip)
-    d = dynamic_stiffness(beams, lengths, omega)
-    promised = double_tolerance()
-    monkeypatch.setattr(mounted_beam, "TOLERATED", 0.0)
-    monkeypatch.setattr(span, "TOLERATED", 0.0)
-    extended = mounted_response(beams, lengths, omega, base=base, tip=tip)
-    changed = mixed.w_tip != extended.w_tip
-    assert 0.3 < changed.mean() < 0.99  # some were kept, some were not
-    np.testing.assert_allclose(mixed.w_tip, extended.w_tip, rtol=promised, atol=0.0)
-    np.testing.assert_allclose(mixed.psi_tip, extended.psi_tip, rtol=promised, atol=0.0)
-    np.testing.assert_allclose(mixed.charge, extended.charge, rtol=promised, atol=0.0)
-    whole = dynamic_stiffness(beams, lengths, omega)
-    np.testing.assert_allclose(d, whole, rtol=promised, atol=0.0)
-
-
-def double_tolerance():
-    """What double precision may cost."""
-    return error_bound(0.0)
-
-
-def test_no_digit_lost_where_the_held_beam_resonates():
-    """At a lossless resonance of the beam held at both ends D is useless, the response is not."""
-    beam, low, high = bimorph(lossy=False), 6500.0, 6600.0
-    while (middle := 0.5 * (low + high)) not in (low, high):
-        sign = dynamic_stiffness(beam, LENGTH, 2 * np.pi * middle)[0, 2].real
-        low, high = (middle, high) if sign < 0.0 else (low, middle)
-    exact = reference.dynamic_stiffness(reference.constants(beam), LENGTH, 2 * np.pi * low)
-    w_tip, _, _ = reference.tip_motion(exact, None, 0.0)
-    ours = respond_at(beam, LENGTH, np.array([low]), Ends())
-    matrix = respond(attach(chain([(beam, LENGTH)], np.array([low])), Ends()), {"voltage": 1.0})
-    assert reference.relative_error(ours.w_tip[0], w_tip) < 1e-14
-    assert reference.relative_error(matrix.motion["w_tip"][0], w_tip) > 1e-8
-
-
 def test_condition_says_how_near_the_own_resonance_is():
     """Ten times nearer to a lossless resonance the condition number is ten times larger."""
     beam = bimorph(lossy=False)
@@ -144,10 +93,10 @@ def test_condition_says_how_near_the_own_resonance_is():
     np.testing.assert_allclose(condition[1:] / condition[:-1], 10.0, rtol=0.05)
 
 
-@pytest.mark.parametrize("chunk", [1, 7, 64, 100000])
+@pytest.mark.parametrize("chunk", [1, 100000])
 def test_chunks_do_not_show(chunk):
     """The result does not depend on how many points are worked on at a time."""
-    f = np.geomspace(1e-2, 1e6, 200)
+    f = np.geomspace(1e-2, 1e6, 110)
     ends = ends_of(SPRING, FINGER)
     one, other = (respond_at(bimorph(), LENGTH, f, ends, chunk=n) for n in (50, chunk))
     # vector instructions may round the last elements of an array differently
@@ -189,7 +138,7 @@ def test_memory_stays_flat():
     """Beside inputs and results a sweep needs memory for one block, however long it is."""
     beam, extra = bimorph(), []
     base, tip = (3e6, 0.2), 700.0
-    for n in (50_000, 200_000):
+    for n in (10_000, 40_000):
         f = np.linspace(10.0, 2e3, n)
         tracemalloc.start()
         got = mounted_response(beam, LENGTH, 2 * np.pi * f, base=base, tip=tip)

@@ -53,7 +53,7 @@ def test_a_wide_plate_differs_from_its_laminate_by_its_edges(layers):
 
 
 @pytest.mark.parametrize("layers", LISTED)
-@pytest.mark.parametrize("width", [0.3e-3, 1e-3, 5e-3])
+@pytest.mark.parametrize("width", [0.3e-3, 5e-3])
 def test_finer_polynomials_change_little(layers, width, monkeypatch):
     """Not by more than a calibration of listed layers leaves; singular edges converge slowly."""
     found = section_constants(bimorph(layers, width))

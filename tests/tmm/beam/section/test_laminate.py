@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph.segments import Piece, stack
-from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Piezo, Shim
 from tactgen.tmm.beam.laminate import laminate_section
 from tactgen.tmm.beam.sections import section
@@ -76,14 +75,6 @@ def test_closed_form_equals_quadrature(device):
     assert (plate.C + plate.K**2 / plate.EI) / width == pytest.approx(charge, rel=1e-10)
 
 
-def test_sign_follows_the_poling():
-    """Poled along -x the tip moves towards +x, as in the beam models."""
-    plain = laminate_section(Device(), Beam())
-    turned = laminate_section(Device(bimorph=Bimorph(poling="+x")), Beam())
-    assert -plain.K / plain.EI > 0.0
-    assert turned.K == -plain.K
-
-
 def test_without_its_additions_it_is_the_beam():
     """Uniform field, no Poisson effect, no d32: the constants of the beam models."""
     device = Device(bimorph=Bimorph(poling="+x"))
@@ -91,18 +82,3 @@ def test_without_its_additions_it_is_the_beam():
     plain = laminate_section(device, Beam(), poisson=False, d32=False, varying_field=False)
     for name in ("EI", "GA", "K", "C", "m", "rhoI"):
         assert getattr(plain, name) == pytest.approx(getattr(beam, name), rel=1e-14)
-
-
-def test_field_variation_stiffens_each_layer_about_its_middle():
-    """With d31 alone the layers' own bending is stiffened by 1/(1 - k31^2), nothing else."""
-    device = Device()
-    plain, varying = (
-        laminate_section(device, Beam(), poisson=False, d32=False, varying_field=on)
-        for on in (False, True)
-    )
-    piezo, b = device.piezo, device.bimorph
-    k2 = piezo.d31**2 / (piezo.s11 * piezo.eps33 * EPS0)
-    own = 2.0 * b.width * b.piezo_thickness**3 / (12.0 * piezo.s11)
-    stiffer = varying.EI - plain.EI
-    assert stiffer == pytest.approx(own * k2 / (1.0 - k2), rel=1e-11)
-    assert pytest.approx([plain.K, plain.C], rel=1e-14) == [varying.K, varying.C]

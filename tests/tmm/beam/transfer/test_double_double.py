@@ -42,16 +42,3 @@ def test_cancellation_keeps_the_rest():
     x = np.array([1.0 + 2.0**-30 + 0j])
     got = 1.0 - DoubleDouble(x) * (2.0 - x)
     assert exact(got, 0) == mp.mpf(2) ** -60
-
-
-def test_root_of_zero():
-    """The root of 0 is 0."""
-    assert DoubleDouble(np.zeros(1, complex)).sqrt().hi == 0.0
-
-
-def test_masks():
-    """A mask picks elements of both parts."""
-    third = DoubleDouble(np.ones(3, complex)) / np.array([3.0, 5.0, 7.0])
-    part = third[np.array([False, True, True])]
-    np.testing.assert_array_equal(part.lo, third.lo[1:])
-    assert (part.lo != 0.0).all()
