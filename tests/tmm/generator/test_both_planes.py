@@ -31,8 +31,8 @@ def scene_at(angle, *overrides, eccentricity=0.4, scene="generator"):
     ])[0]  # fmt: skip
 
 
-def answer(scene, quantity="tip_displacement"):
-    return solve(scene, ["tmm"], [quantity]).quantities[0].value
+def answer(scene):
+    return solve(scene, ["tmm"], ["tip_displacement"]).quantities[0].value
 
 
 @pytest.mark.parametrize(("current", "side"), [(0.0, 1.0), (50e-3, -1.0)])
@@ -98,9 +98,8 @@ def test_the_bimorph_on_its_springs_moves_as_the_machine_does():
     band = "frequency=10,200,350"
     for angle in (45.0, 90.0):
         scene = scene_at(angle, band)
-        springs, machine = (
-            answer(scene, q) for q in ("tip_displacement", "lateral_tip_per_voltage")
-        )
+        both = solve(scene, ["tmm"], ["tip_displacement", "lateral_tip_per_voltage"]).quantities
+        springs, machine = (quantity.value for quantity in both)
         # the machine has the rod's mass sideways, too, which moves the peak by a thousandth
         np.testing.assert_allclose(np.abs(machine), np.abs(springs), rtol=1e-2)
     aside, inside = (scene_at(angle, band).ends for angle in (90.0, 0.0))
@@ -111,11 +110,11 @@ def test_the_bimorph_on_its_springs_moves_as_the_machine_does():
 def test_an_offset_between_the_axes_makes_a_second_peak():
     """Upright, or off one axis only, there is one peak up to 600 Hz."""
     count = []
-    for angle, eccentricity in ((0.0, 0.0), (0.0, 0.4), (90.0, 0.4), (45.0, 0.4), (-45.0, 0.4)):
-        scene = scene_at(angle, "frequency=300 Hz:600 Hz:301", eccentricity=eccentricity)
+    for angle, eccentricity in ((0.0, 0.0), (0.0, 0.4), (90.0, 0.4), (45.0, 0.4)):
+        scene = scene_at(angle, "frequency=300 Hz:600 Hz:101", eccentricity=eccentricity)
         size = np.abs(answer(scene))
         count.append(int(np.sum((size[1:-1] > size[:-2]) & (size[1:-1] > size[2:]))))
-    assert count == [1, 1, 1, 2, 2]
+    assert count == [1, 1, 1, 2]
 
 
 @pytest.mark.parametrize(("scene", "purpose", "use"), [
@@ -141,5 +140,6 @@ def test_a_measured_load_is_not_asked_for_at_rest(tmp_path):
     asked = ("load.kind=table", f"load.file={table}", "frequency=100,400")
     loaded, free = scene_at(45.0, *asked), scene_at(45.0, "frequency=100,400")
     assert loaded.ends.base.rotational_stiffness == free.ends.base.rotational_stiffness
-    assert np.isfinite(answer(loaded)).all()
-    assert (np.abs(answer(loaded)) != np.abs(answer(free))).all()
+    found = answer(loaded)
+    assert np.isfinite(found).all()
+    assert (np.abs(found) != np.abs(answer(free))).all()

@@ -7,12 +7,11 @@ import pytest
 
 from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Contact, Device, Spring
-from tactgen.tmm.generator.contact import contact_of, moving_rod
+from tactgen.tmm.generator.contact import moving_rod
 from tactgen.tmm.generator.equilibrium import (
     axial_forces,
     held_support,
     position_loop,
-    pressed_support,
     resting_place,
     resting_places,
     settled_place,
@@ -111,33 +110,6 @@ def test_the_papers_support_at_the_rated_preload():
     soft = support.lateral_stiffness - device.guide.lateral_stiffness
     ratio, u0 = device.contact.tangential_ratio, device.contact.decay_length
     assert soft == pytest.approx(ratio * place.contact_force / u0, rel=1e-12)
-
-
-def test_support_in_the_limits_of_the_load():
-    """Proportional to the load: nothing but the guide without one, a clamp with a huge one."""
-    device = Device()
-    law = contact_of(device, "upper")
-    free = pressed_support(device, law, 0.0)
-    assert free.rotational_stiffness == device.guide.rotational_stiffness
-    assert free.lateral_stiffness == device.guide.lateral_stiffness
-    assert free.rotational_damping == 0.0
-    one, two = (pressed_support(device, law, n).rotational_stiffness for n in (0.1, 0.2))
-    guide = device.guide.rotational_stiffness
-    assert two - guide == pytest.approx(2.0 * (one - guide), rel=1e-12)
-
-
-def test_held_down_it_is_stiffer():
-    """The pull less the spring presses three times harder at 50 mA than the spring alone."""
-    from tactgen.tmm.reluctance.map_range import network_map
-
-    device = Device()
-    pull = network_map(device)
-    place, held = held_support(device, pull, 50e-3, "falling")
-    assert place.kind == "lower stop"
-    assert place.finger_force == pytest.approx(-place.contact_force, rel=1e-6)
-    _, up = held_support(device, pull, 50e-3, "rising")
-    _, alone = held_support(device, None, 0.0, "rising")
-    assert up.rotational_stiffness < alone.rotational_stiffness < held.rotational_stiffness
 
 
 def test_a_place_settles_where_the_forces_of_now_balance():

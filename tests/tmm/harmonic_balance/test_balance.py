@@ -48,22 +48,6 @@ def an_orbit(harmonics=6, seed=3):
     return Orbit(1.3, 0.7, spectrum / (1.0 + np.arange(harmonics + 1))[:, None] ** 2)
 
 
-def test_unknowns_there_and_back():
-    """Q₀ has no imaginary part among the unknowns."""
-    orbit = an_orbit()
-    vector = real_vector(orbit.spectrum)
-    assert vector.shape == (2 * 13,)
-    assert np.array_equal(complex_spectrum(vector, 2), orbit.spectrum)
-
-
-def test_motion_is_the_fourier_sum():
-    """At unequal harmonics of both coordinates."""
-    orbit = an_orbit()
-    angle = 2.0 * np.pi * np.arange(32) / 32
-    waves = np.exp(1j * np.outer(angle, np.arange(7)))
-    assert orbit.motion(32) == pytest.approx((waves @ orbit.spectrum).real, abs=1e-14)
-
-
 def test_derivatives_are_exact():
     """By all unknowns and both parameters, against central differences of the residual."""
     orbit, step = an_orbit(), 1e-5

@@ -30,7 +30,7 @@ def test_over_the_drive_and_over_the_frequency_the_same_orbits():
     """At Ω = 1.2 and full drive three orbits, whichever way the branch came."""
     oscillator = cases.driven_duffing()
     start = steady_orbit(oscillator, 1.2, 0.01, resolution=ROUGH)
-    branch = follow(oscillator, start, "level", 0.01, 3.0, resolution=ROUGH)
+    branch = follow(oscillator, start, "level", 0.01, 2.5, resolution=ROUGH)
     assert not branch.ended
     assert len(folds(oscillator, branch)) == 2
     by_drive = crossings(oscillator, branch, "level", 1.0)
@@ -47,25 +47,6 @@ def test_downwards_it_is_the_same_branch():
     assert branch.orbits[-1].omega == 0.9
     at = sorted(fold.orbit.omega for fold in folds(oscillator, branch))
     assert at == pytest.approx(sorted(o.omega for o in cases.driven_duffing_folds()), rel=1e-6)
-
-
-def test_every_tangent_is_one_of_the_equations():
-    """Also where the sizes it is measured in have grown since it was solved for.
-
-    It was solved for at Newton's last matrix, which is off by the last correction, below 1e-6.
-    Sizes grow with the motion, not at each point: where it has left them behind by a fifth.
-    """
-    oscillator, branch = cases.driven_duffing(), cases.driven_duffing_branch()
-    grown = 0
-    for before, step in itertools.pairwise(branch.steps[:-1]):
-        growth = step.course.scales / before.course.scales
-        assert (growth == 1.0).all() or growth.max() > 1.2
-        assert (np.abs(step.orbit.spectrum).max(axis=0) <= 1.2 * step.course.scales).all()
-        grown += growth.max() > 1.0
-        _, matrix = continuation._bordered(oscillator, step.orbit, step.course, step.tangent)
-        anew = continuation._solved_tangent(matrix)
-        np.testing.assert_allclose(step.tangent, anew, atol=1e-6)
-    assert grown >= 3
 
 
 def test_a_drive_exactly_at_a_fold():
@@ -114,7 +95,7 @@ def test_what_has_no_orbit_says_how_far_it_came():
     """A spring that softens to nothing: x - x³/5 pushed slowly beyond its largest force."""
     weak = cases.one_mass(cases.cubic(-0.2), stiffness=1.0, damping=0.1, force=2.0)
     with pytest.raises(NoConvergence, match=r"no orbit was found at a drive of 1, the highest"):
-        steady_orbit(weak, 0.05, 1.0, resolution=Resolution(1e-3, 5, 15))
+        steady_orbit(weak, 0.05, 1.0, resolution=Resolution(1e-3, 3, 7))
     assert np.isfinite(steady_orbit(weak, 0.05, 0.3).spectrum).all()
 
 

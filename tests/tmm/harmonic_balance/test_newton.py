@@ -59,16 +59,3 @@ def test_what_does_not_settle_says_why(evaluate, most, words):
     """No zero, no number, no slope, and a zero that is too slow to reach."""
     with pytest.raises(NoConvergence, match=words):
         converge(evaluate, np.array([0.7]), np.ones(1), most)
-
-
-def test_a_step_is_halved_at_most_six_times():
-    """A wall beside the start: nothing of the step counts that is shorter than 1/64 of it."""
-    tried = []
-
-    def evaluate(x):
-        tried.append(1.0 - x[0])
-        return np.array([1.0 if x[0] == 1.0 else 7.0]), np.eye(1)
-
-    with pytest.raises(NoConvergence, match="no step brought it nearer"):
-        converge(evaluate, np.ones(1), np.ones(1), 5)
-    assert tried == [0.0, *(0.5**n for n in range(7))]

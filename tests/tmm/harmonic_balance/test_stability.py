@@ -32,7 +32,7 @@ def multipliers(orbit, mass, damping, stiffness, law):
         return np.concatenate([y[k:], lower]).ravel()
 
     period = 2.0 * np.pi / orbit.omega
-    found = solve_ivp(rate, (0.0, period), np.eye(2 * k).ravel(), rtol=1e-9, atol=1e-10)
+    found = solve_ivp(rate, (0.0, period), np.eye(2 * k).ravel(), "DOP853", rtol=1e-9, atol=1e-10)
     return np.linalg.eigvals(found.y[:, -1].reshape(2 * k, 2 * k))
 
 

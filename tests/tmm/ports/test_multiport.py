@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import lumped
@@ -72,19 +72,14 @@ def distance(a, b):
 
 
 @given(devices)
-def test_reciprocity(device):
-    """Work done by one port on another is mutual, also across joints of unequal beams."""
+def test_reciprocity_and_passivity(device):
+    """Work done by one port on another is mutual, also across joints of unequal beams; no model of
+    a passive device gives off power, whatever its ports are driven with.
+    """
     for model in (tmm, lumped):
         port = model.multiport(device, SPRING, Beam(), FREQUENCIES)
         # condensing a joint costs its condition number, 1e3 for a thin tab under a thick beam
         assert (reciprocity_error(port) < 1e-11).all()
-
-
-@given(devices)
-def test_passivity(device):
-    """No model of a passive device gives off power, whatever its ports are driven with."""
-    for model in (tmm, lumped):
-        port = model.multiport(device, SPRING, Beam(), FREQUENCIES)
         # smallest eigenvalue relative to the largest: rounding of D, 1e-16, over losses of 1e-3
         # at least, times the condition number of the joint, 1e3
         assert (passivity_margin(port) > -1e-10).all()
@@ -108,16 +103,6 @@ def test_a_broken_symmetry_is_caught():
     assert (reciprocity_error(replace(port, stiffness=d)) > 0.1).all()
 
 
-@pytest.mark.parametrize("pieces", [2, 3, 7])
-def test_pieces_equal_the_whole(pieces):
-    """n equal pieces joined are one beam n times as long: same motion, charges added."""
-    ((beam, length),) = tmm.sections(Device(), SPRING, Beam(), lossy=True)
-    whole = tmm.chain([(beam, length)], FREQUENCIES)
-    joined = tmm.chain([(beam, length / pieces)] * pieces, FREQUENCIES)
-    # joined in wave variables: a dozen roundings
-    assert distance(joined.stiffness, whole.stiffness) < 1e-13
-
-
 @pytest.mark.parametrize("support", [CLAMPED, SPRING])
 @pytest.mark.parametrize("load", [Load(kind="none"), Load()])
 def test_series_wiring(support, load):
@@ -131,61 +116,6 @@ def test_series_wiring(support, load):
     np.testing.assert_allclose(
         blocked_force(in_series(port), ends), 0.5 * blocked_force(port, ends), rtol=1e-14
     )
-
-
-def test_static_deflection():
-    """A clamped bimorph bends to w = −K U l²/(2 EI), ψ = K U l/EI at the tip."""
-    ((beam, l),) = tmm.sections(Device(), CLAMPED, Beam(), lossy=False)
-    r = driven(paper(np.zeros(1), lossy=False), Ends())
-    w, psi, charge = r.motion["w_tip"][0], r.motion["psi_tip"][0], r.effort["voltage"][0]
-    assert w == pytest.approx(-beam.K * 50.0 * l**2 / (2 * beam.EI), rel=1e-13)
-    assert psi == pytest.approx(beam.K * 50.0 * l / beam.EI, rel=1e-13)
-    assert charge == pytest.approx((beam.C + beam.K**2 / beam.EI) * l * 50.0, rel=1e-13)
-    assert w.real > 0.0  # towards +x with the default poling
-
-
-def test_static_blocked_force():
-    """Held at the tip it pushes with (3 K U/2 l)/(1 + Φ/4), Φ = 12 EI/(GA l²)."""
-    ((beam, l),) = tmm.sections(Device(), CLAMPED, Beam(), lossy=False)
-    phi = 12 * beam.EI / (beam.GA * l**2)
-    force = blocked_force(paper(np.zeros(1), lossy=False), Ends())[0]
-    assert force == pytest.approx(1.5 * beam.K * 50.0 / l / (1 + phi / 4), rel=1e-13)
-
-
-def test_blocked_force_is_the_limit_of_a_stiff_load():
-    """A spring far stiffer than the beam takes the blocked force, opposite in sign."""
-    port, ends = paper(), ends_of(SPRING, Load(kind="none"))
-    stiff = 1e12  # N/m against 1e5 N/m at most of the tip, base and mass up to 20 kHz
-    pushed = stiff * driven(port, replace(ends, tip=TipLoad(stiff))).motion["w_tip"]
-    np.testing.assert_allclose(pushed, -blocked_force(port, ends), rtol=1e-6)
-
-
-def test_poling_flips_the_motion_only():
-    """Poled the other way the actuator bends the other way and draws the same charge."""
-    down, up = (driven(paper(poling=poling), PAPER) for poling in ("-x", "+x"))
-    np.testing.assert_array_equal(up.motion["w_tip"], -down.motion["w_tip"])
-    np.testing.assert_array_equal(up.effort["voltage"], down.effort["voltage"])
-
-
-def test_response_is_linear_in_voltage():
-    """Twice the voltage gives twice everything; minus the voltage turns everything round."""
-    one, minus_two = (driven(paper(), PAPER, u) for u in (1.0, -2.0))
-    for name, motion in one.motion.items():
-        np.testing.assert_allclose(minus_two.motion[name], -2.0 * motion, rtol=1e-15)
-    charges = minus_two.effort["voltage"], one.effort["voltage"]
-    np.testing.assert_allclose(charges[0], -2.0 * charges[1], rtol=1e-15)
-
-
-@given(st.floats(-3.0, 3.0))
-def test_scaling(exponent):
-    """A device s times larger has the same D at frequencies s times lower, in powers of s."""
-    s, b = 10.0**exponent, Bimorph()
-    f = np.array([0.0, 100.0, 1e3, 5e3])
-    lengths = ("length", "width", "piezo_thickness", "shim_thickness")
-    scaled = paper(f / s, **{n: s * getattr(b, n) for n in lengths}).stiffness
-    # w, U: force and charge per length scale with s; each ψ brings one more s, U none
-    powers = np.array([s**0.5, s**1.5, s**0.5, s**1.5, s**0.5])
-    assert distance(scaled, paper(f).stiffness * powers[:, None] * powers) < 1e-12
 
 
 def test_energy_balance():
@@ -202,14 +132,6 @@ def test_energy_balance():
     outside = half * (finger + damper)
     np.testing.assert_allclose(source, inside + outside, rtol=1e-11)
     assert (outside > 0.0).all()
-
-
-def test_round_off_bound_covers_the_error():
-    """The stated round-off bound is small here and grows near an undamped resonance."""
-    f = np.array([100.0, 2126.35, 1044.15729033])
-    bound = round_off(attach(paper(f, lossy=False), Ends()))
-    assert bound[0] < 1e-13
-    assert bound[2] > 1e3 * bound[0]
 
 
 def test_round_off_bound_is_what_a_last_digit_does_at_worst():
@@ -239,23 +161,16 @@ def end_to_end(lower, upper):
     return reduce(joined, kept).renamed({"upper.w_tip": "w_tip", "upper.psi_tip": "psi_tip"})
 
 
-def test_two_halves_joined_by_name_are_the_whole():
-    """Tip on base, electrodes in parallel: the ports of a bimorph twice as long."""
-    joined, whole = end_to_end(half(), half()), paper()
-    assert joined.ports == whole.ports == BIMORPH
-    # the requirement; some tens of roundings
-    assert distance(joined.stiffness, whole.stiffness) < 1e-12
-
-
 @given(st.floats(0.02, 0.98), st.booleans())
 def test_it_does_not_matter_where_a_bimorph_is_cut(share, lossy):
     """Any two parts that make up the length: all 25 entries, with losses and without."""
     parts = (paper(length=20e-3 * s, lossy=lossy) for s in (share, 1.0 - share))
-    whole = paper(lossy=lossy)
+    joined, whole = end_to_end(*parts), paper(lossy=lossy)
+    assert joined.ports == whole.ports == BIMORPH
     # the shorter part is as many times stiffer against rotation, and that cancels at the joint; of
     # 800 cuts along the bimorph the worst takes 1.4e-13
     shorter = min(share, 1.0 - share)
-    assert distance(end_to_end(*parts).stiffness, whole.stiffness) < 1.5e-13 / shorter
+    assert distance(joined.stiffness, whole.stiffness) < 1.5e-13 / shorter
 
 
 def test_ways_of_joining_agree():
@@ -289,11 +204,9 @@ def test_names_that_both_have_are_told_apart():
     ("use", "words"),
     [
         (lambda p: p.index("w_tp"), 'port "w_tp" is unknown .did you mean "w_tip"'),
-        (lambda p: p["w_tip", "voltag"], 'did you mean "voltage"'),
         (lambda p: terminate(p, {"psi_bas": 1.0}), 'did you mean "psi_base"'),
         (lambda p: hold(p, "w_tips"), 'did you mean "w_tip"'),
         (lambda p: reduce(p, ["w_tip", "gap"]), "there are w_base, psi_base, w_tip"),
-        (lambda p: respond(p, {"volts": 1.0}), 'port "volts" is unknown'),
         (lambda p: respond(p, {"voltage": 1.0}, {"w_top": 1.0}), 'did you mean "w_tip"'),
         (lambda p: connect(p, p, {"w_tip": "w_bas"}), 'did you mean "w_base"'),
         (lambda p: p.renamed({"w_tp": "w"}), 'did you mean "w_tip"'),

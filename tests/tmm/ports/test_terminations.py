@@ -70,13 +70,6 @@ def test_loads_reduce_to_each_other():
     assert damper[0] == pytest.approx(300.0 + 0.5j * 2 * np.pi * 100.0)
 
 
-def test_a_heavy_mass_pins_the_tip():
-    """Well above its resonance a heavy tip mass stands still."""
-    f = np.array([500.0])
-    heavy, light = (tip(Support(), Load(kind="mass", mass=m), f) for m in (1.0, 0.0))
-    assert abs(heavy[0] / light[0]) < 1e-3
-
-
 def test_a_contact_has_no_springs_before_it_is_loaded():
     """Read as any other support it would hold the base rigidly, and nobody would know."""
     with pytest.raises(ValueError, match=r"depend on its load; see tmm\.generator\.equilibrium"):

@@ -7,17 +7,25 @@ import pytest
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.circuit import FULL, Refinements
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import Samples, closed_loop_work
 from tactgen.tmm.reluctance.network import network_samples
-from tactgen.validation.evidence.cases import actuator as square_law
 
 #: A linear actuator: λ = C i/(g + G0).
 C, G0 = 2e-6, 0.1e-3
 CURRENTS = 0.2 * (np.arange(11) / 10.0) ** 1.5
 GAPS = np.geomspace(0.02e-3, 0.25e-3, 10)
 DEVICE = Device()
+
+
+@pytest.fixture(scope="module")
+def samples():
+    return network_samples(DEVICE, CURRENTS, GAPS)
+
+
+@pytest.fixture(scope="module")
+def pull(samples):
+    return fit(samples)
 
 
 def linear_samples(currents=CURRENTS, gaps=GAPS):
@@ -79,20 +87,8 @@ def test_linear_actuator():
     assert pull.gap_offset == pytest.approx(G0, rel=1e-9)
 
 
-def test_vm213_bookkeeping():
-    """The law of ANSYS VM213, λ ∝ √i, through the map: 0.0333 J of co-energy, 0.0166 J stored,
-    1.25 H apparent, 0.625 H differential at 0.2 A (here at the gap where the factor is 1)."""
-    pull = square_law.by_map()
-    # the square root has an infinite slope at no current, which no spline follows: 1e-3
-    assert pull.coenergy(0.2, 0.2e-3) == pytest.approx(2.0 / 3.0 * 0.05, rel=1e-3)
-    assert pull.energy(0.2, 0.2e-3) == pytest.approx(1.0 / 3.0 * 0.05, rel=3e-3)
-    assert pull.flux_linkage(0.2, 0.2e-3) / 0.2 == pytest.approx(1.25, rel=1e-3)
-    assert pull.incremental_inductance(0.2, 0.2e-3) == pytest.approx(0.625, rel=2e-2)
-
-
-def test_derivatives_are_of_one_surface():
+def test_derivatives_are_of_one_surface(pull):
     """λ, F, inductance, motional coefficient and force gradient by central differences of W'."""
-    pull = fit(network_samples(DEVICE, CURRENTS, GAPS))
     i, g = np.array([0.013, 0.08, -0.17])[:, None], np.array([0.031e-3, 0.11e-3, 0.23e-3])
     di, dg = 1e-6, 1e-9
     for name, of, by, step, sign in (
@@ -111,19 +107,6 @@ def test_derivatives_are_of_one_surface():
         np.testing.assert_allclose(getattr(pull, name)(i, g), slope, rtol=1e-6)
 
 
-@pytest.mark.parametrize("refinements", [FULL, Refinements("linear")])
-def test_closed_loops_do_no_work(refinements):
-    """∮ (λ di − F dg) vanishes to 1e-6 of the work of one side, for any rectangle."""
-    pull = fit(network_samples(DEVICE, CURRENTS, GAPS, refinements))
-    for currents, gaps in (
-        ((0.01, 0.15), (0.03e-3, 0.2e-3)),
-        ((-0.2, 0.2), (0.02e-3, 0.25e-3)),
-        ((0.12, 0.13), (0.19e-3, 0.2e-3)),
-    ):
-        net, side = closed_loop_work(pull.sampled, currents, gaps)
-        assert abs(net) < 1e-6 * side
-
-
 def test_loop_work_sees_an_inconsistent_model():
     """A force that belongs to another co-energy does net work: the test can fail."""
 
@@ -135,9 +118,9 @@ def test_loop_work_sees_an_inconsistent_model():
     assert abs(net) > 1e-3 * side
 
 
-def test_even_in_the_current_and_zero_without():
+def test_even_in_the_current_and_zero_without(pull):
     """W' and F are even, λ is odd, all vanish with the current."""
-    pull, i, g = fit(network_samples(DEVICE, CURRENTS, GAPS)), np.array([0.02, 0.2]), 0.1e-3
+    i, g = np.array([0.02, 0.2]), 0.1e-3
     for name, sign in (("coenergy", 1.0), ("force", 1.0), ("flux_linkage", -1.0)):
         function = getattr(pull, name)
         assert np.array_equal(function(-i, g), sign * function(i, g))
@@ -145,20 +128,17 @@ def test_even_in_the_current_and_zero_without():
     assert pull.incremental_inductance(0.0, g) > 0.0
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.003, 0.02])
-def test_monotone_everywhere(noise):
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_monotone_everywhere(samples, noise):
     """∂λ/∂i > 0 at every current and gap, even if noise makes the samples contradict it."""
-    samples = network_samples(DEVICE, CURRENTS, GAPS)
     rng = np.random.default_rng(3)
 
     def shaken(values):
         return values * (1.0 + noise * rng.uniform(-1.0, 1.0, values.shape))
 
     # sorting keeps λ rising from sample to sample, which is asked of them
-    samples = Samples(
-        CURRENTS, GAPS, np.sort(shaken(samples.flux_linkage), axis=0), shaken(samples.force)
-    )
-    pull = fit(samples)
+    linkage, force = np.sort(shaken(samples.flux_linkage), axis=0), shaken(samples.force)
+    pull = fit(Samples(CURRENTS, GAPS, linkage, force))
     i, g = np.linspace(-0.2, 0.2, 201)[:, None], np.linspace(0.02e-3, 0.25e-3, 101)
     assert (pull.incremental_inductance(i, g) > 0.0).all()
     assert (pull.coefficients > 0.0).all()
@@ -166,10 +146,9 @@ def test_monotone_everywhere(noise):
         assert pull.residual.flux_linkage > 0.1 * noise  # and the contradiction is reported
 
 
-def test_network_map_of_ten_by_ten():
+def test_network_map_of_ten_by_ten(pull):
     """Half-way between 10 x 10 samples the map gives the network's flux linkage to 0.5 % and its
     force to 1.5 %, from a tenth of the largest value up."""
-    pull = fit(network_samples(DEVICE, CURRENTS, GAPS))
     exact = network_samples(DEVICE, between(CURRENTS), between(GAPS, "geometric"))
     said = pull.sampled(exact.current, exact.gap)
     assert largest_error(said.flux_linkage, exact.flux_linkage) < 5e-3
@@ -235,12 +214,11 @@ def test_map_converges():
     assert finer_estimate < estimate / 4.0
 
 
-def test_fewer_tables_make_a_map_too():
+def test_fewer_tables_make_a_map_too(samples, pull):
     """Flux linkage and force alone are enough, with a larger error."""
-    samples = network_samples(DEVICE, CURRENTS, GAPS)
     bare = fit(Samples(CURRENTS, GAPS, samples.flux_linkage, samples.force))
     assert bare.force(0.13, 0.2e-3) == pytest.approx(
-        float(fit(samples).force(0.13, 0.2e-3)), rel=bare.interpolation_error.force
+        float(pull.force(0.13, 0.2e-3)), rel=bare.interpolation_error.force
     )
 
 
@@ -248,7 +226,6 @@ def test_fewer_tables_make_a_map_too():
     ("current", "gap", "words"),
     [
         (0.21, 0.1e-3, ("current = 210 mA", "ends at 200 mA")),
-        (-0.3, 0.1e-3, ("current = 300 mA",)),
         (np.nan, 0.1e-3, ("current = nan mA",)),
         (0.1, 0.3e-3, ("gap = 300 um", "from 20 to 250 um")),
         (0.1, np.array([0.1e-3, 0.0]), ("gap = 0 um",)),

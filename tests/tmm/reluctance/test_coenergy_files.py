@@ -118,15 +118,3 @@ def test_wrong_variables_are_refused(tmp_path, name, dimensions, unit, words):
             table[:], table.units = 0.0, unit
     with pytest.raises(InputError, match=words):
         read_map(tmp_path / "map.nc")
-
-
-def test_nothing_half_written(pull, tmp_path):
-    """A folder that does not exist is refused, and no file is left behind."""
-    with pytest.raises(InputError, match="cannot be written"):
-        write_map(tmp_path / "none" / "map.nc", pull)
-    assert not list(tmp_path.iterdir())
-
-
-def test_fit_and_from_samples_agree(pull):
-    """Arrays or their container: one map."""
-    assert np.array_equal(fit(pull.samples).coefficients, pull.coefficients)

@@ -16,10 +16,8 @@ from tactgen.tmm.reluctance.circuit import (
     ONE_GAP,
     Refinements,
     pole_area,
-    straight,
     with_fringing,
 )
-from tactgen.tmm.reluctance.coenergy_map import closed_loop_work
 from tactgen.tmm.reluctance.network import network_refinements, network_samples, textbook_force
 from tactgen.validation.evidence.cases.actuator import COLLARED, collared
 
@@ -116,14 +114,6 @@ def test_a_coil_that_leaves_the_sleeve_keeps_one_coenergy(device, refinements):
     assert above == pytest.approx(below, rel=1e-4)  # 1 nm of 200 um
 
 
-@pytest.mark.parametrize("refinements", [FULL, Refinements("linear"), Refinements(fringing=False)])
-def test_closed_loop_does_no_work(refinements):
-    """∮ (λ di − F dg) vanishes to 1e-6 of the work of one side."""
-    sample = partial(network_samples, DEVICE, refinements=refinements)
-    net, side = closed_loop_work(sample, (0.02, 0.15), (0.03e-3, 0.2e-3), panels=8)
-    assert abs(net) < 1e-6 * side
-
-
 def test_monotone_to_a_million_ampere_turns():
     """Flux linkage and co-energy rise with the current at any saturation."""
     i = np.geomspace(1e-6, 1e6, 49) / 849.0
@@ -173,14 +163,6 @@ def test_force_does_not_jump_where_the_collar_meets_the_coil():
     assert jumps[1] == pytest.approx(jumps[0] / 4.0, rel=0.3)  # second order
 
 
-def test_direction_of_the_current_does_not_matter():
-    """The paper: the rod is pulled whatever the direction of the current (section 5.1)."""
-    there, back = (network_samples(DEVICE, sign * CURRENTS, GAPS) for sign in (1.0, -1.0))
-    assert np.array_equal(there.force, back.force)
-    assert np.array_equal(there.coenergy, back.coenergy)
-    assert np.array_equal(there.flux_linkage, -back.flux_linkage)
-
-
 def test_bridge_leads_from_the_formula_to_the_network():
     """One row per refinement; their changes multiply to the whole difference."""
     rows = network_refinements(DEVICE, 0.13, 0.2e-3)
@@ -193,34 +175,6 @@ def test_bridge_leads_from_the_formula_to_the_network():
     assert by_step["fringing beside the pole faces"].force_change > 0.0
     assert by_step["parasitic gap at the flange"].force_change < 0.0
     assert by_step["saturation"].force_change < -0.1
-
-
-def test_bridge_of_a_small_current():
-    """In the linear range every share is that of any other current, but the iron's own."""
-    small, large = (network_refinements(DEVICE, i, 0.2e-3) for i in (1e-3, 0.1))
-    for a, b in zip(small[:5], large[:5], strict=True):
-        assert a.force_change == pytest.approx(b.force_change, abs=1e-9)
-
-
-def test_gap_permeance_slope():
-    """dP/dg and the slope of the covered height are derivatives of the formulas."""
-    g, h = np.geomspace(1e-6, 1e-3, 13), 1e-6
-    for formula in (straight, with_fringing):
-        at, up, down = (formula(DEVICE, g * (1.0 + sign * h)) for sign in (0.0, 1.0, -1.0))
-        for name in ("permeance", "covered"):
-            slope = (getattr(up, name) - getattr(down, name)) / (2.0 * h * g)
-            # rounding over the step: 1e-16/1e-6
-            size = np.abs(getattr(at, f"d_{name}")).max()
-            np.testing.assert_allclose(getattr(at, f"d_{name}"), slope, rtol=1e-7, atol=1e-9 * size)
-
-
-def test_fringing_fades_as_the_gap_closes():
-    """Beside a closing gap the field at the edges grows with the logarithm only."""
-    g = np.array([1e-4, 1e-6, 1e-8])
-    share = with_fringing(DEVICE, g).permeance / straight(DEVICE, g).permeance - 1.0
-    assert (share > 0.0).all()
-    assert (np.diff(share) < 0.0).all()
-    assert share[-1] < 1e-3
 
 
 def test_covered_part_of_the_bore():

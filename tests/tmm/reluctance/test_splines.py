@@ -22,13 +22,6 @@ def test_values_and_derivatives_are_scipys(degree):
         np.testing.assert_allclose(basis(POINTS, derivative), expected, rtol=1e-9, atol=1e-9)
 
 
-def test_functions_sum_to_one():
-    """They are all positive and share out the value 1."""
-    values = b_splines(BREAKS, 3)(POINTS)
-    assert (values > -1e-12).all()
-    np.testing.assert_allclose(values.sum(axis=-1), 1.0, rtol=1e-12)
-
-
 def test_integral_starts_at_zero_and_undoes_the_derivative():
     """∫ from the first break, continuous, and its derivative is the function."""
     basis = b_splines(BREAKS, 2)

@@ -101,16 +101,6 @@ def test_a_hardening_spring_swings_in_its_period(amplitude):
     assert 0.0 < abs(off) * speed < found.errors["x"]
 
 
-def test_vm156():
-    """ANSYS VM156: 2 x + 4 x³, mass 2.588e-3, period 0.144043869 s by elliptic integrals."""
-    period = duffing_period(1.0, 2.0, 4.0, 2588e-6)
-    assert period == pytest.approx(0.144043869, rel=1e-8)  # digits given
-    system = oscillator(CubicSpring(2.0, 4.0), mass=2588e-6)
-    run = simulate_steps(system, Sources(), 0.3 * period, 1500, position=ONE)
-    # order two: (ω h)²/12 and so, with ω h = 1.3e-3
-    assert 4.0 * zero_crossing(run.time, run.position[:, 0]) == pytest.approx(period, rel=5e-7)
-
-
 def test_the_order_is_two():
     """Halving the steps leaves a quarter of the error."""
     system = oscillator(CubicSpring(1.0, 1.0))
@@ -145,23 +135,7 @@ def test_a_driven_damped_mass_follows_its_closed_form():
     assert found.run.charge == pytest.approx(charge, rel=1e-14)
 
 
-def test_a_bouncing_mass_keeps_its_energy_and_comes_back():
-    """Dropped on a stop without loss it rises to its height again, after the closed form's time."""
-    mass, g, k, height = 1e-3, 9.81, 1e5, 1e-3
-    system = oscillator(Stop(k), mass=mass, load=-mass * g, sign=-1.0, scale=height)
-    fall = math.sqrt(2.0 * height / g)
-    omega, sag = math.sqrt(k / mass), mass * g / k
-    touch = 2.0 * (math.pi - math.atan(g * fall / omega / sag)) / omega
-    found = simulate(system, Sources(), 2.0 * fall + touch, position=height * ONE)
-    assert found.run.position[-1, 0] == pytest.approx(height, rel=2.0 * found.error)
-    assert found.outputs["x"].min() == pytest.approx(
-        -sag - math.hypot(sag, math.sqrt(2.0 * g * height) / omega),
-        rel=1e-3,  # sampled in time
-    )
-    assert found.run.worst_imbalance < 1e-12
-
-
-@pytest.mark.parametrize("stiffness", [1e1, 1e3, 1e5, 1e7, 1e9])
+@pytest.mark.parametrize("stiffness", [1e1, 1e5, 1e9])
 def test_stops_over_eight_decades_settle_and_keep_the_balance(stiffness):
     """Undamped stops from soft to hard, hit at 1 m/s: no step fails, no energy appears."""
     system = oscillator(Stop(stiffness), mass=1e-3, sign=-1.0, scale=1e-2)
@@ -183,19 +157,6 @@ def test_a_damped_stop_never_pulls():
     assert 0.0 < run.velocity[-1, 0] < 0.5
     lost = 0.5e-3 * (1.0 - run.velocity[-1, 0] ** 2)
     assert run.element_loss[-1] == pytest.approx(lost, rel=1e-10)
-
-
-def test_rough_surfaces_send_a_mass_back():
-    """F = P e^{δ/u₀}: hit at v, the approach is u₀ ln(m v²/(2 P u₀)), and no energy is lost."""
-    mass, load, decay = 3e-4, 0.1, 3e-7
-    system = oscillator(RoughPoint(load, decay), mass=mass, sign=-1.0, scale=1e-5)
-    found = simulate(
-        system, Sources(), 1e-4, position=1e-5 * ONE, velocity=-0.3 * ONE, accuracy=1e-4
-    )
-    deepest = decay * math.log(0.5 * mass * 0.3**2 / (load * decay))
-    assert -found.outputs["x"].min() == pytest.approx(deepest, abs=2e-3 * decay)  # sampled in time
-    assert found.run.velocity[-1, 0] == pytest.approx(0.3, rel=1e-6)  # P u₀ e^{-30} is left
-    assert found.run.worst_imbalance < 1e-12
 
 
 def over_a_step(law, before, moved):
@@ -272,15 +233,7 @@ def test_friction_stops_what_slides(constant):
     assert run.worst_imbalance < 1e-12
 
 
-def test_vm207():
-    """ANSYS VM207: 12 V on 5.991 Ω and the Brooks coil's 12.74 mH; 1.9849 A after 10 ms."""
-    found = simulate(circuit(0.01274, 5.991), Sources(coil=Step(12.0)), 0.01)
-    exact = 12.0 / 5.991 * -math.expm1(-5.991 / 0.01274 * 0.01)
-    assert 0.0 < abs(found.run.current[-1] - exact) < found.errors["current"]
-    assert found.run.current[-1] == pytest.approx(1.9849, abs=1e-4)  # printed digits
-
-
-@pytest.mark.parametrize("resistance", [0.0, 1e-9, 1e2, 1e4])
+@pytest.mark.parametrize("resistance", [0.0, 1e-9, 1e4])
 def test_circuits_from_no_resistance_to_one_that_answers_at_once(resistance):
     """The current of a stepped voltage, within the error bar; the balance to rounding."""
     inductance = 1e-3
@@ -303,17 +256,14 @@ def test_a_circuit_too_fast_to_follow_says_so():
 
 @pytest.mark.parametrize("source", ["current", "voltage"])
 def test_a_pulled_mass_keeps_the_balance(source):
-    """Field, coil, spring, damper: what the source gives is found again, to rounding."""
-    run = simulate_steps(moving_gap(source), Sources(coil=Sine(0.3, 0.4)), 10.0, 1000)
+    """Field, coil, spring, damper: what the source gives is found again, to rounding.
+
+    The balance is of the method, not of small steps: with ten a period, far from the truth.
+    """
+    run = simulate_steps(moving_gap(source), Sources(coil=Sine(0.5, 0.4)), 25.0, 100)
     assert np.ptp(run.position) > 1e-3
     assert run.worst_imbalance < 1e-13
     assert abs(run.coil_work[-1]) > 1e-6
-
-
-def test_the_balance_is_of_the_method_not_of_small_steps():
-    """With ten steps a period, far from the truth, not a share of energy appears."""
-    run = simulate_steps(moving_gap("voltage"), Sources(coil=Sine(0.5, 0.4)), 25.0, 100)
-    assert run.worst_imbalance < 1e-13
 
 
 @pytest.mark.heavy
@@ -355,10 +305,7 @@ def test_waveforms_start_jump_and_end_where_they_say():
     assert Step(2.0, 1.0, 3.0).value(1.0, 0.9) == 0.0
     assert Step(2.0, 1.0, 3.0).value(1.0, 1.1) == 2.0
     assert Constant(3.0).breaks(1.0) == ()
-    ramp = Sampled((0.0, 1.0, 1.0, 2.0), (0.0, 1.0, 5.0, 6.0))
-    assert [ramp.value(1.0, t) for t in (0.9, 1.1)] == [1.0, 5.0]
-    assert ramp.value(3.0, 3.0) == 6.0
-    assert ramp.breaks(2.0) == (1.0,)
+    assert Sampled((0.0, 1.0, 1.0, 2.0), (0.0, 1.0, 5.0, 6.0)).breaks(2.0) == (1.0,)
     chirp = Chirp(1.0, 10.0, 30.0, 2.0)
     rate = (chirp.value(1.0 + 1e-7, 1.0) - chirp.value(1.0 - 1e-7, 1.0)) / 2e-7
     # half way the frequency is the mean of both, and 15 turns are done
@@ -415,13 +362,3 @@ def test_runs_that_lead_nowhere_are_refused(monkeypatch):
     for _ in ("in the second pass", "in the first"):
         with pytest.raises(InputError, match="settle"):
             run()
-
-
-def test_factors_of_few_step_lengths_are_kept(monkeypatch):
-    """What a run comes back to is there; of one that never does, no more than so many."""
-    monkeypatch.setattr(step, "_KEPT", 3)
-    stepper = step.Stepper(oscillator(CubicSpring(1.0, 1.0)))
-    for h in (1e-3, 2e-3, 3e-3, 4e-3):
-        found = stepper._factored(h)
-        assert stepper._factors[h] is found
-    assert set(stepper._factors) == {4e-3}
