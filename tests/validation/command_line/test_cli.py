@@ -97,7 +97,7 @@ def test_a_deflection_beyond_linear_theory_is_warned_of(capsys):
     [
         pytest.param(
             command, redirection, code, words,
-            marks=[] if (command == "scenes") is (redirection == ">&-") else [pytest.mark.heavy],
+            marks=[] if command == "scenes" else [pytest.mark.heavy],
         )
         for command in ("scenes", "solve --model tmm --json")
         for redirection, code, words in (
@@ -244,8 +244,8 @@ def test_materials_are_listed_and_shown(capsys, tmp_path):
     assert 'did you mean "PZT-5H"' in err
 
 
-def test_closed_pipe_is_no_error(tmp_path):
-    """`tactgen solve | head -1` ends quietly."""
-    command = f"{shlex.quote(sys.executable)} -m tactgen solve --model tmm --json | true"
+def test_closed_pipe_is_no_error():
+    """`tactgen scenes | head -1` ends quietly."""
+    command = f"{shlex.quote(sys.executable)} -m tactgen scenes | true"
     result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
-    assert result.stderr == "" or "warning" in result.stderr
+    assert result.stderr == ""

@@ -35,8 +35,6 @@ sys.exit(main(["export", "reluctance", "--set", "models=network", "--map", sys.a
 @pytest.mark.parametrize(
     ("name", "how", "code", "words"),
     [
-        ("SIGTERM", "raised", 143, "told to end"),
-        ("SIGTERM", "swallowed", 143, "told to end"),
         ("SIGTERM", "in text", 143, "told to end"),
         ("SIGINT", "swallowed", 130, "interrupted"),
         ("SIGHUP", "raised", 129, "told to end"),

@@ -15,9 +15,11 @@ from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
 #: By name, what reads the option, what it takes and with what result, and what it refuses.
 OPTIONS = {
     "--until": (
-        simulate._until, {"1 us": 1e-6, "10 s": 10.0}, ("0.9 us", "10.1 s", "3", "nan s"),
+        simulate._until, {"1 us": 1e-6, "10 s": 10.0}, ("0.995 us", "10.05 s", "3", "nan s"),
     ),
-    "--accuracy": (simulate._accuracy, {"1e-6": 1e-6, "0.5": 0.5}, ("9e-7", "0.51", "fine")),
+    "--accuracy": (
+        simulate._accuracy, {"1e-6": 1e-6, "0.5": 0.5}, ("0.995e-6", "0.505", "nan", "fine"),
+    ),
     "--voltage of backbone": (
         partial(values_of, option="--voltage", unit=VOLTAGE, example="1", most=100),
         {"1:3:2": [1.0, 3.0], "1:4:3:log": [1.0, 2.0, 4.0], "1:3:3:lin": [1.0, 2.0, 3.0],

@@ -21,9 +21,10 @@ def run(capsys, *arguments):
     return code, *capsys.readouterr()
 
 
-def test_one_screen_without_options(capsys):
-    """Models side by side, each number in a unit with its prefix, and where more is."""
-    code, out, _ = run(capsys, "solve", "--model", "lumped", "--model", "tmm")
+def test_one_screen_shows_what_json_holds(capsys):
+    """Models side by side, each number in a unit with its prefix, to the five digits shown."""
+    models = ("--model", "lumped", "--model", "tmm")
+    code, out, _ = run(capsys, "solve", *models)
     lines = out.splitlines()
     assert code == 0
     assert len(lines) <= 28
@@ -32,35 +33,23 @@ def test_one_screen_without_options(capsys):
     assert "--quantity all" in out
     values = re.sub(r"\(.*?\)|±", "", out)
     assert not re.search(r"\d(e-|e\+)\d", values)  # units have prefixes instead
+    names = ("static_tip_displacement", "capacitance_free", "coupling_factor")
+    asked = [word for name in names for word in ("--quantity", name)]
+    _, text, _ = run(capsys, "solve", *models, *asked, "--json")
+    found = {(q["name"], q["model"]): q["value"] for q in json.loads(text)["quantities"]}
+    for name in names:
+        (line,) = (line for line in lines if line.startswith(QUANTITIES[name].label))
+        shown = re.findall(r"  ([0-9.]+)(?: (\S+))? \(", line)
+        own = QUANTITIES[name].unit
+        for model, (number, unit) in zip(("lumped", "tmm"), shown, strict=True):
+            scale = PREFIXES[unit.removesuffix(own)] if own not in ("", "1") else 1.0
+            assert float(number) * scale == pytest.approx(found[name, model], rel=5e-5)
 
 
-@pytest.mark.parametrize(
-    ("label", "name"),
-    [("static tip displacement", "static_tip_displacement"),
-     ("free capacitance", "capacitance_free"), ("coupling factor", "coupling_factor")],
-)  # fmt: skip
-def test_the_screen_shows_what_json_holds(capsys, label, name):
-    """To the five digits shown."""
-    _, screen, _ = run(capsys, "solve", "--model", "tmm")
-    _, text, _ = run(capsys, "solve", "--model", "tmm", "--quantity", name, "--json")
-    (quantity,) = json.loads(text)["quantities"]
-    (line,) = (line for line in screen.splitlines() if line.startswith(label))
-    number, unit = re.search(r"  ([0-9.]+)(?: (\S+))? \(", line).groups()
-    own = QUANTITIES[name].unit
-    scale = PREFIXES[(unit or "").removesuffix(own)] if own not in ("", "1") else 1.0
-    assert float(number) * scale == pytest.approx(quantity["value"], rel=5e-5)
-
-
-@pytest.fixture(scope="module")
-def whole_machine():
-    """What solve prints of the scene generator, and the numbers behind it."""
-    scene, _ = load_scene("generator", ["models=tmm,network", "coil.supply=voltage"])
-    return scene, solve(scene)
-
-
-def test_the_machine_is_one_screen_in_parts(whole_machine, capsys):
+def test_the_machine_is_one_screen_in_parts(capsys):
     """Though its scene names quantities: bimorph, normal actuator, machine, each its models."""
-    print_overview(whole_machine[1])
+    scene, _ = load_scene("generator", ["models=tmm,network", "coil.supply=voltage"])
+    print_overview(solve(scene))
     parts = [part.splitlines() for part in capsys.readouterr().out.split("\n\n")]
     assert [re.split(r"  +", part[0]) for part in parts[:3]] == [
         ["bimorph", "tmm"], ["normal actuator", "network"], ["machine, small motions", "tmm"],

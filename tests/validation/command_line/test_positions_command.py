@@ -32,9 +32,8 @@ def test_the_loop_by_both_ways(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
-    [(["--current", "0:1A"], "is not START:STOP:N"), (["--current", "0:1:5"], "with its unit"),
-     (["--current", "0:-1mA:5"], "0 or more"), (["--current", "90mA:10mA:5"], "does not rise"),
-     (["--current", "0:9A:5"], "ends at"), (["--model", "tmm"], 'model "tmm" is of the bimorph'),
+    [(["--current", "0:1A"], "is not START:STOP:N"), (["--current", "0:9A:5"], "ends at"),
+     (["--model", "tmm"], 'model "tmm" is of the bimorph'),
      (["--model", "tmn"], 'model "tmn" is unknown'),
      (["--plot", "x.png"], "must end in .svg"), (["--csv", "x.txt"], "must end in .csv"),
      (["--plot", "nowhere/x.svg"], "its folder does not exist")],

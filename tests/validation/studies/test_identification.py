@@ -141,19 +141,18 @@ def test_a_far_start_ends_where_a_near_one_does():
         assert far.get(name).value == pytest.approx(near.get(name).value, rel=1e-5)
 
 
-@pytest.mark.parametrize("phase", [True, False])
-def test_weights_are_inverse_variances(phase):
+def test_weights_are_inverse_variances():
     """Noise four times as large where the weight is 1/16: the level is that at the mean weight.
 
-    Standard deviation of a level estimated from 120 or 60 residuals: 6.5 or 9.3 %; 4 of them.
+    Standard deviation of a level estimated from 120 residuals: 6.5 %; 4 of them.
     """
-    data, calm = synthetic(3, 0.0, phase=phase), synthetic(3, phase=phase)
+    data, calm = synthetic(3, 0.0), synthetic(3)
     rough = np.arange(60) % 2 == 1
     values = data.values + np.where(rough, 4.0, 1.0) * (calm.values - data.values)
     weight = np.where(rough, 1.0 / 16.0, 1.0)
     found = identify(PROTOTYPE, replace(data, values=values, weight=weight), noise="relative")
     # residuals are 2 % at weight 1, and so 2 % / sqrt(mean weight) at weight = mean weight
-    assert found.level * np.sqrt(weight.mean()) == pytest.approx(0.02, rel=0.26 if phase else 0.37)
+    assert found.level * np.sqrt(weight.mean()) == pytest.approx(0.02, rel=0.26)
 
 
 @pytest.mark.parametrize("level", [0.0, pytest.param(0.02, marks=pytest.mark.heavy)])
@@ -164,7 +163,7 @@ def test_voltage_and_piezoelectric_constant_cannot_be_told_apart(level):
     assert found.findings[0].startswith("drive.voltage and piezo.d31")
     assert "drive.voltage * piezo.d31" in found.findings[0]
     assert not any("where the data push it" in text for text in found.findings)
-    alone = identify(PROTOTYPE, data, ("piezo.d31",), origins=ORIGINS)
+    alone = identify(PROTOTYPE, data, ("piezo.d31",))
     product = found.get("drive.voltage").value * found.get("piezo.d31").value
     # both have the optimum of one sum of squares; the drift of d31 to far values leaves some
     # 1e-3 of the electrical coupling's effect on the stiffness of the shunted ceramic
@@ -189,14 +188,12 @@ def test_assumed_density_shifts_the_stiffness():
     data = synthetic(1)
     found = identify(PROTOTYPE, data, origins=ORIGINS)
     (density,) = (a for a in found.assumptions if a.row.key == "piezo.density")
+    up, down = (
+        identify(with_values(PROTOTYPE, {"piezo.density": 7900.0 * (1.0 + d)}), data)
+        for d in (0.01, -0.01)
+    )
     for i, name in enumerate(("c_s", "d_s")):
-        up, down = (
-            identify(with_values(PROTOTYPE, {"piezo.density": 7900.0 * (1.0 + d)}), data)
-            .get(name)
-            .value
-            for d in (0.01, -0.01)
-        )
-        slope = np.log(up / down) / np.log(1.01 / 0.99)
+        slope = np.log(up.get(name).value / down.get(name).value) / np.log(1.01 / 0.99)
         # the residuals' second derivatives, left out of the slope, are of the size of the noise
         assert density.slopes[i] == pytest.approx(slope, abs=0.05)
     # the frequency fixes c_s/rho_p, so the slope is near 1
@@ -204,9 +201,9 @@ def test_assumed_density_shifts_the_stiffness():
     assert "piezo.eps33" not in [a.row.key for a in found.assumptions]  # no effect on velocity
 
 
-@pytest.mark.parametrize("kind", ["displacement", "admittance", "current"])
+@pytest.mark.parametrize("kind", ["displacement", "current"])
 def test_other_curves(kind):
-    """Displacement, admittance and current determine the support too."""
+    """Displacement and current determine the support too."""
     found = identify(PROTOTYPE, synthetic(1, kind=kind), FAR)
     for name in ("c_s", "d_s"):
         # within twice the 95 % interval: one seed may lie just outside it
@@ -225,26 +222,20 @@ def test_any_scalar_of_the_model_can_be_fitted():
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (lambda v: -v, "opposite sign"),
-        (np.conj, "opposite sign of the phase"),
-        (lambda v: 1e3 * v, "unexplained"),
-    ],
+    ("change", "words"), [(np.negative, "opposite sign"), (np.conj, "opposite sign of the phase")]
 )
-def test_data_that_cannot_be_of_this_scene_are_doubted(change, words):
-    """Another sign convention, another scale."""
+def test_data_of_another_sign_convention_are_doubted(change, words):
     data = synthetic(1)
     found = identify(PROTOTYPE, replace(data, values=change(data.values)))
     assert any(words in text for text in found.warnings)
 
 
-@pytest.mark.parametrize("phase", [True, False])
-@pytest.mark.parametrize("factor", [0.5, 1e3])
+@pytest.mark.parametrize(("phase", "factor"), [(True, 1e3), (False, 0.5)])
 def test_a_wrong_drive_voltage_is_named_with_its_factor(phase, factor):
     """Support and voltage are then found from the same data, within their noise of 2 %."""
     data = synthetic(1, phase=phase)
     found = identify(PROTOTYPE, replace(data, values=factor * data.values))
+    assert any("unexplained" in text for text in found.warnings)
     (told,) = (text for text in found.warnings if "drive.voltage = " in text)
     stated = re.search(r"drive\.voltage = (\S+) V", told)
     assert float(stated[1]) == pytest.approx(factor * PROTOTYPE.drive.voltage, rel=0.02)
@@ -267,11 +258,9 @@ def test_the_right_voltage_and_an_admittance_are_not_doubted():
     [
         ("c_s", 0.24, 0.0024, 24.0),
         ("support.rotational_stiffness = 0.2 N*m/rad", 0.2, 0.002, 20.0),
-        ("c_s:0.05..2N*m/rad", 0.24, 0.05, 2.0),
         ("c_s=200 mN*m/rad:50 mN*m/rad..2 N*m/rad", 0.2, 0.05, 2.0),
         ("piezo.d31:-200..-500pC/N", -385e-12, -200e-12, -500e-12),
         ("piezo.d31:-500..-200pC/N", -385e-12, -200e-12, -500e-12),
-        ("piezo.quality_factor=50:20..200", 50.0, 20.0, 200.0),
         ("rho_p", 7900.0, 79.0, 1e5),  # no denser than the scene allows
     ],
 )

@@ -52,6 +52,12 @@ def wide(paper):
     return design(paper[0], WIDE)
 
 
+@pytest.fixture(scope="module")
+def found(paper):
+    """The paper's design over the paper's lengths."""
+    return design(paper[0], Aim())
+
+
 def solved(scene, length, frequencies):
     """|w_tip| (m) by the route that `tactgen solve` takes."""
     changed = with_values(scene, {"bimorph.length": length})
@@ -70,10 +76,7 @@ def test_map_is_what_solve_gives(name, overrides):
     assert found == pytest.approx(expected, rel=1e-10)
 
 
-@pytest.mark.parametrize(
-    ("length", "frequency"),
-    [(20e-3, 934.0), (25e-3, 660.0), (30e-3, 496.0), (35e-3, 389.0), (40e-3, 315.0)],
-)
+@pytest.mark.parametrize(("length", "frequency"), [(20e-3, 934.0), (40e-3, 315.0)])
 def test_minimum_of_each_length(paper, length, frequency):
     """Rounded reference values, and bounded Brent on |w|² in ln f along another route."""
     (found,) = length_map(paper[0], np.array([length]), BAND).minima
@@ -133,8 +136,10 @@ def test_lowest_margin_is_the_lowest(paper):
 @pytest.mark.parametrize(
     ("name", "overrides", "margin"),
     [
-        # all margins for the first kind, one each for the others
-        pytest.param(*kind, margin, marks=[pytest.mark.heavy] if n and n - 1 != m else [])
+        # all margins for the first kind, one each for the second and the last
+        pytest.param(
+            *kind, margin, marks=[pytest.mark.heavy] if n and (n, m) not in ((1, 0), (3, 2)) else []
+        )
         for n, kind in enumerate(KINDS[:4])
         for m, margin in enumerate((0.5, 1.0, 2.0))
     ]
@@ -245,21 +250,11 @@ def test_the_remedies_are_accepted(paper):
         assert np.isfinite(lowest_margin(device, aim, np.array(lengths))[0]).all()
 
 
-def test_map_refuses_what_the_ceramic_cannot_be(paper):
-    """The map of single lengths has the same limits."""
+def test_map_and_fit_refuse_what_the_ceramic_cannot_be():
+    """The map of single lengths has the same limits; fitting the length meets the same profile."""
     scene, _ = load_scene("paper", [PROFILE])
     with pytest.raises(InputError, match="leave the profile out"):
         length_map(scene, np.array([10e-3]), BAND)
-    with pytest.raises(InputError, match="leave the profile out"):
-        tip_amplitude(actuator(scene), np.array([10e-3]), np.array([100.0]))
-    scene, _ = load_scene("paper", ["bimorph.bare_below=11mm"])
-    with pytest.raises(InputError, match="leave no electrode"):
-        length_map(scene, np.array([10e-3, 20e-3]), BAND)
-
-
-def test_identification_refuses_the_length_under_a_profile():
-    """Fitting the length would meet the same profile."""
-    scene, _ = load_scene("paper", [PROFILE])
     with pytest.raises(InputError, match=r"bimorph\.width_profile is stated for 20 mm"):
         fit_parameter(scene, "bimorph.length")
     assert fit_parameter(load_scene("paper")[0], "bimorph.length").start == 20e-3
@@ -285,17 +280,17 @@ def test_curves_pass_through_their_minima(name):
     assert np.abs(np.log10(between) - 0.5 * (drawn[:, 1:] + drawn[:, :-1])).max() < 1.2 * 0.0256
 
 
-def test_no_power_law_across_different_minima(paper):
+def test_no_power_law_across_different_minima(paper, found):
     """Where another minimum becomes the deepest, no exponent is stated and it is still drawn."""
     study = length_map(paper[0], np.array([1e-3, 20e-3, 40e-3, 80e-3]), BAND)
     assert study.minimum_law is None
-    assert length_plot(study, design(paper[0], Aim())).startswith("<svg")
+    assert length_plot(study, found).startswith("<svg")
 
 
-def test_the_papers_range(paper):
+def test_the_papers_range(found):
     """20 to 40 mm: 22.64 mm keep the threshold, 20 mm miss it beside the minimum at 934 Hz."""
-    found = design(paper[0], Aim())
-    assert found.aim.lengths == (20e-3, 40e-3)
+    assert found.aim.lengths == PAPER_LENGTHS == (20e-3, 40e-3)
+    assert found.warnings == ()
     assert found.limit == "threshold"
     assert found.margin == pytest.approx(1.0, rel=1e-6)
     assert 22e-3 < found.length < 23e-3
@@ -306,8 +301,8 @@ def test_the_papers_range(paper):
 def test_series_is_parallel_with_twice_the_margin(paper):
     """Each layer sees half the voltage and nothing else changes."""
     series, _ = load_scene("paper", ["bimorph.wiring=series"])
-    a = design(series, Aim(lengths=PAPER_LENGTHS)).length
-    b = design(paper[0], Aim(margin=2.0, lengths=PAPER_LENGTHS)).length
+    a = design(series, Aim()).length
+    b = design(paper[0], Aim(margin=2.0)).length
     assert a == pytest.approx(b, rel=1e-7)
 
 
@@ -362,16 +357,13 @@ def test_finger_sensitivity(paper, wide, monkeypatch):
     )
 
 
-def test_threshold_sensitivity(paper):
+def test_threshold_sensitivity(paper, found):
     """A threshold higher by x % throughout is a voltage lower by x %: exact identity."""
     scene, origins = paper
-    found = design(scene, Aim(lengths=PAPER_LENGTHS))
     slopes = {row.key: row.slopes[0] for row in dependences(found, origins)}
     points = sum(slopes[f"threshold at {f} Hz"] for f in (10, 250, 1000))
     assert points == pytest.approx(-slopes["drive.voltage"], rel=1e-9)
-    aims = [
-        Aim(lengths=PAPER_LENGTHS, threshold=DISPLAY_THRESHOLD.scaled(2, s)) for s in (1.01, 0.99)
-    ]
+    aims = [Aim(threshold=DISPLAY_THRESHOLD.scaled(2, s)) for s in (1.01, 0.99)]
     up, down = (design(scene, aim).length for aim in aims)
     again = np.log(up / down) / np.log(1.01 / 0.99)
     assert slopes["threshold at 1000 Hz"] == pytest.approx(again, rel=1e-3)
@@ -438,11 +430,10 @@ def test_no_feasible_length_gives_the_best_compromise(paper):
     assert text[2] == "No length meets the margin."
 
 
-def test_a_large_modelling_error_is_said(paper):
+def test_a_large_modelling_error_is_said():
     """Of the transfer matrix at the length found, on a soft core."""
-    assert design(paper[0], Aim()).warnings == ()
     soft, _ = load_scene("paper", ["shim.youngs_modulus=20MPa", "shim.shear_modulus=7.7MPa"])
-    (text,) = design(soft, Aim()).warnings
+    (text,) = design(soft, Aim(lengths=(22e-3, 24e-3))).warnings
     assert "modelling error" in text
 
 
