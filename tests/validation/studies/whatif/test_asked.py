@@ -27,14 +27,14 @@ def test_every_scene_gives_what_is_asked_of_it(scene, quantities):
 
 def test_a_study_of_a_scene_that_asks_for_all_asks_its_headline_quantities(capsys):
     """They cost least; all of them are had by name."""
-    vary = ["--vary", "coil.current=120mA,130mA", "--model", "network", "--json"]
+    vary = ["--vary", "coil.current=120mA", "--model", "network", "--json"]
     for more, expected in (
         ([], {name for name, row in QUANTITIES.items() if row.headline}),
         (["--quantity", "all"], set(QUANTITIES)),
     ):
         assert main(["whatif", "reluctance", *vary, *more]) == 0
         points = json.loads(capsys.readouterr().out)["points"]
-        assert [point["status"] for point in points] == ["ok", "ok"]
+        assert [point["status"] for point in points] == ["ok"]
         found = {of["name"] for of in points[0]["quantities"]}
         assert {"magnetic_force"} <= found <= expected
         assert ("coenergy" in found) == bool(more)

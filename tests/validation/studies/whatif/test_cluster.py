@@ -100,19 +100,20 @@ def test_a_cluster_answers_as_this_machine_does_and_the_client_keeps_it(
     as_cluster, monkeypatch, tmp_path
 ):
     there = as_cluster(Cluster())
-    study = run_study(statement(2), scheduler=ADDRESS)
+    asked = statement(2, "modes=1")
+    study = run_study(asked, scheduler=ADDRESS)
     assert study.counts.computed == 4
     assert there.address == ADDRESS
     assert there.status == "closed"
-    again = run_study(statement(2))
+    again = run_study(asked)
     assert (again.counts.computed, again.counts.recalled) == (0, 4)
     monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "another"))
-    assert_same(study, run_study(statement(2)))
+    assert_same(study, run_study(asked))
 
 
 def test_a_question_that_kills_every_worker_fails_alone(as_cluster):
     there = as_cluster(Cluster(deadly=(16.0,)))
-    study = run_study(statement(3, models=("tmm",)), scheduler=ADDRESS)
+    study = run_study(statement(3, "modes=1", models=("tmm",)), scheduler=ADDRESS)
     statuses = [answer.status for _, _, answer in study.rows]
     assert statuses == ["ok", "failed", "ok"]
     assert "every worker of the cluster that solved it" in study.answers[1]["tmm"].reason
@@ -124,7 +125,7 @@ def test_a_worker_that_joins_with_other_code_is_refused(as_cluster):
     own = executor.build(("tmm",))
     as_cluster(Cluster(joined=("tactgen 0", *own[1:])))
     with pytest.raises(InputError, match="that joined the cluster has tactgen 0, other than here"):
-        run_study(statement(3, models=("tmm",)), scheduler=ADDRESS)
+        run_study(statement(3, "modes=1", models=("tmm",)), scheduler=ADDRESS)
 
 
 @pytest.mark.parametrize(

@@ -197,10 +197,8 @@ def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
     ("table", "words"),
     [
         (None, "is not the table of a study ([Errno 2]"),
-        ("", "is not the table of a study"),
         ("length,quantity\n", "is not the table of a study (other columns)"),
         (f"{HEAD}\n1,gap,tmm,,,,1 mm,,,,m,ok,\n", "is not the table of a study (could not convert"),
-        (f"{HEAD}\n1,gap,tmm\n", "is not the table of a study (zip"),
     ],
 )  # fmt: skip
 def test_a_study_whose_table_is_lost_or_damaged_is_refused(tmp_path, monkeypatch, table, words):

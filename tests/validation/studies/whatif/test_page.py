@@ -4,6 +4,7 @@ import json
 import re
 
 import numpy as np
+import pytest
 
 from tactgen.validation.engine.answers import representative
 from tactgen.validation.scene.scene import scene_values
@@ -25,14 +26,15 @@ def written(folder, *vary, models=("tmm",), quantities=STATIC, **more):
     return study, page, json.loads(data[1]) if data else None
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_pages_numbers_are_the_studys(tmp_path):
     """The last axis runs fastest; a quantity that a model does not give is not there."""
     study, page, data = written(
-        tmp_path, "bimorph.length=14mm:16mm:3", "load.kind=none,finger",
+        tmp_path, "bimorph.length=14mm,16mm", "load.kind=none,finger",
         models=("tmm", "lumped"), quantities=(*STATIC, "tip_displacement"),
     )  # fmt: skip
     assert [grid["model"] for grid in data["models"]] == ["tmm", "lumped"]
-    assert [of["values"] for of in data["axes"]] == [[0.014, 0.015, 0.016], ["none", "finger"]]
+    assert [of["values"] for of in data["axes"]] == [[0.014, 0.016], ["none", "finger"]]
     assert set(data["models"][1]["numbers"]) <= {*STATIC, "tip_displacement"}
     for grid in data["models"]:
         for name in grid["numbers"]:
@@ -74,13 +76,12 @@ def test_a_long_table_is_thinned_and_says_so(monkeypatch):
 
 
 def test_samples_have_no_sliders_but_a_picture(tmp_path):
-    _, page, data = written(tmp_path, "gap=0.1mm,0.2mm", models=("tmm",))
-    assert data is not None
     _, page, data = written(tmp_path, "bimorph.length=normal(14mm,1%)", samples=4)
     assert data is None
     assert "<svg" in page
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_page_begins_with_what_the_aims_say(tmp_path):
     """Words and picture stand before the sliders."""
     study, _, _ = written(tmp_path, "bimorph.length=14mm:22mm:5", quantities=(*STATIC, MODES))

@@ -23,7 +23,7 @@ def drawn(monkeypatch):
     monkeypatch.setattr(pictures, "svg", lambda figure: figure)
 
     def draw(*vary, models=("tmm",), quantities=STATIC, **more):
-        values, _ = scene_values("prototype", ["frequency=100,500"])
+        values, _ = scene_values("prototype", ["frequency=100,500", "modes=1"])
         study = run_study(Statement("prototype", values, vary, models, quantities, **more))
         return study, pictures.study_picture(study)
 

@@ -67,13 +67,12 @@ def test_plan_of_a_study(own_store, capsys):
 
 
 @pytest.mark.parametrize(
-    ("vary", "words"),
+    ("command", "vary", "words"),
     [
-        ("bimorph.length=14mm:22mm:3", "none of the 3 points makes a scene: frequency = "),
-        ("bimorph.length=14mm", "the only point makes no scene: frequency = "),
+        ("plan", "bimorph.length=14mm:22mm:3", "none of the 3 points makes a scene: frequency = "),
+        ("whatif", "bimorph.length=14mm", "the only point makes no scene: frequency = "),
     ],
 )
-@pytest.mark.parametrize("command", ["plan", "whatif"])
 def test_points_of_which_none_makes_a_scene_are_refused_alike(command, vary, words, capsys):
     asked = [command, "--vary", vary, "--model", "tmm", "--frequency", "abc"]
     assert main(asked) == 2
