@@ -10,6 +10,10 @@ import pytest
 from tactgen.validation.command_line.exit import explained
 
 
+class SolverError(RuntimeError):
+    """Named like the one of the sparse solver."""
+
+
 @pytest.mark.parametrize(
     ("error", "words"),
     [
@@ -24,6 +28,8 @@ from tactgen.validation.command_line.exit import explained
             PermissionError(errno.EACCES, "Permission denied", "a.csv"),
             "a.csv cannot be used (permission denied); make room or choose another place",
         ),
+        (SolverError("singular"), 'scene "paper" cannot be solved (singular); bring'),
+        (OverflowError(), 'scene "paper" cannot be solved (OverflowError); bring'),
         (ImportError("cannot import name 'a'", name="tactgen.fem"), None),
         (TypeError("ours"), None),
     ],

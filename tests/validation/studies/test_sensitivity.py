@@ -171,6 +171,7 @@ def test_keys_next_to_whose_values_nothing_fits_are_left_out_and_named(monkeypat
     assert readable_keys(scene, lambda key, value: None, "lumped") == (few[:2], "")
 
 
+CONTACT = ("--set", "support.kind=contact")
 FREE, WIDTH = ("--set", "load.kind=none"), ("--key", "bimorph.width")
 #: Width that falls along the ceramic.
 TAPER = ("--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm")
@@ -186,10 +187,10 @@ TAPER = ("--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm")
         (["--key", "bimorph.tab_length"], "is 0, and there is no percentage of 0"),
         (["--key", "shim.transverse_modulus"], "follows from others"),
         (["--key", "load.mass"], 'has no effect with load.kind = "finger"'),
+        ([*CONTACT, "--key", "support.rotational_stiffness"], 'with support.kind = "contact"'),
         ([*WIDTH, *TAPER], "with bimorph.width_profile, which gives it"),
         (["--key", "bimorph.length", *TAPER], "cannot be varied: next to its value"),
         (["--key", "bimorph.width_profile", *TAPER], "is a profile, whose points"),
-        (["--model", "tmm", "--quantity", "magnetic_force"], "is computed by network"),
         (["--model", "beam", "--key", "coil.turns"], "has no effect with models = beam"),
         (["--quantity", "threshold_voltage", "--set", "piezo.d31=0 pC/N", *WIDTH], "piezo.d31"),
         (["--quantity", "dynamic_stiffness"], "is a matrix"),
@@ -202,11 +203,6 @@ def test_what_has_no_sensitivity_is_refused_in_one_sentence(arguments, words, ca
     error = refused(capsys, "paper", *arguments)
     assert words in error
     assert error.count("\n") == 1
-
-
-def test_a_spring_that_stands_for_the_contact_is_no_key(capsys):
-    error = refused(capsys, "generator", "--key", "support.rotational_stiffness")
-    assert 'has no effect with support.kind = "contact"' in error
 
 
 def test_tables_for_people_and_json(capsys):

@@ -157,7 +157,7 @@ def test_a_coil_driven_by_voltage_fills_with_current(scene):
 
 
 def test_in_a_slot_only_the_free_part_of_the_tab_bends():
-    device = load_scene("bimorph_on_rod", [])[0].device
+    device = load_scene("bimorph_on_rod")[0].device
     assert above_the_head(device, Support(kind="rod")).bimorph.tab_length == pytest.approx(1.6e-3)
     assert above_the_head(device, Support()) is device
 
@@ -202,16 +202,7 @@ def test_the_command_says_what_it_did(capsys, tmp_path, monkeypatch):
     assert main(asked) == 0
     (first, *lines), answer = capsys.readouterr().out.splitlines(), solved[0].answer
     assert first.startswith("Conditions: ")
-    assert lines[0].split() == [
-        "phase",
-        "from",
-        "(ms)",
-        "to",
-        "(ms)",
-        "lateral",
-        "amplitude",
-        "(um)",
-    ]
+    assert " ".join(lines[0].split()) == "phase from (ms) to (ms) lateral amplitude (um)"
     assert lines[1].split()[:3] == ["pressed", "0.000", "0.050"]
     assert lines[-1].startswith(
         f"{answer.run.time.size} steps; error bars until {1e3 * answer.certain_until:.4g} ms: "
@@ -235,7 +226,6 @@ def test_the_command_says_what_it_did(capsys, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--until", "-3 ms"], "--until"),
         (["--until", "soon"], "--until"),
         (["--accuracy", "0"], "--accuracy"),
         (["--out", "run.txt"], "must end in .nc"),
@@ -277,12 +267,6 @@ def test_what_a_run_is_warned_of():
     assert "from 2 ms on the flange is up to 3 um off the middle, through the sleeve 2 um" in rod
     answer.accuracy, result.load_misfit, result.flange_gap = 0.5, 0.0, 4e-6
     assert not simulate._doubts(result, driven)
-
-
-@pytest.mark.parametrize("text", ["5e-7", "0.6", "nan", "fine"])
-def test_an_accuracy_out_of_range_is_refused(capsys, text):
-    assert main(["simulate", "paper", "--voltage", "1 V", "--accuracy", text]) == 2
-    assert f'--accuracy "{text}" is not between 1e-6 and 0.5' in capsys.readouterr().err
 
 
 def test_phases_begin_where_the_rod_leaves_and_meets_its_stops():
@@ -417,29 +401,10 @@ def test_friction_creeps_where_small_motions_have_a_spring(scene):
     assert np.all(apart[1:] < 0.01)
 
 
-@pytest.mark.parametrize(
-    ("of", "taken", "refused"),
-    [
-        (simulate._until, ("1 us", "10 s"), ("0.995 us", "10.05 s")),
-        (simulate._accuracy, ("1e-6", "0.5"), ("0.995e-6", "0.505")),
-    ],
-    ids=["until", "accuracy"],
-)
-def test_where_options_are_refused(of, taken, refused):
-    """At the stated limits they are taken, half a percent beyond they are not."""
-    for text in taken:
-        assert of(text) > 0.0
-    for text in refused:
-        with pytest.raises(InputError, match="is not between"):
-            of(text)
-
-
 def test_why_a_run_cannot_be_read(tmp_path):
+    """There is none, or its phases have other names."""
     with pytest.raises(InputError, match=r"none.nc cannot be read \(No such file or directory\)"):
         read_film(tmp_path / "none.nc")
-
-
-def test_a_run_of_other_phases_is_refused(tmp_path):
     path = tmp_path / "run.nc"
     with netcdf_file(str(path), "w") as file:
         file.title, file.phases = TITLE.encode(), b"up down"

@@ -239,10 +239,7 @@ def test_margins_carry_the_unit_of_what_is_compared(text, margin, words):
     bar = {"1": 0.1, "N": 0.1e-3, "m": 0.1e-6}
     aim = parse_aim(text)
     assert shown(aim, margin, bar.get(aim.unit, 0.1)) == words
-
-
-def test_a_bar_beyond_the_digits_is_left_out():
-    """Five digits and no bar, where the bar is in none of them."""
+    # five digits and no bar, where the bar is in none of them
     assert shown(parse_aim("minimise magnetic_force"), -18.6123456e-3, 1e-12) == "18.612 mN"
 
 
