@@ -23,7 +23,7 @@ def run(capsys, *arguments):
 
 def test_one_screen_shows_what_json_holds(capsys):
     """Models side by side, each number in a unit with its prefix, to the five digits shown."""
-    models = ("--model", "lumped", "--model", "tmm")
+    models = ("--model", "lumped", "--model", "tmm", "--set", "modes=1")
     code, out, _ = run(capsys, "solve", *models)
     lines = out.splitlines()
     assert code == 0
@@ -48,7 +48,7 @@ def test_one_screen_shows_what_json_holds(capsys):
 
 def test_the_machine_is_one_screen_in_parts(capsys):
     """Though its scene names quantities: bimorph, normal actuator, machine, each its models."""
-    scene, _ = load_scene("generator", ["models=tmm,network", "coil.supply=voltage"])
+    scene, _ = load_scene("generator", ["models=tmm,network", "coil.supply=voltage", "modes=1"])
     print_overview(solve(scene))
     parts = [part.splitlines() for part in capsys.readouterr().out.split("\n\n")]
     assert [re.split(r"  +", part[0]) for part in parts[:3]] == [

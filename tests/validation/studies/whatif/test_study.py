@@ -44,12 +44,12 @@ def test_a_point_says_what_solve_says(solved):
     """Bit for bit, by every quick model, complex and real."""
     study = run_study(
         statement(
-            "bimorph.length=14mm:20mm:2", "load.kind=none,finger", models=("lumped", "tmm"),
+            "bimorph.length=20mm", "load.kind=none,finger", models=("lumped", "tmm"),
             quantities=("tip_displacement", "short_circuit_frequencies", "capacitance_free"),
             sets=("modes=1",),
         )
     )  # fmt: skip
-    assert len(study.points) == 4
+    assert len(study.points) == 2
     for point, model, answer in study.rows:
         sets = [f"{k}={v!r} m" if k == "bimorph.length" else f"{k}={v}" for k, v in point.items()]
         scene, _ = load_scene("prototype", ["frequency=100,500", "modes=1", *sets])
