@@ -39,7 +39,7 @@ from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
     ],
 )
 def test_waveforms_are_read(text, waveform):
-    """The unit says what the coil is driven by; other options' ends are with those of commands."""
+    """The unit says what the coil is driven by."""
     found = parsed(text, "--coil", (AMPERES, VOLTS))
     assert found.waveform == waveform
     assert found.of == ("current" if "mA" in text else "voltage")

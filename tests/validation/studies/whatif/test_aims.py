@@ -243,35 +243,28 @@ def test_margins_carry_the_unit_of_what_is_compared(text, margin, words):
     assert shown(parse_aim("minimise magnetic_force"), -18.6123456e-3, 1e-12) == "18.612 mN"
 
 
-def test_a_verdict_as_plain_values():
-    """Points and margins of the best; an interval of the yield only of drawn devices."""
-    aim = parse_aim("first(short_circuit_frequencies) > 0.5 kHz")
-    best, other = (Judged(n, "tmm", ((10.0 * n, 0.5), (1.0, 0.1))) for n in (1, 2))
-    found = Verdict("tmm", (aim,), (best, other), (best,), (), (best,))
-    study = SimpleNamespace(points=[{}, {"gap": 1e-4}, {}], statement=SimpleNamespace(samples=2))
-    said = as_values(study, found)
-    assert said["aims"] == [aim.text]
-    assert (said["judged"], said["met"], said["undecided"]) == (2, 1, 0)
-    assert said["yield_interval_95"] == list(yield_interval(1, 2))
-    assert said["models"] == "tmm"
-    assert said["best"] == [{"at": {"gap": 1e-4}, "margins": [10.0, 1.0], "bars": [0.5, 0.1]}]
-    study.statement.samples = 0
-    assert as_values(study, found)["yield_interval_95"] is None
-
-
 def test_what_a_verdict_says():
-    """How many meet the conditions, of samples with an interval, and the best of them."""
+    """In words and as plain values; an interval of the yield only of drawn devices."""
     condition = parse_aim("first(short_circuit_frequencies) > 0.5 kHz")
     points = tuple(Judged(n, "tmm", ((10.0 * n, 0.5),)) for n in range(7))
     study = SimpleNamespace(
         points=[{"gap": 1e-4 * n} for n in range(7)], statement=SimpleNamespace(samples=7)
     )
-    said = Verdict("tmm", (condition,), points, points[6:], points[:1], points[6:])
-    found = sentences(study, [said])
-    low, high = (100.0 * end for end in yield_interval(1, 7))
+    verdict = Verdict("tmm", (condition,), points, points[6:], points[:1], points[6:])
+    found = sentences(study, [verdict])
+    ends = yield_interval(1, 7)
+    low, high = (100.0 * end for end in ends)
     assert found[0].startswith("tmm: 1 of 7 points meet first(short_circuit_frequencies) > 0.5 kHz")
     assert f"{low:.3g} to {high:.3g} %" in found[0]
     assert "nearer to the edge" in found[1]
     assert "gap = 0.6 mm: margin 60.00 ± 0.50 Hz" in found[-1]
     (only,) = sentences(study, [])
     assert only.startswith("no point can be judged: ")
+    said = as_values(study, verdict)
+    assert (said["aims"], said["models"]) == ([condition.text], "tmm")
+    assert (said["judged"], said["met"], said["undecided"]) == (7, 1, 1)
+    assert said["yield_interval_95"] == list(ends)
+    at = {"gap": pytest.approx(6e-4)}
+    assert said["best"] == [{"at": at, "margins": [60.0], "bars": [0.5]}]
+    study.statement.samples = 0
+    assert as_values(study, verdict)["yield_interval_95"] is None

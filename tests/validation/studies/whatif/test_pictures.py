@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif import pictures
 from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdicts
@@ -92,8 +91,3 @@ def test_each_model_has_a_panel_with_its_own_verdict(drawn):
     figure = pictures.aim_picture(study, found)
     groups = {side.get_title(): [of.get_label() for of in side.containers] for side in figure.axes}
     assert groups == {"by tmm": ["not met"], "by lumped": ["met", "best"]}
-
-
-def test_what_cannot_be_drawn_is_refused(drawn):
-    with pytest.raises(InputError, match="no axis is a number"):
-        drawn("load.kind=none,finger")
