@@ -36,27 +36,21 @@ def test_refined_beam_equals_transfer_matrix(case):
 
 
 @pytest.mark.parametrize("open_circuit", [False, True])
-@pytest.mark.parametrize("kind", ["spring", "clamped"])
+@pytest.mark.parametrize("kind", ["spring", "clamped", "free"])
 def test_modes_equal_the_counted_ones(kind, open_circuit):
-    """Matrix eigenvalues and Wittrick-Williams counting find the same modes."""
-    support = Support(kind=kind)
-    ends = ends_of(support, Load(kind="none"))
+    """Matrix eigenvalues and Wittrick-Williams counting find the same modes.
+
+    A free beam's rigid motions at 0 Hz are left out, not returned as modes.
+    """
+    free = kind == "free"
+    support = Support() if free else Support(kind=kind)
+    ends = Ends(Springs(0.0, 0.0)) if free else ends_of(support, Load(kind="none"))
     matrices = beam.assemble(Device(), support, Beam(), elements=16, lossy=False)
     found = beam.bending_frequencies(matrices, ends, 4, open_circuit=open_circuit)
     pieces = transfer_matrix.sections(Device(), support, Beam(), lossy=False)
     exact = modes.bending_frequencies(pieces, ends, 4, open_circuit=open_circuit)
     # fourth mode: 1e-9 from the mesh; first: rounding of the eigenvalue solver
     assert found == pytest.approx(exact, rel=1e-8)
-
-
-def test_beam_on_springs_too_soft_to_hold_it():
-    """A free beam's rigid motions at 0 Hz are left out, not returned as modes."""
-    unheld = Ends(Springs(0.0, 0.0))
-    matrices = beam.assemble(Device(), Support(), Beam(), elements=8, lossy=False)
-    found = beam.bending_frequencies(matrices, unheld, 2, open_circuit=False)
-    pieces = transfer_matrix.sections(Device(), Support(), Beam(), lossy=False)
-    exact = modes.bending_frequencies(pieces, unheld, 2, open_circuit=False)
-    assert found == pytest.approx(exact, rel=1e-6)  # the mesh is half as fine as above
 
 
 def test_beam_is_reciprocal_and_passive():
@@ -123,7 +117,7 @@ def test_other_units_change_nothing_but_rounding(length):
     assert eps < moved < 100.0 * eps * (10.0 + slenderness**2)
 
 
-@pytest.mark.parametrize("unit", [1.1, 1.3, 1.7, 1.9])
+@pytest.mark.parametrize("unit", [1.1, 1.9])
 def test_in_other_units_every_sum_is_rounded_anew(unit):
     """A turn of a foil strains nothing: what force is left is rounding, in each unit its own.
 

@@ -73,16 +73,6 @@ def test_curls_are_all_linear_solenoidal_fields():
     assert np.linalg.matrix_rank(both, tol=1e-9) == 11
 
 
-def test_fields_without_curl_are_constant_gradients():
-    """The kernel of the curl on one cell is the gradients of linear functions, no more."""
-    values, curls = functions()
-    _, size, right = np.linalg.svd(curls.T)
-    kernel = right[11:]
-    assert size[10] > 1e-3
-    fields = (kernel @ values).reshape(3, 3, -1)
-    np.testing.assert_allclose(fields - fields[..., :1], 0.0, atol=1e-12)
-
-
 def test_contains_the_lowest_order_element():
     """Its first six functions are those that scikit-fem has as the lowest-order element."""
     for i in range(6):
@@ -112,12 +102,3 @@ def test_unsorted_cells_are_refused():
     assert np.any(np.diff(mesh.t, axis=0) < 0)
     with pytest.raises(ValueError, match="increasing order"):
         Basis(mesh, ElementTetEdge2())
-
-
-def test_unknowns_sit_on_edges_and_faces():
-    """One per edge and two per face of the mesh."""
-    mesh = sheared_mesh()
-    expected = mesh.edges.shape[1] + 2 * mesh.facets.shape[1]
-    found = Basis(mesh, ElementTetEdge2(), intorder=2).N
-    assert found == expected
-    assert ElementTetEdge2.doflocs.shape == (14, 3)

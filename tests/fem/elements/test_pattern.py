@@ -50,20 +50,3 @@ def test_gradient_kernel_is_scikit_fems_gradient(solid):
     basis = Basis(solid.domain, ElementTetP2(), mapping=solid.mapping, quadrature=RULE)
     kernel = gradient_kernel(solid, basis.element_dofs.T, np.arange(basis.N))
     compare(kernel, basis, lambda u: u.grad)
-
-
-def test_held_unknowns_are_zero():
-    """Unknowns that are not free leave rows, columns and field."""
-    mesh = sphere_mesh(1, curved=False)
-    solid = sample(MagneticSolid(mesh, {}, np.zeros_like, flux_normal=tuple(mesh.faces)))
-    basis = Basis(solid.domain, ElementTetP2(), mapping=solid.mapping, quadrature=RULE)
-    free = np.arange(3, basis.N)
-    whole = gradient_kernel(solid, basis.element_dofs.T, np.arange(basis.N))
-    part = gradient_kernel(solid, basis.element_dofs.T, free)
-    shape = whole.field(np.zeros(whole.size)).shape
-    tensor = np.broadcast_to(np.eye(3), (*shape, 3))
-    cut = whole.matrix(tensor)[free][:, free]
-    assert np.abs(part.matrix(tensor) - cut).max() < 1e-14
-    x = np.random.default_rng(6).standard_normal(free.size)
-    padded = np.concatenate([np.zeros(3), x])
-    np.testing.assert_allclose(part.field(x), whole.field(padded), atol=1e-12)

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from tactgen.fem.magnetics import array_3d as array
 from tactgen.fem.magnetics.array_3d import array_forces
 from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, sample
@@ -47,19 +46,6 @@ def test_neighbours_change_the_pull_as_their_polarity_says():
     near = array_forces(DEVICE, 0.05, GAP, 2.4e-3, Cell(refinement=0.5, layers=1))
     for same, alternating in zip(near.same, near.alternating, strict=True):
         assert alternating < 0.7 * same
-
-
-@pytest.mark.parametrize(("cell", "meshed"), [(COARSE, COARSE), (None, Cell())])
-def test_a_cell_is_as_fine_as_asked(cell, meshed, monkeypatch):
-    """And as fine as cells are by themselves where nothing is asked."""
-
-    def mesh(*asked):
-        raise InputError(str(asked[1:]))
-
-    monkeypatch.setattr(array, "cell_mesh", mesh)
-    with pytest.raises(InputError) as said:
-        array_forces(DEVICE, 0.05, GAP, 2.4e-3, cell)
-    assert str(said.value) == str((GAP, 2.4e-3, meshed))
 
 
 @pytest.mark.heavy

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
 from functools import cache
 
 import numpy as np
 import pytest
 
 from tactgen.fem.magnetics.axisymmetric import FieldErrors, solve_map, solve_point
-from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.reluctance.section_grid import actuator_regions
 from tactgen.validation.evidence.cases.actuator import COLLARED, collared
 
 DEVICE = COLLARED
@@ -138,16 +135,18 @@ def test_force_is_the_derivative_of_the_coenergy(current):
 def test_moved_grid_gives_what_a_fresh_one_gives():
     """A map (warm starts, moved grids) agrees with separate points within the error bars.
 
-    The gaps include one at which the coil's top is level with the collar's lower face and
-    one on each side.
+    It takes fewer Newton steps.  The gaps include one at which the coil's top is level with the
+    collar's lower face and one on each side.
     """
     gaps, currents = (0.31e-3, 0.3e-3, 0.29e-3), (0.1, 0.0, -0.1)
     grid = {"order": 2, "refinement": 0.5, "any_grid": True}
     rows = solve_map(DEVICE, gaps, currents, **grid)
+    warm = cold = 0
     for gap, row in zip(gaps, rows, strict=True):
         assert [p.gap for p in row] == [gap] * 3
         assert [p.current for p in row] == list(currents)
         fresh = solve_point(DEVICE, 0.1, gap, **grid)
+        warm, cold = warm + row[0].iterations, cold + fresh.iterations
         for name in NAMES:
             bar = getattr(fresh.errors, name) + getattr(row[0].errors, name)
             assert abs(getattr(fresh, name) - getattr(row[0], name)) <= bar
@@ -158,27 +157,7 @@ def test_moved_grid_gives_what_a_fresh_one_gives():
         assert minus.flux_linkage == pytest.approx(-plus.flux_linkage, rel=1e-6)
         assert none.force == none.flux_linkage == none.coenergy == 0.0
         assert none.inductance == none.incremental_inductance > 0.0
-
-
-def test_warm_starts_save_iterations():
-    """A map needs fewer Newton steps per point than separate points do."""
-    gaps, currents = (0.18e-3, 0.2e-3), (0.12, 0.13)
-    rows = solve_map(DEVICE, gaps, currents, order=2, refinement=0.5, any_grid=True)
-    warm = sum(point.iterations for row in rows for point in row)
-    cold = sum(
-        solve_point(DEVICE, current, gap, order=2, refinement=0.5, any_grid=True).iterations
-        for gap, current in itertools.product(gaps, currents)
-    )
     assert warm < cold
-
-
-def test_small_signals_are_linear():
-    """At microamperes the steel is linear: flux linkage ∝ i, coenergy and force ∝ i²."""
-    one, ten = (solve_point(DEVICE, current, order=3) for current in (1e-7, 1e-6))
-    assert ten.flux_linkage == pytest.approx(10.0 * one.flux_linkage, rel=1e-3)
-    assert ten.force == pytest.approx(100.0 * one.force, rel=1e-3)
-    assert one.inductance == pytest.approx(one.incremental_inductance, rel=1e-3)
-    assert one.coenergy == pytest.approx(0.5 * one.inductance * one.current**2, rel=1e-3)
 
 
 def test_without_iron_there_is_no_pull():
@@ -233,28 +212,15 @@ def test_stress(permeability, gap):
         assert ratios == pytest.approx([ratios[0]] * 5, rel=1e-9)
 
 
-def test_current_density_of_the_paper_point():
-    """The winding's mean current density over its section is that of the regions: N i / S."""
-    coil = DEVICE.coil
-    region = next(part for part in actuator_regions(DEVICE, 0.2e-3) if part.turns)
-    section = (coil.outer_radius - coil.inner_radius) * coil.length
-    assert region.turns * coil.current / region.section == pytest.approx(
-        849.0 * 0.13 / section, rel=1e-9
-    )
-
-
 @pytest.mark.parametrize(
     ("device", "gap", "words"),
     [
-        (DEVICE, 0.0, "is not open"),
         (DEVICE, -1e-4, "is not open"),
         (DEVICE, 2.5e-3, "to pass the collar .* meets at a gap of 2.4 mm"),
         (DEVICE, 2.4e-3, "gap = 2.4 mm needs the flange"),
-        (DEVICE, 5e-3, "gap = 5 mm needs the flange"),
         (collared(coil={"outer_radius": 0.93e-3}), 0.4e-3, "drives the coil into the collar"),
         # its top slides along the collar's bore: contact of faces
         (collared(coil={"outer_radius": 0.9e-3}), 0.4e-3, "the coil into the collar by 0 mm"),
-        (collared(rod={"length": 3.7e-3}), 2.5e-3, "to pass the collar"),
         (collared(coil={"position": -1e-3}), 0.2e-3, "the coil runs into the head"),
         (collared(coil={"length": 2.5e-3}), 0.2e-3, "the coil runs into the flange by 0.26 mm"),
     ],
@@ -276,10 +242,3 @@ def test_an_order_without_error_bar_is_refused():
     """Order 1 has no lower order to compare with."""
     with pytest.raises(InputError, match="order = 1"):
         solve_point(DEVICE, order=1)
-
-
-def test_solver_errors_pass_through(monkeypatch):
-    """A field that does not converge is an error of the point, not a value."""
-    monkeypatch.setattr("tactgen.fem.solvers.newton._MAX_STEPS", 1)
-    with pytest.raises(SolverError, match="did not settle in 1 Newton steps"):
-        solve_point(DEVICE, order=2, any_grid=True)

@@ -38,6 +38,8 @@ from tactgen.validation.evidence.cases.coils import (
 def test_thick_solenoid():
     """B = µ0 J (r2 − r) in the winding, 0.012566 T inside, none outside (J = 1e6 A/m²).
 
+    2π r A_φ is the flux through the circle: B π r² in the bore, and free of z.
+
     The profile of ANSYS verification manual VM172 (infinite solenoid by Ampère's law).
     """
     field = infinite_solenoid(1e6)
@@ -46,15 +48,10 @@ def test_thick_solenoid():
     assert np.abs(b_z - exact).max() < SOLENOID_ERROR * exact.max()
     assert np.abs(b_r).max() < 1e-12 * exact.max()
     assert exact.max() == pytest.approx(0.012566, abs=5e-7)
-
-
-def test_flux_function():
-    """2π r A_φ is the flux through the circle: B π r² in the bore, and free of z."""
-    field = infinite_solenoid(1e6)
     r = field.discretisation.grid.r
     bore = r <= 10e-3
-    exact = 0.5 * MU0 * 1e6 * 10e-3 * r[bore, None] ** 2
-    assert field.flux_function[bore] == pytest.approx(exact + np.zeros(2), rel=SOLENOID_ERROR)
+    flux = 0.5 * MU0 * 1e6 * 10e-3 * r[bore, None] ** 2
+    assert field.flux_function[bore] == pytest.approx(flux + np.zeros(2), rel=SOLENOID_ERROR)
 
 
 @pytest.mark.parametrize(("radius", "height"), [(0.03, 0.02), (0.045, 0.01), (0.045, -0.02)])
@@ -69,10 +66,8 @@ def test_flux_function_between_coils(radius, height):
     assert 2.0 * np.pi * field.flux_function[at] == pytest.approx(flux, rel=1e-3)
 
 
-@pytest.mark.parametrize("density", [1e2, 1e4, 1e5, 1e7, 1e9])
-@pytest.mark.parametrize(
-    "core", [linear(1.0), linear(1e3), linear(1e6), TEAM20], ids=lambda c: c.name
-)
+@pytest.mark.parametrize("density", [1e2, 1e5, 1e9])
+@pytest.mark.parametrize("core", [linear(1.0), linear(1e6), TEAM20], ids=lambda c: c.name)
 def test_iron_core_in_a_solenoid(core, density):
     """H is uniform in an infinitely long rod, so its B is read off the curve, saturated or not."""
     field = infinite_solenoid(density, core)
@@ -166,27 +161,6 @@ def test_lower_order_is_contained():
     assert warm.iterations < cold.iterations
     # a larger space holds more coenergy at given current: the minimum of the energy is lower
     assert cold.coenergy > a.coenergy
-
-
-def test_no_current_no_field():
-    """Zero current gives zero, its inductance included in what is known."""
-    field = solve_field(discretise(graded_grid((POLE, PLATE, COIL), 0.1), 2), np.zeros(1))
-    assert not field.potential.any()
-    assert field.incremental_inductance[0, 0] > 0.0
-
-
-def test_the_two_solvers_agree(monkeypatch):
-    """Pardiso and SuperLU factorisations give one field."""
-    from tactgen.fem.solvers import linear_solver, newton
-
-    d = discretise(graded_grid((POLE, PLATE, COIL), 0.1), 3)
-    first = solve_field(d, np.ones(1))
-    monkeypatch.setattr(
-        newton, "factorise", lambda m, **how: linear_solver.factorise(m, solver="superlu", **how)
-    )
-    second = solve_field(d, np.ones(1))
-    # both stop below 1e-7 of the energy norm, and the last step squares that
-    assert second.flux_linkage == pytest.approx(first.flux_linkage, rel=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """Nine actuators with one driven: action is reaction, and far apart the middle one is alone."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -59,18 +57,6 @@ def test_pulls_are_each_units_own_and_all_are_in_the_balance(monkeypatch):
     assert [f.beside for f in found] == [(-2.0, 2.0), (-3.0, 3.0)]
     assert [f.diagonal for f in found] == [(0.5, -0.5), (0.75, -0.75)]
     assert [f.unbalanced for f in found] == [(-4.0, 4.0), (-6.0, 6.0)]
-
-
-def test_forces_are_those_at_the_stated_currents_downwards(monkeypatch):
-    """The source has the currents in it: it is solved once, as it is."""
-    solved = []
-    monkeypatch.setattr(nine, "eggshell_force", lambda field, weight, way: field * weight * way)
-    potential = SimpleNamespace(solve=lambda share: solved.append(share) or share)
-    found = vertical_forces(potential, {"middle": 2.0, "beside": -3.0})
-    assert {name: force.tolist() for name, force in found.items()} == {
-        "middle": [0.0, 0.0, -2.0], "beside": [0.0, 0.0, 3.0],
-    }  # fmt: skip
-    assert solved == [1.0]
 
 
 def test_each_winding_is_at_its_units_place():

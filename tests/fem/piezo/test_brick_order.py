@@ -8,7 +8,7 @@ from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.device.parameters import Bimorph, Device
 
-BIMORPHS = ({}, {"tab_length": 1e-3}, {"bare_below": 1e-3, "glue_thickness": 20e-6})
+BIMORPHS = ({}, {"bare_below": 1e-3, "glue_thickness": 20e-6})
 
 
 @pytest.mark.parametrize("variant", BIMORPHS)

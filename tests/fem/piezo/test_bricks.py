@@ -1,7 +1,6 @@
 """The piezoelectric solid on bricks: exact facts, and scikit-fem's elements as witness."""
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -53,6 +52,9 @@ def test_rigid_motion_needs_no_force(variant, level):
     assert abs(np.array(energy["translation"]) @ d[:4, :4] @ energy["translation"]) < allowed
     turned = np.array(energy["turn"]) @ d[:4, :4] @ energy["turn"]
     assert abs(turned) < allowed * length**2
+    for motion in energy.values():
+        charge = d[4, :4] @ motion
+        assert abs(charge) < 1e-7 * (np.abs(d[4, :4]) @ np.abs(motion))
     assert system.spurious_stiffness < 1e-6 * tip
 
 
@@ -92,7 +94,7 @@ def test_pure_bending_is_exact(level):
     assert compliance[0, 1] == pytest.approx(-(b.length**2) / (2.0 * ei), rel=1e-7)
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("variant", VARIANTS[2:])
 @pytest.mark.parametrize("motion", MOTIONS)
 def test_negative_pivots_are_the_potentials(variant, motion):
     """Stiffness is positive, permittivity negative: as many negative pivots as potentials."""
@@ -119,59 +121,45 @@ def linear_bricks(device):
     )
 
 
-@cache
-def skfem_matrices(variant):
-    """Stiffness over (u, φ) at the bricks' corners by ElementHex1, written out in Voigt form."""
-    device = Device(bimorph=Bimorph(**dict(variant)))
-    mesh = linear_bricks(device).node_mesh()
-    from skfem import Basis, BilinearForm, ElementHex1, ElementVector
-    from skfem.helpers import dot
+def skfem_energies(device, mesh, displacement, potential):
+    """Twice the elastic, coupling, electric and kinetic energy by ElementHex1, in Voigt form."""
+    from skfem import Basis, ElementHex1, ElementVector
 
     from tactgen.fem.elements.skfem_mesh import to_skfem
-    from tactgen.fem.piezo.system import materials
 
     domain = to_skfem(mesh)
-    known = materials(device, mesh.regions, device.piezo.ceramic(), lossy=False)
-
-    def strain(u):
-        g = u.grad
-        return np.stack(
-            [g[0, 0], g[1, 1], g[2, 2], g[1, 2] + g[2, 1], g[0, 2] + g[2, 0], g[0, 1] + g[1, 0]]
-        )
-
-    parts = []
-    for region, material in known.items():
+    energies = np.zeros(4)
+    for region, material in materials(
+        device, mesh.regions, device.piezo.ceramic(), lossy=False
+    ).items():
         cells = domain.subdomains[region]
         vector = Basis(domain, ElementVector(ElementHex1()), intorder=4, elements=cells)
-        scalar = vector.with_element(ElementHex1())
-        c = material.c
-        elastic = BilinearForm(
-            lambda u, v, _, c=c: np.einsum("i...,ij,j...", strain(v), c, strain(u))
-        ).assemble(vector)
-        parts.append(("uu", elastic, vector, scalar))
-        density = material.density
-        parts.append(
-            (
-                "m",
-                BilinearForm(lambda u, v, _, r=density: r * dot(u, v)).assemble(vector),
-                vector,
-                scalar,
-            )
+        values = np.zeros(vector.N)
+        values[vector.nodal_dofs] = displacement
+        u = vector.interpolate(values)
+        g = u.grad
+        strain = np.stack(
+            [g[0, 0], g[1, 1], g[2, 2], g[1, 2] + g[2, 1], g[0, 2] + g[2, 0], g[0, 1] + g[1, 0]]
         )
+        elastic = np.einsum("i...,ij,j...", strain, material.c, strain)
+        kinetic = material.density * np.einsum("i...,i...", u, u)
+        coupling = electric = 0.0 * elastic
         if material.piezo is not None:
-            e, eps = material.piezo.e, material.piezo.eps
-            coupling = BilinearForm(
-                lambda u, v, _, e=e: np.einsum("i...,ij,j...", v.grad, e, strain(u))
-            ).assemble(vector, scalar)
-            field = BilinearForm(
-                lambda u, v, _, eps=eps: np.einsum("i...,ij,j...", v.grad, eps, u.grad)
-            ).assemble(scalar)
-            parts += [("pu", coupling, vector, scalar), ("pp", field, vector, scalar)]
-    return parts
+            field = vector.with_element(ElementHex1()).interpolate(potential).grad
+            coupling = 2.0 * np.einsum("i...,ij,j...", field, material.piezo.e, strain)
+            electric = -np.einsum("i...,ij,j...", field, material.piezo.eps, field)
+        parts = np.stack([elastic, coupling, electric, kinetic])
+        energies += (parts * vector.dx).sum(axis=(1, 2))
+    return energies
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
-@pytest.mark.parametrize("motion", MOTIONS)
+@pytest.mark.parametrize(
+    ("motion", "variant"),
+    [
+        *((motion, VARIANTS[3]) for motion in MOTIONS),
+        *(("bending_x", variant) for variant in VARIANTS[:3]),
+    ],
+)
 def test_energies_are_those_of_the_expanded_field(variant, motion):
     """Degree 1: random unknowns, mirrored to the whole, have the energy that scikit-fem's
     trilinear elements give to the same nodal values, elastic, electric and kinetic."""
@@ -184,28 +172,14 @@ def test_energies_are_those_of_the_expanded_field(variant, motion):
     y = rng.standard_normal(system.size)
     # the last three unknowns are base motion and voltage, in their own units
     y[-3:] = [1.0, 1e3, 1e9] * rng.standard_normal(3) if system.has_ports else 0.0
-    ux, uy, uz, potential = (system.expand @ y).reshape(4, -1)
-    energy = {"K": 0.0, "M": 0.0}
-    size = 0.0
-    for kind, matrix, vector, _ in skfem_matrices(tuple(variant.items())):
-        u = np.zeros(vector.N)
-        u[vector.nodal_dofs] = np.stack([ux, uy, uz])
-        if kind == "m":
-            energy["M"] += u @ (matrix @ u)
-            continue
-        part = {
-            "uu": lambda m, u=u: u @ (m @ u),
-            "pu": lambda m, u=u: 2.0 * potential @ (m @ u),
-            "pp": lambda m: -potential @ (m @ potential),
-        }[kind](matrix)
-        energy["K"] += part
-        size += abs(part)
+    *displacement, potential = (system.expand @ y).reshape(4, -1)
+    *stored, kinetic = skfem_energies(device, mesh, displacement, potential)
     # rounding of sums over all entries
-    assert abs(y @ (system.stiffness @ y) - energy["K"]) < 1e-12 * size
-    assert y @ (system.mass @ y) == pytest.approx(energy["M"], rel=1e-12)
+    assert abs(y @ (system.stiffness @ y) - sum(stored)) < 1e-12 * np.abs(stored).sum()
+    assert y @ (system.mass @ y) == pytest.approx(kinetic, rel=1e-12)
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("variant", VARIANTS[2:])
 def test_a_hierarchy_with_all_products_is_the_polynomials_of_nodes(variant):
     """The same space, so the same ports and modes up to the rounding of both matrices."""
     device = Device(bimorph=Bimorph(**variant))
@@ -248,7 +222,7 @@ def test_products_that_are_left_out_stiffen_little():
     assert found[2] == pytest.approx(found[0], rel=1e-3)
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("variant", VARIANTS[2:])
 def test_nodal_masses_are_in_proportion_to_the_diagonal(variant):
     """Of the mass over values at nodes, as it is assembled."""
     device = Device(bimorph=Bimorph(**variant))

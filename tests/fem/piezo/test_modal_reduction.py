@@ -36,9 +36,7 @@ def small(solid):
 ENDS = {
     "clamped": Ends(),
     "clamped, heavy tip": Ends(None, TipLoad(mass=1e-4)),
-    "clamped, sprung tip": Ends(None, TipLoad(1e4)),
     "the paper's springs": Ends(Springs(3e6, 0.24, 1e-4, 1e-12)),
-    "soft springs": Ends(Springs(1e3, 1e-3)),
     "heavy base": Ends(Springs(1e4, 0.01, 0.0, 1e-8), TipLoad(10.0, 0.1, 1e-6)),
     "stiff springs": Ends(Springs(1e8, 100.0), TipLoad(1e6, 0.0, 1e-7)),
 }

@@ -16,7 +16,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.export import export
 
-MESHING = BrickMeshing((2, 2, 2), smallest=0.5)
+MESHING = BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0))
 SWEEP = np.array([10.0, 1000.0, 5000.0])
 
 

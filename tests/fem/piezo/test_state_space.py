@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
 
 from tactgen.fem.piezo.krylov import reduce_to_ports
 from tactgen.fem.piezo.port_model import motions
@@ -63,15 +62,6 @@ def test_passive_by_structure(found):
     assert form.max() < 1e-13 * np.abs(form).max()  # zero but for rounding
 
 
-def test_passive_over_frequency(found):
-    """The Hermitian part of the transfer matrix is nowhere negative, inside the range or out."""
-    g = found.frequency_response(np.geomspace(1e-2, 1e7, 400))
-    hermitian = g + g.conj().transpose(0, 2, 1)
-    size = 1.0 / np.sqrt(np.einsum("nii->ni", hermitian).real)
-    scaled = hermitian * size[:, :, None] * size[:, None, :]
-    assert np.linalg.eigvalsh(scaled).min() > -1e-9  # rounding
-
-
 def test_reciprocal(found):
     """Force to current equals voltage to velocity but for the sign that power has it."""
     g = found.frequency_response(np.geomspace(*BOUNDS, 50))
@@ -119,50 +109,6 @@ def test_lossless_capacitance_is_one_branch():
     capacities, times = _branches(2e-9 + 0j, *BOUNDS)
     assert capacities.tolist() == [2e-9]
     assert times.size == 1
-
-
-def test_energy_balance_in_time(found):
-    """A voltage pulse: what enters equals what is stored and what is lost, at every step.
-
-    Exact steps of a linear system with a constant input; the integrals of yᵀu and of the
-    dissipated power come from the exponential of one larger matrix (Van Loan 1978).
-    """
-    m, p = found.b.shape
-    step = 2e-5
-    a = np.block([[found.a, found.b], [np.zeros((p, m + p))]])
-    power = np.zeros((m + p, m + p))
-    power[m:, :m], power[m:, m:] = found.c, found.d
-    power = 0.5 * (power + power.T)
-    lost = -0.5 * dissipation_form(found)
-    advance = expm(a * step)
-    z = np.zeros(m + p)
-    stored_at_start, put_in, dissipated = 0.0, 0.0, 0.0
-    entered, gone = (_integral(a, form, step) for form in (power, lost))
-    for number in range(40):
-        z[-1] = 50.0 if number < 20 else 0.0
-        put_in += z @ entered @ z
-        dissipated += z @ gone @ z
-        z = advance @ z
-        z[m:] = 0.0
-        stored = 0.5 * z[:m] @ z[:m]
-        assert put_in - dissipated - stored == pytest.approx(stored_at_start, abs=1e-7 * put_in)
-    assert dissipated > 0.0
-    assert stored < 0.5 * put_in
-
-
-def _integral(a, form, step):
-    """Return ∫ exp(aᵀt) form exp(a t) dt over a step, doubling from one short enough."""
-    doublings = max(int(np.ceil(np.log2(np.abs(a).sum(axis=1).max() * step))), 0) + 6
-    h = step / 2.0**doublings
-    size = a.shape[0]
-    block = np.block([[-a.T, form], [np.zeros_like(a), a]])
-    e = expm(block * h)
-    once = e[size:, size:]
-    total = once.T @ e[:size, size:]
-    for _ in range(doublings):
-        total = total + once.T @ total @ once
-        once = once @ once
-    return total
 
 
 def test_file_tells_what_differs(model, base, found, tmp_path):

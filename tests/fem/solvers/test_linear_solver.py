@@ -17,7 +17,7 @@ from tactgen.fem.solvers import linear_solver, pardiso
 from tactgen.fem.solvers import linear_solver as sparse_rows
 from tactgen.fem.solvers.linear_solver import Factor, SolverError, factorise, refined_solution
 from tactgen.fem.solvers.pardiso import nested_dissection
-from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
+from tactgen.geometry.bimorph.bricks import bimorph_bricks
 from tactgen.geometry.device.parameters import Device
 
 without_mkl = linear_solver.available_solver().startswith("SuperLU")
@@ -69,13 +69,6 @@ def test_pardiso_and_superlu_agree(system):
     assert np.abs(a - b).max(axis=0) == pytest.approx(0.0, abs=1e-9 * np.abs(a).max())
 
 
-@needs_mkl
-def test_negative_pivots_count_the_potentials():
-    """A well-posed piezoelectric matrix has one negative pivot per free potential."""
-    system = assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=False)
-    assert factorise(system.stiffness.inner).negative_pivots == system.potentials
-
-
 @both
 @pytest.mark.parametrize("dtype", [float, complex])
 def test_small_indefinite_system(solver, dtype):
@@ -91,7 +84,7 @@ def test_small_indefinite_system(solver, dtype):
 
 
 @both
-@pytest.mark.parametrize("exponent", range(-10, 11, 2))
+@pytest.mark.parametrize("exponent", [-10, 0, 10])
 @pytest.mark.parametrize("loss", [0.0, 0.02])
 def test_unit_of_a_block_does_not_matter(solver, exponent, loss):
     """The potential in units of 1e-10 to 1e10: every unknown right to 1e-9 of its own size."""
@@ -137,20 +130,16 @@ def test_multipliers(solver, zeros):
 @pytest.mark.parametrize(
     "matrix",
     [
-        sparse.csr_matrix((3, 3)),
         sparse.diags([1.0, 0.0, 2.0]),
         sparse.csr_matrix(np.ones((2, 2))),
-        laplacian(50),
         laplacian(2000),
-        laplacian(12, 11),
         laplacian(9, 8, 7),
         sparse.block_diag([2.0 * sparse.identity(40), 1e-6 * laplacian(5, 5, 5)]),
         sparse.csr_matrix(np.diag([1.0, np.nan])),
         (1.0 + 0.01j) * laplacian(9, 8, 7),
     ],
-    ids=["nothing", "zero row", "rank one", "line", "long line", "plane", "space", "floating part",
-         "not a number", "lossy"],
-)  # fmt: skip
+    ids=["zero row", "rank one", "line", "space", "floating part", "not a number", "lossy"],
+)
 def test_singular_matrices_are_refused(solver, definite, matrix):
     """A mechanism is reported, not solved; also where rounding hides the zero pivot."""
     words = "singular" if np.isfinite(matrix.sum()) else "not finite"
@@ -159,21 +148,11 @@ def test_singular_matrices_are_refused(solver, definite, matrix):
 
 
 @both
-def test_a_rigid_body_is_refused(solver):
+def test_a_rigid_body_is_refused(solver, few_bricks):
     """A bimorph whose base is free has rigid motions."""
-    system = assemble(Device(), bimorph_bricks(Device(), LEVELS[0]), lossy=False)
+    system = assemble(Device(), bimorph_bricks(Device(), few_bricks[1]), lossy=False)
     with pytest.raises(SolverError, match="singular"):
         factorise(system.stiffness.with_base(np.zeros((2, 2))), solver=solver)
-
-
-@both
-def test_definite(solver):
-    """A definite matrix gives the same answer said to be definite or not."""
-    matrix = laplacian(15, 14) + 0.1 * sparse.identity(210)
-    right = np.arange(210.0)
-    plain, fast = (factorise(matrix, definite=d, solver=solver) for d in (False, True))
-    assert fast.solve(right) == pytest.approx(plain.solve(right), rel=1e-12)  # cond 80
-    assert fast.negative_pivots in (0, None)
 
 
 @needs_mkl

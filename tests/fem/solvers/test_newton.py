@@ -38,7 +38,7 @@ def test_arrives_from_where_plain_newton_diverges(start):
     assert found.steps <= 20
 
 
-@pytest.mark.parametrize("start", [0.1, 0.6, 3.0])
+@pytest.mark.parametrize("start", [0.1, 3.0])
 @pytest.mark.parametrize("reach", [0.2, 1.0, 50.0])
 def test_a_step_is_whole_or_ends_where_the_slope_is_small(start, reach):
     """Never longer than the direction, and never at a larger energy."""
@@ -60,8 +60,8 @@ def test_a_step_is_whole_or_ends_where_the_slope_is_small(start, reach):
     assert abs(left) <= _SLOPE_LEFT * abs(slope) or (length > 1.0 - 1e-12 and left < 0.0)
 
 
-@pytest.mark.parametrize("reach", [1.0, 30.0, 1e4])
-@pytest.mark.parametrize("near", [0.3, 1e-2, 1e-4])
+@pytest.mark.parametrize("reach", [1.0, 1e4])
+@pytest.mark.parametrize("near", [0.3, 1e-4])
 def test_a_step_beyond_where_the_slope_saturates_is_found_in_few_trials(near, reach):
     """The slope beyond is small and the same everywhere: one end alone would creep to the minimum.
 
@@ -81,7 +81,7 @@ def test_a_step_beyond_where_the_slope_saturates_is_found_in_few_trials(near, re
     assert len(asked) <= 5.0 + np.log2(20.0 * reach) + 0.5 * np.log2(2.0 / near)
 
 
-@pytest.mark.parametrize("reach", [1.0, 30.0, 1e4])
+@pytest.mark.parametrize("reach", [1.0, 1e4])
 def test_a_step_from_where_the_slope_has_saturated_takes_about_as_many_trials_as_halving(reach):
     """Now the slope is small at the end that creeps up, and it is the far end's that is halved.
 
@@ -98,24 +98,6 @@ def test_a_step_from_where_the_slope_has_saturated_takes_about_as_many_trials_as
     assert abs(float(found @ direction)) <= _SLOPE_LEFT * abs(slope)
     narrow = 2.0 * _SLOPE_LEFT * 0.3 / (1.0 - 0.7**2)
     assert len(asked) <= 1.5 * np.log2(direction[0] / narrow)
-
-
-def test_quadratic_energy_takes_one_step_and_a_look():
-    """A quadratic is settled by the first step; the second only finds that nothing is left."""
-
-    class Quadratic(Saturating):
-        def scale(self, x):
-            return 0.5 * float(x @ (self.a * x))
-
-        def gradient(self, x):
-            return self.a * x - self.b
-
-        def hessian(self, x):
-            return sparse.csr_matrix(np.diag(self.a))
-
-    found = minimise(Quadratic(np.array([2.0, 8.0]), np.array([1.0, 4.0])), np.zeros(2))
-    np.testing.assert_allclose(found.x, [0.5, 0.5], rtol=1e-14)
-    assert found.steps <= 2
 
 
 def test_an_energy_in_other_units_takes_the_same_steps():
