@@ -2,8 +2,8 @@
 
 import re
 
+import numpy as np
 import pytest
-from pages import blank_figures
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
@@ -18,6 +18,8 @@ from tactgen.validation.scene.scene import load_scene
 
 FEW = ("models=tmm,network", "frequency=10,100,439,1000")
 NUMBER = {"support": 3}
+ALONE = "quantities=static_tip_displacement"
+RESTING = ["rod_position", "finger_force", "contact_force"]
 
 
 def study(name="generator", *overrides, quick=True):
@@ -49,23 +51,12 @@ def test_maps_are_compared_where_two_are_asked_for(models, compared):
 
 
 @pytest.fixture(scope="module")
-def up():
-    """The scene as it is built in."""
-    return study()
-
-
-@pytest.fixture(scope="module")
-def held():
-    """The scene held down by 50 mA."""
-    return study("generator", "coil.current=50mA", "coil.history=falling")
-
-
-@pytest.fixture(scope="module")
-def support_held(held):
-    """What the section on the support shows of it."""
-    with pytest.MonkeyPatch.context() as patch:
-        blank_figures(patch)
-        return SUPPORT.context(held)
+def up(tmp_path_factory, rough_fields):
+    """The scene as it is built in, with few of its quantities and rough fields."""
+    few = np.linspace(0.0, 0.2, 7), np.geomspace(20e-6, 0.25e-3, 6)
+    with rough_fields(tmp_path_factory.mktemp("rough")) as patch:
+        patch.setattr("tactgen.tmm.reluctance.map_range.map_grid", lambda *_, **__: few)
+        yield study("generator", ",".join([ALONE, *RESTING]))
 
 
 def test_the_story_in_order(up):
@@ -84,7 +75,7 @@ def test_without_current_the_normal_actuator_is_shown_at_the_papers(up):
     names = [row.quantity for row in up.normal.comparison]
     assert "magnetic_force" in names
     assert "rod_position" not in names
-    assert [row.quantity for row in up.resting] == ["rod_position", "finger_force", "contact_force"]
+    assert [row.quantity for row in up.resting] == RESTING
     assert up.resting[1].cells[0].value == pytest.approx(0.110, rel=1e-3)
 
 
@@ -95,12 +86,13 @@ def test_an_actuator_alone_without_current_is_refused_at_once():
         check_report(scene, quick=True)
 
 
-@pytest.mark.usefixtures("undrawn")
-def test_the_moment_is_held_against_what_the_contact_bears(support_held):
+def test_the_moment_is_held_against_what_the_contact_bears():
     """50 V: far beyond; a tenth of a volt: pressed all round."""
-    moment = support_held["moment"]
+    moment, quiet = (
+        SUPPORT.context(study("generator", ALONE, "modes=1", *changes))["moment"]
+        for changes in (("coil.current=50mA", "coil.history=falling"), ("drive.voltage=0.1V",))
+    )
     assert moment.largest > moment.tipping == pytest.approx(2.0 * moment.uplift)
-    quiet = SUPPORT.context(study("generator", "drive.voltage=0.1V"))["moment"]
     assert quiet.largest < quiet.uplift
 
 
@@ -137,10 +129,10 @@ def test_both_states_are_those_of_the_paper(narrow):
 def test_a_bimorph_on_other_supports_has_no_such_sections():
     """Nothing magnetic is shown, or computed, for the paper's springs."""
     machine = {"positions", "support", "motions", "amplitude", "time"}
-    paper = study("paper", "models=tmm", "quantities=tip_displacement")
+    few = "models=tmm", "modes=1", ALONE
+    paper = study("paper", *few)
     assert not machine & {section.id for section in sections(paper)}
-    alone = study("paper", "models=tmm", "quantities=tip_displacement",
-                  "support.kind=contact", "coil.current=0mA")  # fmt: skip
+    alone = study("paper", *few, "support.kind=contact", "coil.current=0mA")
     assert machine <= {section.id for section in sections(alone)}
     assert POSITIONS.context(alone) is None
     assert MOTIONS.context(alone) is None

@@ -5,8 +5,7 @@ import base64
 import numpy as np
 import pytest
 
-from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.display import Swing, display_page, enlargement, travelling_wave
+from tactgen.validation.show.display import Swing, display_page, enlargement
 from tactgen.validation.show.page import Still
 from tactgen.validation.show.pictures import Part
 
@@ -88,23 +87,6 @@ def test_without_webgl_the_still_is_shown(page, driven):
         "--disable-gpu",
     )  # fmt: skip
     assert found == {"shown": ["two posts on a board"], "panel": 0}
-
-
-SMALL = ["display.rows=1", "display.columns=2", "frequency=10,430", "models=tmm"]
-
-
-@pytest.fixture(scope="module")
-def scene():
-    return load_scene("display", SMALL)[0]
-
-
-def test_each_column_follows_the_one_before(scene):
-    """By a quarter period, but for what passes between them; at the livelier frequency."""
-    frequency, tips = travelling_wave(scene)
-    assert frequency in scene.frequency
-    behind = np.degrees(np.angle(tips[1] / tips[0]))
-    assert behind == pytest.approx(-90.0, abs=35.0)
-    assert 1e-6 < np.abs(tips).max() < 1e-3
 
 
 def test_motions_are_enlarged_to_a_share_of_the_pitch():
