@@ -54,18 +54,6 @@ def test_thick_solenoid():
     assert field.flux_function[bore] == pytest.approx(flux + np.zeros(2), rel=SOLENOID_ERROR)
 
 
-@pytest.mark.parametrize(("radius", "height"), [(0.03, 0.02), (0.045, 0.01), (0.045, -0.02)])
-def test_flux_function_between_coils(radius, height):
-    """It is the flux through a circle, by the mutual inductance with a filament there."""
-    d = discretise(graded_grid((LOW, HIGH), 1.6), 4)
-    field = solve_field(d, np.array([1.0, 0.0]))
-    at = np.searchsorted(d.grid.r, radius), np.searchsorted(d.grid.z, height)
-    filament = Region("loop", (radius, radius), (height, height), turns=1.0)
-    flux = between_windings(LOW, filament, mutual_inductance, points=16)
-    # two cells across a winding at order 4 leave 1e-3, the closed boundary (0.05 / 1.6)³ = 3e-5
-    assert 2.0 * np.pi * field.flux_function[at] == pytest.approx(flux, rel=1e-3)
-
-
 @pytest.mark.parametrize("density", [1e2, 1e5, 1e9])
 @pytest.mark.parametrize("core", [linear(1.0), linear(1e6), TEAM20], ids=lambda c: c.name)
 def test_iron_core_in_a_solenoid(core, density):

@@ -73,16 +73,6 @@ def test_out_of_reach_is_refused():
         path.at(thin, 0.13, 0.2e-3, np.zeros(1))
 
 
-def test_weights_reproduce_polynomials():
-    places = np.array([[0.1, 0.2], [-0.5, 0.3], [0.7, -0.4], [0.0, 0.9], [-0.8, -0.6], [0.5, 0.6]])
-
-    def quadratic(x, y):
-        return 1.0 - 2.0 * x + 3.0 * y + x * y - y**2
-
-    weights = _weights(places, np.array([0.05, 0.1]))
-    assert weights @ quadratic(*places.T) == pytest.approx(quadratic(0.05, 0.1), abs=1e-9)
-
-
 def test_weights_do_not_reach_far():
     """From one side only, the nearest counts: a polynomial there would be anything."""
     places = np.array([[0.0], [0.02], [0.04], [0.06]])

@@ -247,23 +247,6 @@ def test_half_and_whole_are_one_body_of_unequal_layers():
         assert goal.error == pytest.approx(goals[1][name].error, rel=1e-5), name
 
 
-def test_modes_of_the_quarter_are_even_or_odd(mesh):
-    """Each class has its signs at the planes of symmetry: zero on them, equal beyond them."""
-    system = assemble(SHORT, mesh, lossy=False)
-    x, y, _ = system.nodes.T
-    zero_at_x = {"bending_x": [1, 2], "bending_y": [0], "torsion": [1, 2], "axial": [0]}
-    zero_at_y = {"bending_x": [1], "bending_y": [0, 2], "torsion": [0, 2], "axial": [1]}
-    for motion in MOTIONS:
-        mode = natural_modes(system.related(motion), Ends(), 1)[0]
-        assert mode.kind == motion
-        for on_plane, odd in ((x, zero_at_x[motion]), (y, zero_at_y[motion])):
-            assert np.abs(mode.displacement[np.abs(on_plane) < 1e-12][:, odd]).max() == 0.0
-        for axis in range(3):
-            size = np.abs(mode.displacement[:, axis])
-            left, right = (size[s * x > 1e-12].max() for s in (-1.0, 1.0))
-            assert left == pytest.approx(right, rel=1e-12, abs=1e-12)
-
-
 def test_manufactured_solution_on_the_mesh_of_cad(tetwild):
     """fTetWild's cells are within a factor two of what cells of their edges give: k h = 0.8."""
     material = ceramic(lossy=False)

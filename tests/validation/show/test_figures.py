@@ -7,23 +7,32 @@ from tactgen.validation.show.figures import lay_out, panels, plain_numbers
 
 
 def test_marks_between_numbers_are_lines_of_the_grid():
-    """On every axis of a shared logarithmic scale, at each mark inside the range."""
-    figure, axes = panels(4.0, 3.0, nrows=2, sharex=True)
+    """At each mark inside the range, across for the x axis and along for the y axis.
+
+    Also on a logarithmic scale that is shared; where no grid is drawn there is none.
+    """
+    figure, axes = panels(4.0, 3.0, nrows=3, sharex=True)
     for axis in axes:
         axis.plot([2.0, 300.0], [1.0, 2.0])
-        axis.set_xscale("log")
-        axis.set_xlim(2.0, 300.0)
-        axis.set_title("one")
+        axis.set(xscale="log", xlim=(2.0, 300.0), title="one")
+    axes[1].set(yscale="log", ylim=(2.0, 50.0))
+    axes[2].grid(visible=False, which="both")
     lay_out(figure)
     wanted = [m * d for d in (1.0, 10.0, 100.0) for m in range(2, 10) if 2.0 < m * d < 300.0]
-    for axis in axes:
-        (grid,) = axis.collections
-        found = sorted(segment[0, 0] for segment in grid.get_segments())
-        np.testing.assert_allclose(found, wanted, rtol=1e-12)  # rounding of 10**x
-        assert grid.get_alpha() == axis.xaxis.get_gridlines()[0].get_alpha()
+    for axis in axes[:2]:
+        across, *along = axis.collections
+        segments = across.get_segments()
+        np.testing.assert_allclose(sorted(s[0, 0] for s in segments), wanted, rtol=1e-12)
+        assert all(s[0, 0] == s[1, 0] and (s[0, 1], s[1, 1]) == (0.0, 1.0) for s in segments)
+        assert across.get_transform() == axis.get_xaxis_transform()
+        assert across.get_alpha() == axis.xaxis.get_gridlines()[0].get_alpha()
         assert not axis.xaxis.get_minorticklocs().size
         assert axis.get_xlim() == (2.0, 300.0)
         assert axis.get_title() == "one"
+    (along,) = along
+    assert all(a[1] == b[1] and (a[0], b[0]) == (0.0, 1.0) for a, b in along.get_segments())
+    assert along.get_transform() == axes[1].get_yaxis_transform()
+    assert not axes[2].collections
 
 
 @pytest.mark.parametrize(
@@ -50,18 +59,3 @@ def test_numbers_are_plain(ends, scale, numbers):
         assert side.get_major_formatter().format_ticks(shown) == numbers
         if scale == "log":
             assert set(side.get_minor_formatter().format_ticks(side.get_minorticklocs())) <= {""}
-
-
-def test_marks_of_both_sides_and_none_without_a_grid():
-    """Across for the x axis, along for the y axis; where no grid is drawn there is none."""
-    figure, (first, second) = panels(4.0, 3.0, ncols=2)
-    second.grid(visible=False, which="both")
-    for axis in (first, second):
-        axis.set(xscale="log", yscale="log", xlim=(1.0, 30.0), ylim=(2.0, 50.0))
-    lay_out(figure)
-    assert not second.collections
-    across, along = (grid.get_segments() for grid in first.collections)
-    assert all(a[0] == b[0] and (a[1], b[1]) == (0.0, 1.0) for a, b in across)
-    assert all(a[1] == b[1] and (a[0], b[0]) == (0.0, 1.0) for a, b in along)
-    transforms = [grid.get_transform() for grid in first.collections]
-    assert transforms == [first.get_xaxis_transform(), first.get_yaxis_transform()]
