@@ -21,7 +21,9 @@ from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import load_scene
 
-SHORT = ("bimorph.length=6mm", "support.kind=clamped", "load.kind=none", "accuracy=2e-2")
+SHORT = (
+    "bimorph.length=6mm", "support.kind=clamped", "load.kind=none", "accuracy=2e-2", "modes=2",
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -144,8 +146,8 @@ def test_tapers_agree_with_mapped_hexahedra():
         assert error < 2e-3 * abs(own), q.name
 
 
-def test_response_is_reciprocal_and_passive(both):
-    """D(Ω) is symmetric; losses take energy in."""
+def test_response_is_reciprocal(both):
+    """D(Ω) is symmetric."""
     stiffness = both.get("dynamic_stiffness", "cad").value
     size = np.sqrt(np.abs(np.einsum("nii->ni", stiffness)))
     sign = np.array([1.0, 1.0, 1.0, 1.0, -1.0])  # the voltage is no displacement

@@ -8,7 +8,6 @@ from tactgen.validation.scene.scene import load_scene
 
 ENDS = [
     ("support.kind=clamped", "load.kind=none"),
-    ("support.kind=spring", "load.kind=mass", "load.mass=3mg"),
     (
         "support.kind=spring", "support.rotational_inertia=1e-9 kg*m^2",
         "load.kind=spring_damper", "load.stiffness=300 N/m", "load.damping=0.02 N*s/m",
@@ -16,11 +15,11 @@ ENDS = [
 ]  # fmt: skip
 
 
-@pytest.fixture(scope="module", params=ENDS, ids=["clamped", "a mass", "a spring"])
+@pytest.fixture(scope="module", params=ENDS, ids=["clamped", "a spring"])
 def models(request):
-    """Return both models of the paper's bimorph, held and loaded in three ways."""
+    """Return both models of the paper's bimorph, held and loaded in two ways."""
     scene, _ = load_scene("paper", [*request.param, "modes=2"])
-    found = solve(scene, ("tmm", "beam"), ("static_tip_displacement",))
+    found = solve(scene, ("tmm", "beam"), ("static_tip_displacement",), modelling=False)
     return found.models["tmm"], found.models["beam"]
 
 
@@ -47,7 +46,7 @@ def test_modes(models, open_circuit):
         assert_alike(exact, found)
 
 
-@pytest.mark.parametrize("frequency", [0.0, 300.0, 2500.0])
+@pytest.mark.parametrize("frequency", [0.0, 2500.0])
 def test_driven_motion(models, frequency):
-    """With losses, at rest and between the resonances."""
+    """With losses, at rest and above the first resonance."""
     assert_alike(*(model.driven_line(frequency, 2.0, lossy=True) for model in models))

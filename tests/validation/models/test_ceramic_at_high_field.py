@@ -43,10 +43,9 @@ def test_the_linear_constants_are_the_first_harmonic_of_rayleighs_loop():
     assert area == pytest.approx(4.0 / 3.0 * abs(alpha) * amplitude**3, rel=1e-12)
 
 
-@pytest.mark.parametrize("model", ["lumped", "tmm", "beam"])
-def test_a_bimorph_moves_as_its_plates_strain(model):
+def test_a_bimorph_moves_as_its_plates_strain():
     """Far below resonance the tip per volt goes with d31, its loop's loss included."""
-    asked = ("frequency=0.01", f"models={model}", "quantities=tip_displacement")
+    asked = ("frequency=0.01", "models=tmm", "quantities=tip_displacement")
     plain, grown = (solve(scene_of(*asked, g)).quantities[0].value[0]
                     for g in ("piezo.field_growth_d31=0 mm/kV", GROWTH))  # fmt: skip
     growth = 2e-6 * 50.0 / 0.26e-3
@@ -69,6 +68,7 @@ def test_a_compliance_that_grows_softens_and_damps():
     assert 1.0 / grown.quality_factor == pytest.approx(loss, rel=1e-12)
 
 
+@pytest.mark.usefixtures("own_store", "coarse_bricks")
 def test_the_solid_has_the_tensors_of_the_grown_constants():
     """All d grow alike, so that stating each of them gives the same motion."""
     asked = ("models=solid", "mesh.level=2", "quantities=static_tip_displacement")

@@ -38,9 +38,7 @@ def wavenumbers(mass, offset, inertia):
     return [brentq(unbalanced, at[i], at[i + 1]) for i in np.flatnonzero(np.diff(signs))[:3]]
 
 
-@pytest.mark.parametrize(
-    ("mass", "offset", "inertia"), [(1.0, 0.0, 0.0), (1.0, 0.2, 0.05), (5.0, -0.1, 0.3)]
-)
+@pytest.mark.parametrize(("mass", "offset", "inertia"), [(1.0, 0.2, 0.05), (5.0, -0.1, 0.3)])
 def test_frequencies_are_those_of_the_differential_equation(mass, offset, inertia):
     """Transfer matrices find them by counting; here the boundary conditions are written down."""
     beam = Section(EI=1.0, GA=1e12, m=1.0, rhoI=0.0, K=0.0, C=1.0)
@@ -51,10 +49,12 @@ def test_frequencies_are_those_of_the_differential_equation(mass, offset, inerti
     assert found == pytest.approx(exact, rel=1e-8)
 
 
-def answers(model, *overrides):
-    """Natural frequencies (Hz), motion and force at 100 Hz of one model."""
+#: Natural frequencies (Hz), motion and force at 100 Hz.
+NAMES = ["short_circuit_frequencies", "tip_displacement", "load_force"]
+
+
+def answers(model, *overrides, names=NAMES):
     scene, _ = load_scene("j1", [*BLOCK, "frequency=100 Hz", "mesh.level=1", *overrides])
-    names = ["short_circuit_frequencies", "tip_displacement", "load_force"]
     found = solve(scene, model, names, modelling=False)
     return {name: np.asarray(found.get(name, model).value) for name in names}
 
@@ -62,7 +62,7 @@ def answers(model, *overrides):
 def test_beam_models_agree():
     """Beam elements carry the same block at their last node; the first mode of four is near."""
     lumped, tmm, beam = (answers(model) for model in ("lumped", "tmm", "beam"))
-    for name in ("short_circuit_frequencies", "tip_displacement", "load_force"):
+    for name in NAMES:
         # rounding of beam elements
         np.testing.assert_allclose(beam[name], tmm[name], rtol=1e-7)
     assert lumped["short_circuit_frequencies"][0] == pytest.approx(
@@ -73,11 +73,11 @@ def test_beam_models_agree():
 def test_solid_carries_the_block():
     """Its first frequency falls by the block's size as the beam's does, of the same materials."""
     small = ("load.offset=0 mm", "load.rotational_inertia=0 kg*m^2")
-    solid, tmm = (
-        answers(model)["short_circuit_frequencies"][0]
-        / answers(model, *small)["short_circuit_frequencies"][0]
-        for model in ("solid", "tmm")
-    )
+
+    def first(model, *overrides):
+        return answers(model, "modes=1", *overrides, names=NAMES[:1])[NAMES[0]][0]
+
+    solid, tmm = (first(model) / first(model, *small) for model in ("solid", "tmm"))
     # both bend by 1.4 % differently, of which a tenth is left in the quotient
     assert solid == pytest.approx(tmm, rel=2e-3)
     assert tmm < 0.8

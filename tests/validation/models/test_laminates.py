@@ -33,7 +33,7 @@ def scene(layers, models="tmm", level=2, **bimorph):
 
 def answers(of, *names, model="tmm"):
     """Values of quantities by name, flat."""
-    found = tactgen.solve(of, (model,), names)
+    found = tactgen.solve(of, (model,), names, modelling=False)
     return np.concatenate([np.atleast_1d(found.get(name, model).value) for name in names])
 
 
@@ -58,7 +58,7 @@ def test_three_layers_in_a_list_are_the_bimorph(model, names, more):
         }
     )
     listed = scene("PZT-5A 0.2 mm -x; brass 0.1 mm; PZT-5A 0.2 mm -x", model, **more)
-    one, other = (tactgen.solve(of, (model,), names) for of in (plain, listed))
+    one, other = (tactgen.solve(of, (model,), names, modelling=False) for of in (plain, listed))
     for name in names:
         a, b = one.get(name, model), other.get(name, model)
         bars = a.error + b.error + 1e-12 * np.abs(b.value)
@@ -87,7 +87,6 @@ def test_unimorph_bends_as_timoshenko_says():
 @pytest.mark.parametrize(
     "layers",
     [
-        "brass 0.2 mm; PZT-5A 0.2 mm +x",
         "PZT-5A 0.1 mm +x; spring steel 0.15 mm; PZT-5H 0.3 mm -x",
         "PZT-5A 0.15 mm +x hot +x; PZT-5A 0.2 mm +x hot -x",
         "PZT-5A 0.2 mm +x bare; brass 0.1 mm; PZT-5A 0.2 mm +x",
@@ -128,6 +127,7 @@ def test_poled_along_it_bends_by_d33_and_its_pitch():
     assert free == pytest.approx(2.0 * capacity * 0.03 * 5e-3 * 0.2e-3 / 0.5e-3**2, rel=1e-4)
 
 
+@pytest.mark.usefixtures("own_store", "coarse_bricks")
 def test_poled_along_the_solid_and_the_beam_have_one_field():
     """A narrow solid strains as a bar does: its field is that of the pitch and follows no strain.
 
@@ -146,13 +146,13 @@ def test_poled_along_the_solid_and_the_beam_have_one_field():
 def test_fibres_along_are_known_by_theories_alone(width):
     """The stated modelling error of beams covers the solid of a macro fibre composite on brass."""
     fibres = "PZT-5A 0.18 mm +z pitch 0.5 mm; brass 0.5 mm; PZT-5A 0.18 mm -z pitch 0.5 mm"
-    for name in ("static_tip_displacement", "capacitance_free"):
-        beam, solid = (
-            tactgen.solve(scene(fibres, model, width=width), (model,), (name,)).quantities[0]
-            for model in ("tmm", "solid")
-        )
-        assert beam.modelling.error < 0.1 * abs(solid.value)
-        assert abs(beam.modelling.expected - solid.value) <= beam.modelling.error
+    pairs = (
+        tactgen.solve(scene(fibres, model, width=width), (model,), STATIC[:2]).quantities
+        for model in ("tmm", "solid")
+    )
+    for beam, full in zip(*pairs, strict=True):
+        assert beam.modelling.error < 0.1 * abs(full.value)
+        assert abs(beam.modelling.expected - full.value) <= beam.modelling.error
 
 
 @pytest.mark.parametrize("model", ["tmm", pytest.param("solid", marks=pytest.mark.heavy)])
@@ -194,6 +194,7 @@ def test_in_series_the_lower_ceramic_is_poled_the_other_way():
     assert answers(listed["-x"], STATIC[0])[0] == 0.0
 
 
+@pytest.mark.usefixtures("own_store", "coarse_bricks")
 def test_the_potential_of_a_bare_ceramic_has_a_level_and_no_more():
     """Beside metal, whichever face has it: the same upside down, and near the beam.
 
@@ -258,15 +259,12 @@ def test_a_bare_tip_carries_no_ceramic():
         ("brass 0.2 mm", "no ceramic at the drive voltage"),
         ("brass 0.2; PZT-5A 0.2 mm +x", "not begin with a material and a thickness"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +x wide 4 mm", "in this order"),
-        ("brass 0.2 mm; PZT-5A ± 0.01 mm +x", "not begin with a material and a thickness"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +z", r'"\+z" is not understood.*"\+z pitch 0\.5 mm"'),
-        ("brass 0.2 mm; PZT-5A 0.2 mm +x pitch 0.5 mm", "in this order"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 0.5 mm hot +x", "write shorted"),
         ("PZT-5A 0.2 mm +x; PZT-5A 0.2 mm +z pitch 0.5 mm", "cannot touch another ceramic"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 0.1 mm", "must lie between its thickness"),
         ("brass 0.2 mm; PZT-5A 0.2 mm +z pitch 30 mm", "its length, 20 mm"),
         ("brss 0.2 mm; PZT-5A 0.2 mm +x", 'did you mean "brass"'),
-        ("brass 200 mm; PZT-5A 0.2 mm +x", "must be"),
         ("brass 0.2 mm; PZT-5A 0.2 mm from 9 mm to 2 mm +x", "not above its beginning at 9 mm"),
         ("brass 0.2 mm; PZT-5A 0.2 mm to 21 mm +x", "beyond bimorph.length = 20 mm"),
         ("brass 0.2 mm to 9 mm; PZT-5A 0.2 mm to 9 mm +x", "no layer all along"),
@@ -306,7 +304,6 @@ def test_a_size_is_a_key_of_its_own():
         (LISTED, "layers.3.end=9mm", r"size of layer 3, and bimorph\.layers lists 2"),
         ("none", "layers.1.end=9mm", "none is listed; set bimorph.layers"),
         (LISTED, "layers.2.length=9mm", "thickness, width, pitch, start, end"),
-        (LISTED, "layers.2.end=9", r'bimorph\.layers\.2\.end = "9" has no unit'),
         (LISTED, "layers.2.end=0.5mm", "not above its beginning at 1 mm"),
         (LISTED, "layers.2.pitch=1mm", "without interdigitated electrodes"),
         ("brass 0.2 m", "layers.1.width=1mm", 'bimorph.layers = "brass 0.2 m" has the layer'),
@@ -361,17 +358,9 @@ def test_what_a_model_does_not_read_cannot_refuse_it():
 
 
 def test_a_narrower_layer_counts_by_its_width():
-    """Half as wide: half of its stiffness, charge and mass about the same axis, by hand."""
-    patch = "PZT-5A 0.2 mm wide 2.5 mm +x"
-    found = dict(
-        zip(
-            ("static_tip_displacement", "capacitance_blocked"),
-            answers(
-                scene(f"brass 0.3 mm; {patch}"), "static_tip_displacement", "capacitance_blocked"
-            ),
-            strict=True,
-        )
-    )
+    """Half as wide: half of its stiffness and moment about the same axis, by hand."""
+    of = scene("brass 0.3 mm; PZT-5A 0.2 mm wide 2.5 mm +x")
+    found = answers(of, "static_tip_displacement")[0]
     length, width, t, h, hp = 20e-3, 5e-3, 2.5e-3, 0.3e-3, 0.2e-3
     metal, ceramic = SHIMS["brass"].youngs_modulus, LIBRARY["PZT-5A"]
     young, d31 = 1.0 / ceramic.s[0, 0], ceramic.d[2, 0]
@@ -380,15 +369,10 @@ def test_a_narrower_layer_counts_by_its_width():
     own = (metal * width * h**3 + young * t * hp**3) / 12.0
     bending = own + stretch[0] * stretch[1] / sum(stretch) * apart**2
     moment = -young * t * d31 * stretch[0] / sum(stretch) * apart  # of 1 V on the outer face
-    assert abs(found["static_tip_displacement"]) == pytest.approx(
-        abs(moment) * length**2 / (2.0 * bending), rel=1e-12
-    )
-    tmm, beam = (
-        answers(scene(f"brass 0.3 mm; {patch}", m), *NUMBERS, model=m) for m in ("tmm", "beam")
-    )
-    np.testing.assert_allclose(beam, tmm, rtol=2e-8)  # rounding of beam elements
+    assert abs(found) == pytest.approx(abs(moment) * length**2 / (2.0 * bending), rel=1e-12)
 
 
+@pytest.mark.usefixtures("coarse_solid")
 @pytest.mark.parametrize(
     ("model", "names", "poling"),
     [
@@ -440,8 +424,6 @@ def test_the_solid_refuses_layers_of_different_widths():
     """Its bricks fill a box."""
     with pytest.raises(InputError, match=r"layers of different widths.*models=lumped,tmm,beam"):
         tactgen.solve(scene("brass 0.3 mm; PZT-5A 0.2 mm wide 2.5 mm +x", "solid"), ("solid",))
-    of = scene("brass 0.3 mm; PZT-5A 0.2 mm wide 2.5 mm +x")
-    assert str(of.bimorph.layers) == "brass 0.3 mm; PZT-5A 0.2 mm wide 2.5 mm +x"
 
 
 @pytest.mark.parametrize(("poling", "warned"), [("-x", True), ("+x", False)])

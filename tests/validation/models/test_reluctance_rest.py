@@ -80,7 +80,7 @@ class Flawed:
     # a stop gives way, so that the rod comes back some percent above the rigid stop's drop-out
     [("rising", (0.97, 0.99, 1.005, 1.03)), ("falling", (1.0, 1.04, 1.07, 1.12))],
 )
-@pytest.mark.parametrize(("wide", "narrow"), [(0.02, -0.02), (-0.02, 0.02), (0.02, 0.02)])
+@pytest.mark.parametrize(("wide", "narrow"), [(0.02, -0.02), (-0.02, 0.02)])
 def test_beside_pull_in_and_drop_out_points_decide(wide, narrow, history, around):
     """Around both currents the rod is where the exact pull leaves it, and bears what it does.
 

@@ -90,9 +90,7 @@ def solved(*overrides, quantities=("pull_in_current", "holding_current", "drop_o
     return solve(load_scene("reluctance", ["models=network", *overrides])[0], None, quantities)
 
 
-@pytest.mark.parametrize(
-    "current", ["0 A", "50 mA", "130 mA", "5 A", pytest.param("1 kA", marks=pytest.mark.heavy)]
-)
+@pytest.mark.parametrize("current", ["0 A", "5 A", pytest.param("1 kA", marks=pytest.mark.heavy)])
 def test_the_network_switches_where_its_force_balances(current):
     """At the current found the network pulls with the spring's force, whatever coil.current is."""
     solution = solved(f"coil.current={current}")
@@ -110,12 +108,10 @@ def test_the_network_switches_where_its_force_balances(current):
     )
 
 
-@pytest.mark.parametrize(
-    "overrides", [["coil.current=50 mA"], ["coil.current=0 A"], ["gap=0.4 mm"], ["gap=0.45 mm"]]
-)
-def test_nothing_else_falls_with_a_current(overrides):
+@pytest.mark.parametrize("override", ["coil.current=0 A", "gap=0.45 mm"])
+def test_nothing_else_falls_with_a_current(override):
     """All quantities of the scene are answered, at any current and gap that the network takes."""
-    scene, _ = load_scene("reluctance", ["models=network", *overrides])
+    scene, _ = load_scene("reluctance", ["models=network", override])
     solution = solve(scene)
     assert all("modelling error" in text for text in solution.warnings)
     assert all(np.isfinite(q.value).all() for q in solution.quantities)

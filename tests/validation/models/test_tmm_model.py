@@ -14,12 +14,11 @@ from tactgen.validation.scene.scene import load_scene
 OF_TIP = ("tip_displacement", "tip_rotation", "input_current")
 
 
-@pytest.mark.parametrize("wiring", ["parallel", "series"])
-@pytest.mark.parametrize("kind", ["clamped", "spring"])
+@pytest.mark.parametrize(("kind", "wiring"), [("clamped", "series"), ("spring", "parallel")])
 def test_closed_form_against_elimination(kind, wiring):
     """What is answered and the elimination from D(Ω) agree within their two bars."""
     scene, _ = load_scene("paper", [f"support.kind={kind}", f"bimorph.wiring={wiring}"])
-    solution = solve(scene, ("tmm",), OF_TIP)
+    solution = solve(scene, ("tmm",), OF_TIP, modelling=False)
     f, voltage = np.array(scene.frequency), scene.drive.voltage
     port = multiport(scene.device, scene.support, scene.beam, f)
     port = in_series(port) if wiring == "series" else port
