@@ -89,15 +89,6 @@ def test_solve_and_plan_take_it(capsys):
     assert "model rayleigh is not among the models" in capsys.readouterr().out
 
 
-def test_its_stage_reads_what_its_row_says():
-    """A voltage makes it no staler than a mesh; a density does."""
-    keys = [
-        make_plan(clamped(*change), ("rayleigh",), (FIRST,)).keys["rayleigh.modes"]
-        for change in ((), ("drive.voltage=7V",), ("piezo.density=7000kg/m^3",))
-    ]
-    assert keys[0] == keys[1] != keys[2]
-
-
 def test_what_it_does_not_know_is_refused():
     """A quantity that it cannot give, and a scene that it cannot take, in one sentence."""
     scene = clamped()

@@ -10,7 +10,7 @@ from tactgen.tmm.ports.readout import ModalReadout, Readout
 from tactgen.validation.catalogue.quantities import QUANTITIES, AnswerReadout, QuantityRow
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.comparison import compare
-from tactgen.validation.engine.solve import make_plan, solve
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.scene.parameter_list import template
 from tactgen.validation.scene.scene import load_scene
@@ -88,14 +88,6 @@ def test_all_includes_it_and_help_and_template_name_it(capsys):
     assert "acceleration (m/s^2)" in said(capsys, "identify", "--help")
     line = next(line for line in template().splitlines() if line.startswith("# quantities"))
     assert "tip_acceleration" in line
-
-
-def test_the_plan_runs_what_it_needs():
-    """Its stages and no others, with its name as the reason."""
-    scene, _ = load_scene("prototype")
-    plan = make_plan(scene, ("tmm",), ("tip_acceleration",))
-    assert [(s.stage, s.reason) for s in plan.run] == [("tmm.ports", "for tip_acceleration")]
-    assert [s.stage for s in make_plan(scene, ("beam",), ("stiffening",)).run] == ["beam.modes"]
 
 
 @pytest.mark.heavy

@@ -4,19 +4,11 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.cad.tessellation import tessellate
-from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh, smallest_dihedral_angles, tet_volumes, unique_edges
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild import mesher as ftetwild
 from tactgen.geometry.meshing.tetwild.conform import conform
-from tactgen.geometry.meshing.tetwild.mesher import (
-    UNSTRETCHED,
-    Stretching,
-    limited_growth,
-    sizing_along_z,
-    sizing_at_points,
-    sizing_for,
-)
+from tactgen.geometry.meshing.tetwild.mesher import limited_growth, sizing_at_points, sizing_for
 from tactgen.geometry.store.values import fingerprint
 from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair
 from tactgen.validation.scene.scene import load_scene
@@ -90,24 +82,6 @@ def test_sizing_field_covers_the_box_and_keeps_the_lengths():
     assert (high > 1.2).all()
 
 
-def test_stretching_is_undone_exactly_and_leaves_the_stops_alone():
-    """There and back is the identity; lengths at the stops are kept, between them divided."""
-    stretching = Stretching(low=0.4, high=20.4, most=3.0, growth=1.3)
-    points = np.random.default_rng(4).uniform(-5.0, 25.0, (500, 3))
-    there = stretching.squeezed(points)
-    assert np.array_equal(there[:, :2], points[:, :2])
-    # both directions interpolate in one table: rounding only
-    assert stretching.restored(there) == pytest.approx(points, abs=1e-13)
-
-    def height(*z):
-        return stretching.squeezed(np.array([[0.0, 0.0, v] for v in z]))[:, 2]
-
-    assert np.diff(height(-1.0, 0.0)) == pytest.approx(1.0)
-    assert np.diff(height(0.4, 0.401)) == pytest.approx(0.001, rel=0.05)
-    assert np.diff(height(10.0, 11.0)) == pytest.approx(1.0 / 3.0)
-    assert UNSTRETCHED.squeezed(points) == pytest.approx(points, abs=1e-15)
-
-
 def split_at(raw, tets, cell, point):
     """Put a point into a tetrahedron: four take its place."""
     corners = tets[cell]
@@ -122,54 +96,27 @@ def box_in_a_box():
     import cadquery as cq  # here, since every worker collects every file
 
     solids = {"shim": cq.Workplane().box(2.0, 2.0, 2.0).val()}
-    field = sizing_along_z(np.array([[-1.0] * 3, [1.0] * 3]), np.ones_like)
     planes = np.linspace(-1.5, 1.5, 7)
     mesh = box_tetrahedra(planes, planes, planes, np.zeros((6, 6, 6), dtype=int), ("any",))
-    assert field.tets.shape[1] == 4
     return solids, tessellate(solids, deflection=0.02), mesh.points, mesh.cells
 
 
-def test_flat_tetrahedron_inside_is_cured(box_in_a_box):
-    """The free vertex of a sliver inside is moved to where there is room."""
-    solids, surface, raw, tets = box_in_a_box
-    cell = int(np.linalg.norm(raw[tets].mean(axis=1), axis=1).argmin())
-    corners = raw[tets[cell]]
-    sliver = 0.999 * corners[:3].mean(axis=0) + 0.001 * corners[3]
-    raw, tets = split_at(raw, tets, cell, sliver)
-    assert smallest_dihedral_angles(raw[tets]).min() < 3.0
-    mesh = conform(raw, tets, solids, surface, 0.01, {}, curved=True)
-    assert smallest_dihedral_angles(mesh.points[mesh.cells]).min() > 3.0
-    assert tet_volumes(mesh.points[mesh.cells]).min() > 0.0
+def test_flat_tetrahedron_on_an_edge_is_cured(box_in_a_box):
+    """A vertex slides along the faces it lies on: the body keeps its edges, and its volume.
 
-
-@pytest.fixture
-def flat_on_an_edge(box_in_a_box):
-    """The same with the middle of an edge of the solid next to a corner, which has to stay."""
+    The middle of an edge of the solid is put next to a corner, which has to stay.
+    """
     solids, surface, raw, tets = box_in_a_box
     raw = raw.copy()
     moving = np.flatnonzero(np.linalg.norm(raw - [1.0, 1.0, 0.5], axis=1) < 1e-9)
     raw[moving] = [1.0, 1.0, 0.999]
-    return raw, tets, solids, surface, 0.01, {}
-
-
-def test_flat_tetrahedron_on_an_edge_is_cured(flat_on_an_edge):
-    """A vertex slides along the faces it lies on: the body keeps its edges, and its volume."""
-    mesh = conform(*flat_on_an_edge, curved=True)
+    mesh = conform(raw, tets, solids, surface, 0.01, {}, curved=True)
     corners = mesh.points[mesh.cells]
     assert smallest_dihedral_angles(corners).min() > 3.0
     assert tet_volumes(corners).sum() == pytest.approx(8e-9, rel=1e-12)
     # still on both faces
     on_edge = (np.abs(mesh.points[:, :2] - 1e-3) < 1e-15).all(axis=1)
     assert np.count_nonzero(on_edge) == 5
-
-
-def test_flat_tetrahedron_that_nothing_can_move_is_refused(flat_on_an_edge, monkeypatch):
-    """What moving cannot cure is not used: the angle tells."""
-    monkeypatch.setattr(
-        "tactgen.geometry.meshing.tetwild.conform.relaxed", lambda points, *_: points
-    )
-    with pytest.raises(MeshError, match=r"elements have angles below 3 degrees"):
-        conform(*flat_on_an_edge, curved=True)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0], ids=["outside", "inside"])

@@ -158,25 +158,6 @@ def test_the_formula_leads_to_the_field():
     assert remaining(found)[-2] == pytest.approx(dict.fromkeys(field, 1.0 / 0.9 - 1.0))
 
 
-# How far beam theory is expected from the solid
-
-BRASS = [
-    "shim.youngs_modulus=105GPa", "shim.shear_modulus=39GPa", "shim.poisson_ratio=0.34",
-    "shim.density=8500kg/m^3",
-]  # fmt: skip
-
-
-def sized(layers, thicknesses, widths, more=()):
-    """Return a clamped bimorph of layers (piezo, shim, in mm), its sizes in thicknesses."""
-    piezo, shim = layers
-    thickness = 2 * piezo + shim
-    sizes = [
-        f"bimorph.piezo_thickness={piezo}mm", f"bimorph.shim_thickness={shim}mm",
-        f"bimorph.length={thicknesses * thickness}mm", f"bimorph.width={widths * thickness}mm",
-    ]  # fmt: skip
-    return paper(*sizes, *more)
-
-
 def test_a_bimorph_shorter_than_thick_is_no_beam():
     """No one-dimensional model answers; a little longer, each does, and says how far it is off."""
     scene = paper("bimorph.length=1um")

@@ -70,6 +70,7 @@ def test_beam_models_agree():
     )
 
 
+@pytest.mark.usefixtures("own_store", "coarse_bricks")
 def test_solid_carries_the_block():
     """Its first frequency falls by the block's size as the beam's does, of the same materials."""
     small = ("load.offset=0 mm", "load.rotational_inertia=0 kg*m^2")

@@ -142,9 +142,13 @@ def test_poled_along_the_solid_and_the_beam_have_one_field():
     np.testing.assert_allclose(beam, solid, rtol=2e-3)
 
 
+@pytest.mark.usefixtures("own_store", "coarse_bricks")
 @pytest.mark.parametrize("width", ["2 mm", "14 mm"])
 def test_fibres_along_are_known_by_theories_alone(width):
-    """The stated modelling error of beams covers the solid of a macro fibre composite on brass."""
+    """The stated modelling error of beams covers the solid of a macro fibre composite on brass.
+
+    On usual bricks the solid is off by a twentieth of that error.
+    """
     fibres = "PZT-5A 0.18 mm +z pitch 0.5 mm; brass 0.5 mm; PZT-5A 0.18 mm -z pitch 0.5 mm"
     pairs = (
         tactgen.solve(scene(fibres, model, width=width), (model,), STATIC[:2]).quantities
@@ -376,13 +380,13 @@ def test_a_narrower_layer_counts_by_its_width():
 @pytest.mark.parametrize(
     ("model", "names", "poling"),
     [
-        *((model, NUMBERS, "+x") for model in ("lumped", "tmm", "beam")),
+        *((model, NUMBERS, "+x") for model in ("lumped", "tmm")),
         ("solid", STATIC, "+x"),
         ("solid", STATIC, "+z pitch 0.5 mm"),
     ],
 )
 def test_a_patch_is_the_ceramic_between_tab_and_tip_extension(model, names, poling):
-    """The same device in other words: equal to rounding, that of beam elements being 1e-9."""
+    """The same device in other words: equal to rounding."""
     patch = f"brass 0.3 mm; PZT-5A 0.2 mm from 2 mm to 11 mm {poling}"
     bare = {"length": "9 mm", "tab_length": "2 mm", "tip_extension": "9 mm"}
     one, other = (

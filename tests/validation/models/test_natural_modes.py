@@ -44,7 +44,7 @@ def test_matched_modes_are_of_one_class_where_there_is_one_and_none_is_taken_twi
     np.testing.assert_array_equal(found.frequencies, [113.0, 104.0, np.nan])
 
 
-@pytest.mark.parametrize(("level", "index"), [(1, 1), (2, 1), (3, 2), (5, 4)])
+@pytest.mark.parametrize(("level", "index"), [(1, 1), (5, 4)])
 def test_a_level_is_never_the_coarsest_which_judges_it(level, index):
     assert solid.level_for(load_scene("prototype", [f"mesh.level={level}"])[0]) == index
 

@@ -18,7 +18,6 @@ GRIDS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
 @pytest.mark.parametrize(
     ("accuracy", "bar", "tried"),
     [
-        (1e-2, 1e-3, [1.0]),  # enough at once
         (1e-3, 5e-4, [1.5]),  # the first grid is the one that usually suffices
         (1e-3, 3e-3, [1.5, 2.0]),  # it did not here: on to the next
         (1e-2, 1.0, [1.0, 1.5, 2.0]),  # up to the finest, whose bar stands
@@ -39,23 +38,16 @@ def test_the_grid_is_refined_until_the_bar_is_met(accuracy, bar, tried):
 
 def quantity(value, bar):
     return Quantity(
-        name="magnetic_force",
-        model="axisymmetric",
-        value=np.asarray(value),
-        unit="N",
-        error=np.asarray(bar),
-        method="",
-        seconds=0.0,
-    )
+        name="magnetic_force", model="axisymmetric", value=np.asarray(value), unit="N",
+        error=np.asarray(bar), method="", seconds=0.0,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize(
     ("value", "bar", "words"),
     [
         (0.1, 2e-4, "magnetic_force (up to 0.2 %)"),
-        (1e-9, 1e-8, "magnetic_force (zero within its error)"),
         (0.0, 1e-8, "magnetic_force (zero within its error)"),
-        (0.0, 0.0, ""),
         (0.1, 5e-5, ""),
         (np.nan, np.nan, ""),
     ],

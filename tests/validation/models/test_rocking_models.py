@@ -48,12 +48,11 @@ def test_the_solid_rocks_as_it_differs_on_springs():
     assert abs(ratios[0]) == pytest.approx(abs(ratios[1]), rel=2e-3)
 
 
-@pytest.mark.parametrize("model", ["lumped", "tmm", "beam"])
-def test_layers_in_series_take_half_the_voltage_each(model):
+def test_layers_in_series_take_half_the_voltage_each():
     """So half the force per volt, a quarter of the charge, and the same stiffness."""
     frequency = np.array([100.0])
     one, other = (
-        five_port(load_scene("paper", [f"bimorph.wiring={wiring}"])[0], model)(frequency)
+        five_port(load_scene("paper", [f"bimorph.wiring={wiring}"])[0], "tmm")(frequency)
         for wiring in ("parallel", "series")
     )
     share = {"voltage": 0.5}
@@ -88,13 +87,12 @@ def in_time(scene):
     return found
 
 
-@pytest.mark.parametrize("eccentricity", [0.0, 0.4, -0.4])
-def test_an_eccentric_spring_counts_alike_everywhere(eccentricity):
+def test_an_eccentric_spring_counts_alike_everywhere():
     """It tilts the head at rest, whose contact is softer then: the bimorph on its springs, the
     machine in small motions, harmonic balance at a small voltage and the system in time."""
     volts = 1e-3
     scene, _ = load_scene("generator", [
-        f"spring.eccentricity={eccentricity} mm", "load.kind=none", "frequency=10,200,350",
+        "spring.eccentricity=0.4 mm", "load.kind=none", "frequency=10,200,350",
         "models=tmm", "drive.voltage=1V", "quantities=tip_displacement,lateral_tip_per_voltage",
         "coil.current=0mA",
     ])  # fmt: skip
@@ -123,7 +121,7 @@ def test_an_eccentric_spring_softens_the_support():
 
 def test_friction_in_the_bore_slows_the_rod():
     """Half of what pulls beyond the spring's force is lost; twice of it, and the rod stays up."""
-    until, pull = 4e-3, Sources(coil=Step(0.14))
+    until, pull = 2.5e-3, Sources(coil=Step(0.14))
     arrivals = []
     for friction in (0.0, 8.0, 60.0):
         scene, _ = load_scene("generator", ["load.kind=none", f"guide.friction={friction} mN"])

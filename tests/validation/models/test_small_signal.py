@@ -62,15 +62,6 @@ def test_models_of_one_theory_agree():
         assert at_10_hertz, name
 
 
-def test_cross_transfer_needs_a_tilted_head():
-    """Zero upright; a spring 0.1 mm off the axis lets each drive move the tip both ways."""
-    tilted = answers(*HELD, "spring.eccentricity=0.1mm")
-    upright = answers(*HELD)
-    for name in ("axial_tip_per_voltage", "lateral_tip_per_current"):
-        assert not upright["tmm", name].value.any()
-        assert (np.abs(tilted["tmm", name].value) > 0.0).all()
-
-
 def test_series_wiring_halves_the_voltage_of_a_layer():
     """The coil moves the tip as before when the voltage is held at 0; a volt moves it half."""
     names = ("lateral_tip_per_voltage", "axial_tip_per_current")
@@ -85,11 +76,3 @@ def test_a_bimorph_on_springs_is_refused():
     scene, _ = load_scene("paper", ["frequency=100"])
     with pytest.raises(InputError, match=r"set support\.kind=contact"):
         make_plan(scene, ["tmm"], ["axial_poles"])
-
-
-def test_the_plan_names_the_machine_only_if_it_is_asked():
-    """Lateral quantities touch nothing of the rod's field."""
-    scene, _ = load_scene("paper", [*HELD])
-    lateral = make_plan(scene, ["tmm"], ["tip_displacement", "short_circuit_frequencies"]).keys
-    assert "tmm.machine" not in lateral
-    assert set(make_plan(scene, ["tmm"], ["axial_poles"]).keys) == {"network.map", "tmm.machine"}

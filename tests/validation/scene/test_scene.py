@@ -14,60 +14,34 @@ from tactgen.validation.scene.parameter_list import parameter_rows, template
 from tactgen.validation.scene.scene import load_scene
 
 
-def test_built_in_scenes():
-    """All load, and are what they say."""
-    assert set(built_in_scenes()) == {
-        "paper", "prototype", "j1", "bimorph_on_rod", "generator", "reluctance",
-        "display",
-    }  # fmt: skip
-    prototype, _ = load_scene("prototype")
-    assert (prototype.bimorph.length, prototype.load.kind, prototype.drive.voltage) == (
-        0.014,
-        "none",
-        1.0,
-    )
-    assert load_scene("bimorph_on_rod")[0].support.kind == "rod"
-
-
 @pytest.mark.parametrize(
     ("override", "words"),
     [
         ("bimorph.length=25", ['bimorph.length = "25"', "has no unit", '"20 mm"']),
         ("bimorph.length=25kg", ["not a length", '"20 mm"']),
-        ("bimorph.length=25 furlonk", ['unknown unit "furlonk"']),
-        ("bimorph.piezo_thickness=-0.1mm", ["greater than 0 m"]),
         ("bimorph.shim_thickness=0mm", ["bimorph.shim_thickness", "greater than 0 m"]),
-        ("bimorph.length=inf mm", ["finite"]),
         ("bimorph.lenght=25mm", ['did you mean "bimorph.length"']),
         ("bimorf.length=25mm", ['did you mean "bimorph.length"']),
         ("bimorph=25mm", ["is a group"]),
         ("length", ["KEY=VALUE"]),
         ("piezo.material=PZT-9", ['"PZT-9" is not in the library', "PZT-5H"]),
         ("support.kind=glued", ["support.kind", "'clamped'", "'rod' or 'contact'"]),
-        ("load.kind=foot", ["load.kind", "'finger'"]),
         ("models=tmn", ['model "tmn" is unknown', 'did you mean "tmm"']),
         ("quantities=tip_speed", ['quantity "tip_speed" is unknown', "did you mean"]),
-        ("piezo.d31=-3850 pC/N", ["piezo.d31", "piezo.eps33", "negative energy"]),
+        ("piezo.d31=210 pC/N", ["d31 = 2.1e-10 m/V", "; write d31 with a minus"]),
         ("shim.poisson_ratio=0.5", ["less than 0.5"]),
         ("accuracy=0", ["accuracy", "greater than 0"]),
-        ("mesh.level=6", ["mesh.level", "5"]),
+        ("mesh.level=6", ["mesh.level", "whole number from 0 to 5"]),
         ("frequency=10:20", ["START:STOP:N"]),
-        ("frequency=0:100:5:log", ["logarithmically", "above 0 Hz"]),
-        ("frequency=ten", ["not a frequency"]),
         ("frequency=-5", ["not negative"]),
         ("coil.outer_radius=1mm", ["coil.outer_radius", "sleeve.inner_radius"]),
         ("gap=0 mm", ["gap", "greater than 0 mm", '"0.2 mm"']),
         ("bimorph.length=1e300 m", ["bimorph.length", "from 0.001 mm to 100000 mm"]),
-        ("bimorph.length=1e-300 m", ["bimorph.length", "from 0.001 mm to 100000 mm"]),
-        ("piezo.s11=1e-30 m^2/N", ["piezo.s11", "from 1e-13 m^2/N"]),
         ("piezo.eps33=1000", ["piezo.eps33 = 1000", "negative energy", "raise piezo.eps33"]),
         ("support.kind=sprng", ['did you mean "spring"']),
         ("modes=21", ['modes = "21"', "whole number from 1 to 20", "write for example 4"]),
-        ("modes=2.5", ["whole number from 1 to 20"]),
         ("modes=٣", ["whole number from 1 to 20"]),
-        ("mesh.level=-1", ["mesh.level", "whole number from 0 to 5"]),
         ("name=a\nb", ["name = ", "one line"]),
-        ("bimorph.length=20\n\tfoo", ["bimorph.length", '"20 mm"']),
         ("models=,", ["model", "unknown"]),
         (f"bimorph.length={'9' * 9000}", ["bimorph.length", "…", '"20 mm"']),
     ],
@@ -121,25 +95,18 @@ def test_a_wide_bimorph_may_be_studied_alone(kind):
         (b"bimorph = 3\n", ["is a group"]),
         (b"[bimorph.length]\nvalue = 3\n", ["bimorph.length.value", "unknown"]),
         (b"[bimorf]\n", ['"bimorf" is unknown', 'did you mean "bimorph"']),
-        (b"[bimorf]\nlength = '3 mm'\n", ['did you mean "bimorph.length"']),
         (b"'bimorph.length' = '3 mm'\n", ['did you mean "bimorph.length"']),
         (b"[piezo]\nmaterial = ['a']\n", ["piezo.material = ['a']", "not in the library"]),
         (b"models = 3\n", ["models = 3", "not a list of names"]),
         (b"models = []\n", ["models = []", "names nothing", "lumped"]),
         (b"models = ['tmm', 3]\n", ["models", "not a list of names"]),
-        (b"quantities = []\n", ["quantities = []", "names nothing"]),
         (b"frequency = []\n", ["frequency = []", "no frequency"]),
-        (b"frequency = [-10.0]\n", ["frequency = [-10.0]", "not negative"]),
         (b"frequency = true\n", ["frequency", "not a frequency"]),
-        (b"frequency = [[1.0]]\n", ["frequency", "not a frequency"]),
         (b"frequency = nan\n", ["frequency", "finite"]),
         (b"name = 3\n", ["name = 3", "not text", "quotes"]),
-        (b"[name]\n", ["name = {}", "not text"]),
         (b"modes = true\n", ["modes", "whole number"]),
-        (b'name = """a\nb"""\n', ["name = ", "one line"]),
         (b"gap = 0x" + b"f" * 9000 + b"\n", ["gap", '"0.2 mm"']),
         (b"accuracy = [0.1]\n", ["accuracy = [0.1]"]),
-        (b"a = " + b"[" * 5000, ["not valid TOML"]),
         (b"gap = " + b"1" * 5000, ["not valid TOML"]),
     ],
 )
@@ -182,32 +149,45 @@ def test_a_folder_is_called_one(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("overrides", "words"),
+    ("name", "overrides", "words"),
     [
-        (["load.stiffness=100 N/m"], ["load.stiffness = 100 N/m", 'kind = "finger"']),
-        (["load.kind=spring_damper", "load.mass=1 mg"], ["load.mass = 1 mg", "free tip"]),
-        (["load.kind=mass"], ["load.mass = 0 mg", "free tip"]),
+        ("paper", ["load.stiffness=100 N/m"], ["load.stiffness = 100 N/m", 'kind = "finger"']),
+        ("paper", ["load.kind=spring_damper"], ["load.stiffness = 0 N/m", "free tip"]),
         (
-            ["support.kind=clamped", "support.lateral_stiffness=2e6 N/m"],
+            "paper", ["load.kind=spring_damper", "load.stiffness=1 N/m", "load.mass=1 mg"],
+            ["load.mass = 1 mg", 'set load.kind = "mass"'],
+        ),
+        ("paper", ["load.kind=mass"], ["load.mass = 0 mg", "free tip"]),
+        (
+            "paper", ["support.kind=clamped", "support.lateral_stiffness=2e6 N/m"],
             ["support.lateral_stiffness = 2000000 N/m", 'support.kind = "clamped"'],
         ),
-        (["gap=0.3 mm"], ["gap = 0.3 mm", "--set models=network"]),
-        (["sleeve.length=4 mm"], ["sleeve.length = 4 mm", "--set models=network"]),
-        (["mesh.time_limit=60 s", "models=solid"], ["mesh.time_limit = 60 s", "--set models=cad"]),
-        (["mesh.kind=tetwild"], ["mesh.kind = tetwild", "--set models=magnetic3d"]),
+        ("paper", ["gap=0.3 mm"], ["gap = 0.3 mm", "--set models=network"]),
+        ("paper", ["steel.curve=linear"], ["steel.curve = linear", "--set models=network"]),
         (
-            ["mesh.kind=tetwild", "models=network"],
+            "paper", ["mesh.time_limit=60 s", "models=solid"],
+            ["mesh.time_limit = 60 s", "--set models=cad"],
+        ),
+        (
+            "paper", ["mesh.kind=tetwild", "models=network"],
             ["mesh.kind = tetwild", "--set models=magnetic3d"],
         ),
-        (["mesh.level=3", "models=network"], ["mesh.level = 3", "--set models=solid"]),
-        (["mesh.level=3", "models=tmm"], ["mesh.level = 3", "--set models=solid"]),
-        (["mesh.level=2", "accuracy=0.01"], ["accuracy = 0.01", "mesh.level = 2"]),
+        ("paper", ["mesh.level=3", "models=tmm"], ["mesh.level = 3", "--set models=solid"]),
+        ("paper", ["mesh.level=2", "accuracy=0.01"], ["accuracy = 0.01", "mesh.level = 2"]),
+        ("reluctance", ["bimorph.length=25 mm"], ["bimorph.length = 25 mm", "--set models=tmm"]),
+        ("reluctance", ["frequency=10,20"], ["frequency = 2 values", "--set models=tmm"]),
+        ("reluctance", ["rod.density=7800 kg/m^3"], ["rod.density", 'support.kind = "rod"']),
+        (
+            "reluctance", ["steel.relative_permeability=500"],
+            ['curve = "team20"', '"linear" to use'],
+        ),
+        ("reluctance", ["coil.resistivity=2e-8 ohm*m"], ["on any quantity", "tactgen report"]),
     ],
-)
-def test_settings_without_effect_are_named(overrides, words):
-    """Each key that conflicts with a kind gets a sentence with the remedy."""
-    warnings = " / ".join(scene_warnings(*load_scene("paper", overrides)))
-    assert all(word in warnings for word in words), warnings
+)  # fmt: skip
+def test_settings_without_effect_are_named(name, overrides, words):
+    """Each key that no model asked for reads, or that conflicts with a kind, gets a sentence."""
+    (warning,) = scene_warnings(*load_scene(name, overrides))
+    assert all(word in warning for word in words), warning
 
 
 @pytest.mark.parametrize("name", built_in_scenes())
@@ -242,30 +222,6 @@ def test_a_file_may_describe_what_is_not_asked_about():
     """The scene of the normal actuator with a model of the lateral one: nobody set the turns."""
     scene, origins = load_scene("reluctance", ["models=tmm", "quantities=magnetic_force"])
     assert scene_warnings(scene, origins) == ()
-
-
-@pytest.mark.parametrize(
-    ("scene", "override", "words"),
-    [
-        ("paper", "coil.current=50 mA", ("coil.current = 50 mA", "--set models=network")),
-        ("paper", "steel.curve=linear", ("steel.curve = linear", "--set models=network")),
-        ("reluctance", "bimorph.length=25 mm", ("bimorph.length = 25 mm", "--set models=tmm")),
-        ("reluctance", "frequency=10,20", ("frequency = 2 values", "--set models=tmm")),
-        ("reluctance", "rod.density=7800 kg/m^3", ("rod.density", 'support.kind = "rod"')),
-        ("reluctance", "steel.relative_permeability=500", ('curve = "team20"', '"linear" to use')),
-        ("reluctance", "coil.resistivity=2e-8 ohm*m", ("on any quantity", "tactgen report")),
-    ],
-)  # fmt: skip
-def test_keys_of_the_other_actuator_are_warned_of(scene, override, words):
-    """A key set on the command line that no model asked for reads."""
-    (warning,) = scene_warnings(*load_scene(scene, [override]))
-    assert all(word in warning for word in words), warning
-
-
-def test_missing_scene_suggests_a_name():
-    """A misspelt built-in name."""
-    with pytest.raises(InputError, match='did you mean "paper"'):
-        load_scene("papper")
 
 
 def test_template_is_the_papers_device_under_neutral_conditions(tmp_path):
@@ -331,23 +287,18 @@ def test_frequency_lists(text, expected):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ("10 20", ["not a frequency"]),
         ("5 mHz", ["MHz"]),
-        ("1_0", ["not a frequency"]),
         ("١٠", ["not a frequency"]),
         ("10:20:٣", ["whole number"]),
-        ("10:20:1_0", ["whole number"]),
         ("10,", ["not a frequency"]),
         ("", ["no frequency"]),
         ("5 kkHz", ["not a frequency"]),
-        ("5 KHZ", ["not a frequency"]),
         ("0:5:1:log", ["above 0 Hz"]),
         ("1e9999", ["finite"]),
         ("1 kHz:1e9 Hz:3", ["at most 10 MHz"]),
         (["10:20:3"], ["not a frequency"]),
         (10**400, ["finite"]),
         (None, ["not a frequency"]),
-        ({}, ["not a frequency"]),
     ],
 )
 def test_frequencies_are_read_strictly(given, words):
@@ -410,15 +361,6 @@ def test_a_pipe_is_no_scene(tmp_path):
     for name in (str(tmp_path / "pipe"), "/dev/zero"):
         with pytest.raises(InputError, match="a pipe or a device"):
             load_scene(name)
-
-
-def test_a_positive_d31_is_asked_about():
-    """Data sheets print sizes; no poled ceramic has a d31 and a d33 of one sign."""
-    with pytest.raises(InputError, match=r"d31 = 2\.1e-10 m/V .*; write d31 with a minus"):
-        load_scene("paper", ["piezo.d31=210 pC/N"])
-    with pytest.raises(InputError) as caught:
-        load_scene("paper", ["piezo.d31=-3850 pC/N"])
-    assert "minus" not in str(caught.value)
 
 
 def live(scene):
