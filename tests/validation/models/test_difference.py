@@ -45,13 +45,12 @@ def beam_like(scene):
     return solid_values(without(scene, BEAM_ASSUMPTIONS[:1], level=0))
 
 
-@pytest.mark.parametrize("material", ["M1876", "PZT-5H"])
-def test_beam_like_solid_is_the_beam(material):
+def test_beam_like_solid_is_the_beam():
     """With a beam's constants and a linear potential a slender solid is TMM, to 1e-3.
 
     What is left is the ends: at 60 mm far less than asked for, even on the coarsest bricks.
     """
-    scene = with_energy_shear(paper("bimorph.length=60 mm", f"piezo.material={material}"))
+    scene = with_energy_shear(paper("bimorph.length=60 mm", "piezo.material=PZT-5H"))
     apart = change(beam_like(scene), beam_values(scene))
     assert max(map(abs, apart.values())) < 1e-3
     assert abs(apart[DEFLECTION]) < 1e-5

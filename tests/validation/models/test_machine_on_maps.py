@@ -87,9 +87,9 @@ def test_contact_and_machine_take_its_pull(field):
     for name in names:
         a, b = (s.get(name, "tmm").value for s in (one, other))
         assert (np.abs(a - b) > 1e-3 * np.abs(a)).all()
-    solve(generator("tmm,axisymmetric"), ("tmm",), names)
+    solve(generator("tmm,axisymmetric"), ("tmm",), names[:1])
     scenes._FIELD_MAPS.clear()
-    solve(generator("tmm,axisymmetric"), ("tmm",), names)  # from the store
+    solve(generator("tmm,axisymmetric"), ("tmm",), names[:1])  # from the store
     assert len(field) == 1
 
 
