@@ -29,7 +29,7 @@ SHORT = (
 @pytest.fixture(scope="module")
 def both():
     """A stout clamped bimorph by bricks and by tetrahedra, all quantities."""
-    scene, _ = load_scene("paper", [*SHORT, "models=tmm,solid,cad", "frequency=100,9000"])
+    scene, _ = load_scene("paper", [*SHORT, "models=solid,cad", "frequency=100,9000"])
     return solve(scene)
 
 

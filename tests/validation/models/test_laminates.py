@@ -307,6 +307,7 @@ def test_a_size_is_a_key_of_its_own():
         (LISTED, "layers.3.end=9mm", r"size of layer 3, and bimorph\.layers lists 2"),
         ("none", "layers.1.end=9mm", "none is listed; set bimorph.layers"),
         (LISTED, "layers.2.length=9mm", "thickness, width, pitch, start, end"),
+        (LISTED, "layers.2.end=9", r'bimorph\.layers\.2\.end = "9" has no unit'),
         (LISTED, "layers.2.end=0.5mm", "not above its beginning at 1 mm"),
         (LISTED, "layers.2.pitch=1mm", "without interdigitated electrodes"),
         ("brass 0.2 m", "layers.1.width=1mm", 'bimorph.layers = "brass 0.2 m" has the layer'),

@@ -48,6 +48,7 @@ def quantity(value, bar):
     [
         (0.1, 2e-4, "magnetic_force (up to 0.2 %)"),
         (0.0, 1e-8, "magnetic_force (zero within its error)"),
+        (0.0, 0.0, ""),
         (0.1, 5e-5, ""),
         (np.nan, np.nan, ""),
     ],
