@@ -105,15 +105,6 @@ def test_values_between_a_runs_times_are_those_of_the_cubic():
     assert output_at(run, np.ones(1), at) == pytest.approx(cubic(at), rel=1e-12)
 
 
-def test_stiff_circuits_drive_fifty_milliamperes():
-    """Each source through its own resistance, once the coil has answered."""
-    assert len(machine._CIRCUITS) == 6
-    for run in machine._CIRCUITS:
-        scene, _ = load_scene("generator", list(run.overrides))
-        assert run.by_voltage
-        assert run.coil.level / scene.coil.source_resistance == pytest.approx(0.05)
-
-
 def test_quick_runs_reach_both_ends_of_a_range():
     """Of every sweep: some of its points, none twice, among them the last."""
     for one in (*(s for _, sweeps in sweep.LATERAL for s in sweeps), *sweep.MACHINE):

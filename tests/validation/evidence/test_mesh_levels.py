@@ -1,7 +1,6 @@
 """One measurement on many levels of fineness: what each kind of division does, and the bars."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -105,13 +104,3 @@ def test_a_level_that_is_refused_as_too_coarse_is_none(monkeypatch):
     least[0] = 5
     with pytest.raises(InputError, match="too coarse"):
         division("beams", case, row)
-
-
-def test_what_is_divided_is_remembered_level_by_level():
-    """Another cache would give every level the values of the first: bars of nothing."""
-    asking = [
-        path
-        for path in Path(fineness.__file__).parents[1].rglob("*.py")
-        if "cases.fineness import" in (text := path.read_text("utf-8")) and "@cache\n" in text
-    ]
-    assert not asking

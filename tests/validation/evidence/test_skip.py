@@ -33,14 +33,6 @@ def test_a_changed_density_must_be_computed():
     assert "answered with the old one" in fault
 
 
-def test_the_cases_are_what_a_user_asks():
-    """Fourteen at least, each of one kind; what starts from another comes after it."""
-    names = [case.name for case in skip.cases()]
-    assert len(names) == len(set(names)) >= 14
-    for case in skip.cases():
-        assert not case.after or names.index(case.after) < names.index(case.name)
-
-
 def test_a_process_of_its_own_tells_what_it_did(tmp_path):
     """The transfer-matrix case: no heavy library, one stage, all others skipped."""
     case = skip.cases()[0]
