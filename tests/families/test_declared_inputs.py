@@ -68,48 +68,32 @@ def varied(scene, model=""):
     return found
 
 
-#: What these cost is little; what all models of the bimorph share is tried with them.
-CLOSED_FORMS = ("lumped", "tmm", "beam")
-
-LATERAL = [
-    ("paper", (), model, quantity)
-    for model in CLOSED_FORMS
-    for quantity in ("static_tip_displacement", "open_circuit_frequencies", "tip_displacement")
-]
+STATIC, MODES, DRIVEN = "static_tip_displacement", "open_circuit_frequencies", "tip_displacement"
 LISTED = "bimorph.layers=PZT-5A 0.2 mm +x; glue 20 um; shim 0.2 mm"
+SOLID = ("mesh.level=2", "modes=2")
+HELD = ("support.kind=contact", "coil.current=0mA")
+PAIR = ("display.rows=2", "display.columns=1", "bimorph.tab_length=2mm")
 CASES = [
-    *LATERAL,
-    ("j1", (LISTED, "modes=2"), "tmm", "static_tip_displacement"),
-    ("j1", (LISTED, "mesh.level=2", "modes=2"), "solid", "static_tip_displacement"),
-    ("bimorph_on_rod", ("modes=2",), "tmm", "tip_displacement"),
-    ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "short_circuit_frequencies"),
-    ("paper", ("support.kind=contact", "coil.current=0mA"), "tmm", "axial_tip_per_current"),
-    (
-        "display",
-        ("display.rows=2", "display.columns=1", "bimorph.tab_length=2mm"),
-        "tmm",
-        "crosstalk_largest",
-    ),
-    (
-        "display",
-        ("display.rows=2", "display.columns=1", "bimorph.tab_length=2mm"),
-        "lumped",
-        "tuned_spread",
-    ),
-    ("j1", ("mesh.level=2", "modes=2"), "solid", "static_tip_displacement"),
-    pytest.param(
-        "j1", ("mesh.level=2", "modes=2"), "solid", "coupling_factor", marks=pytest.mark.heavy
-    ),
-    ("j1", ("mesh.level=2", "modes=2"), "solid", "tip_displacement"),
+    # what these cost is little; what all models of the bimorph share is tried with them
+    *(("paper", (), m, q) for m in ("lumped", "tmm", "beam") for q in (STATIC, MODES, DRIVEN)),
+    ("j1", (LISTED, "modes=2"), "tmm", STATIC),
+    ("j1", (LISTED, *SOLID), "solid", STATIC),
+    ("bimorph_on_rod", ("modes=2",), "tmm", DRIVEN),
+    ("paper", HELD, "tmm", "short_circuit_frequencies"),
+    ("paper", HELD, "tmm", "axial_tip_per_current"),
+    ("display", PAIR, "tmm", "crosstalk_largest"),
+    ("display", PAIR, "lumped", "tuned_spread"),
+    ("j1", SOLID, "solid", STATIC),
+    pytest.param("j1", SOLID, "solid", "coupling_factor", marks=pytest.mark.heavy),
+    ("j1", SOLID, "solid", DRIVEN),
     ("reluctance", (), "network", "magnetic_force"),
     ("reluctance", (), "network", "pull_in_current"),
     ("reluctance", ("coil.current=50mA",), "network", "rod_position"),
     ("display", ("bimorph.tab_length=2mm",), "network", "pull_one_driven"),
     ("reluctance", ("accuracy=10%",), "axisymmetric", "magnetic_force"),
-    pytest.param(
-        "reluctance", ("accuracy=10%",), "magnetic3d", "magnetic_force", marks=pytest.mark.heavy
-    ),
-]
+    pytest.param("reluctance", ("accuracy=10%",), "magnetic3d", "magnetic_force",
+                 marks=pytest.mark.heavy),
+]  # fmt: skip
 
 
 @pytest.mark.usefixtures("coarse_bricks")
@@ -159,7 +143,6 @@ def test_another_value_is_another_scene():
 @pytest.mark.parametrize(
     ("name", "model", "quantities"),
     [
-        ("paper", "lumped", ("tip_displacement", "static_tip_displacement")),
         ("paper", "tmm", ("admittance", "threshold_voltage", "open_circuit_frequencies")),
         ("paper", "beam", ("blocked_force", "coupling_factor", "dynamic_stiffness")),
         ("reluctance", "network", ("magnetic_force", "pull_in_current")),
