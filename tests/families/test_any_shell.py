@@ -59,7 +59,7 @@ def test_a_notebooks_backend_is_nobodys_business(tmp_path):
     assert picture.read_text(encoding="utf-8").startswith("<svg")
 
 
-@pytest.mark.parametrize("arguments", ["--help", "solve --help", ""])
+@pytest.mark.parametrize("arguments", ["solve --help", ""])
 def test_help_that_cannot_be_written(arguments):
     """A full disk is said of help as of any result."""
     done = call(arguments, ">/dev/full")

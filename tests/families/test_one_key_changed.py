@@ -30,6 +30,12 @@ CASES = (
     ("prototype", "tmm", ("short_circuit_frequencies", "admittance"), LATERAL),
     ("reluctance", "network", ("magnetic_force",), MAGNETIC),
 )
+#: Of each model two changes, of which the second is read by some stages and not by others.
+PAIRS = {
+    "beam": ("bimorph.length=19mm", "frequency=200"),
+    "tmm": ("piezo.d31=-380 pC/N", "modes=3"),
+    "network": ("gap=0.15mm", "coil.turns=700"),
+}
 
 
 def values_of(scene, path):
@@ -43,14 +49,11 @@ def numbers(solution):
     return [(q.name, q.value.tobytes(), q.error.tobytes()) for q in solution.quantities]
 
 
-@settings(max_examples=2)
-@given(data=st.data())
 @pytest.mark.parametrize(("name", "model", "quantities", "changes"), CASES)
-def test_exactly_what_reads_the_key_runs_again(
-    name, model, quantities, changes, data, tmp_path_factory
-):
-    """Random pairs; the first is solved, then the second with what the first left in the store."""
-    check_pair(name, model, quantities, changes, data, tmp_path_factory)
+def test_exactly_what_reads_the_key_runs_again(name, model, quantities, changes, tmp_path_factory):
+    """A pair; the first is solved, then the second with what the first left in the store."""
+    assert set(PAIRS[model]) <= set(changes)
+    check_pair(name, model, quantities, PAIRS[model], tmp_path_factory)
 
 
 @pytest.mark.heavy
@@ -59,11 +62,12 @@ def test_exactly_what_reads_the_key_runs_again(
 @pytest.mark.parametrize(("name", "model", "quantities", "changes"), CASES)
 def test_many_pairs(name, model, quantities, changes, data, tmp_path_factory):
     """The same with more pairs."""
-    check_pair(name, model, quantities, changes, data, tmp_path_factory)
+    pair = [data.draw(st.sampled_from(changes)) for _ in range(2)]
+    check_pair(name, model, quantities, pair, tmp_path_factory)
 
 
-def check_pair(name, model, quantities, changes, data, tmp_path_factory):
-    first, second = (data.draw(st.sampled_from(changes)) for _ in range(2))
+def check_pair(name, model, quantities, pair, tmp_path_factory):
+    first, second = pair
     base = load_scene(name, ["frequency=100,500", first])[0]
     key = second.partition("=")[0]
     changed = load_scene(name, ["frequency=100,500", first, second])[0]

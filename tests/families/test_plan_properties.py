@@ -83,19 +83,19 @@ def test_more_questions_change_no_answer(request, chance):
 @given(st.sampled_from(sorted(SCENES)), st.sampled_from(CHANGES))
 def test_a_key_is_new_where_something_that_is_read_is(name, change):
     """Keys of all stages before and after: as different as the values that each reads."""
-    base, _ = load_scene(name)
+    base = SCENES[name]
     try:
         changed, _ = load_scene(name, [change])
     except InputError:
         return
     before, after = (stage_keys(stage_reads(), scene) for scene in (base, changed))
     assert len(set(before.values())) == len(before)  # no two stages share one
-    key = change.partition("=")[0]
+    key, moved = change.partition("=")[0], base != changed
     for stage, entries in stage_reads().items():
         reading = key in keys_read(base, entries) | keys_read(changed, entries)
         new = before[stage] != after[stage]
         # what holds the base is read as it holds it, and other models by the map that they bring
-        if reading and "support" not in entries and base.model_dump() != changed.model_dump():
+        if reading and "support" not in entries and moved:
             assert new, (stage, change)
         if new:
             assert reading or "models" in entries, (stage, change)

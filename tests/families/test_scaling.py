@@ -12,7 +12,7 @@ LENGTHS = ("length", "width", "piezo_thickness", "shim_thickness")
 
 
 @pytest.mark.usefixtures("coarse_solid")
-@pytest.mark.parametrize("model", ["lumped", "tmm", "beam", "solid"])
+@pytest.mark.parametrize("model", ["tmm", "beam", "solid"])
 def test_bimorph(model):
     """All lengths by a hundredth, s, at the same voltage: deflection as before, frequencies by 1/s,
     capacitance by s, and the coupling factor as before."""
@@ -49,7 +49,7 @@ def grown(device, factor):
     )
 
 
-@pytest.mark.parametrize("factor", [0.1, 6.0, 100.0])
+@pytest.mark.parametrize("factor", [0.1, 100.0])
 def test_normal_actuator(factor):
     """The field strength stays, so the force grows as the square, and its bar as the force."""
     one = solve_point(Device(), order=2, any_grid=True)

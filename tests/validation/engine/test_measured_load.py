@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.loads import OF_THE_TABLE
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.models.bimorph.model import MeasuredLoad
 from tactgen.validation.scene.inputs import scene_warnings, values_read
 from tactgen.validation.scene.scene import load_scene
 
@@ -99,14 +97,3 @@ def test_what_is_missing_or_idle_is_said(capsys):
     assert "needs load.file" in capsys.readouterr().err
     scene, origins = load_scene("paper", ["load.file=nowhere.csv"])
     assert any('set load.kind = "table"' in text for text in scene_warnings(scene, origins))
-
-
-def test_a_measured_load_is_known_as_well_as_its_table(measured):
-    """At 30 and 300 Hz the bar holds what it is off the spring with the damper."""
-    ends, at = load_scene("paper", measured)[0].ends, np.array([30.0, 300.0])
-    load = MeasuredLoad(ends, at)
-    value, bar = load.impedance.value, load.impedance.error
-    assert (np.abs(value - spring_damper(at)) <= bar).all()
-    # beside what the table leaves open, rounding is nothing
-    assert bar == pytest.approx(ends.tip.error(at) / (2.0 * np.pi * at), rel=1e-6)
-    assert load.method == OF_THE_TABLE

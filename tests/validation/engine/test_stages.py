@@ -82,9 +82,8 @@ def test_the_same_again_is_read(name, overrides):
 @pytest.mark.parametrize(
     "change",
     [
-        "load.kind=finger", "load.kind=mass load.mass=2mg", "drive.voltage=7V",
+        "drive.voltage=7V",
         "load.kind=spring_damper load.stiffness=900N/m load.damping=0.01N*s/m",
-        "support.rotational_stiffness=0.4N*m/rad support.lateral_stiffness=1e5N/m",
         "support.kind=spring support.rotational_inertia=1e-9kg*m^2",
     ],
 )  # fmt: skip
@@ -129,7 +128,7 @@ def test_answers_from_the_store_load_no_solver():
 def test_one_scene_at_once_is_solved_once(own_store):
     """Two runs of one scene beside each other: one computes a stage, the other waits for it."""
     name, overrides = SCENES[0]
-    some = "quantities=static_tip_displacement,tip_displacement,short_circuit_frequencies"
+    some = "quantities=static_tip_displacement,short_circuit_frequencies"
     overrides = (*overrides, some)
     script = (
         "import json, pickle, sys; from tactgen.validation.scene.scene import load_scene; "
@@ -154,5 +153,5 @@ def test_one_scene_at_once_is_solved_once(own_store):
     assert values == other_values
     computed = [stage for stage in (*ran, *other_ran) if stage_code(stage)]
     assert sorted(computed) == sorted(set(computed))
-    assert {"solid.static", "solid.modal", "solid.ports"} <= set(computed)
+    assert {"solid.static", "solid.modal"} <= set(computed)
     assert holdings()["solid.static"].entries == 1
