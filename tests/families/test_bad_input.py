@@ -53,24 +53,6 @@ def refused(capsys, tmp_path, monkeypatch, sweep):
     return call
 
 
-def test_all_commands_are_tried():
-    """Those that take a scene, and the few that do not."""
-    assert set(WITH_SCENE) >= {"solve", "plan", "report", "export", "design", "sensitivity"}
-    assert set(COMMANDS) - set(WITH_SCENE) <= {
-        "scenes",
-        "init",
-        "stress",
-        "verify",
-        "bench",
-        "cache",
-        "completion",
-        "compare",
-        "coverage",
-        "calibrate",
-        "materials",
-    }
-
-
 @pytest.mark.parametrize("command", COMMANDS)
 def test_unknown_option(refused, command):
     """Refused with the way to the help, by every command."""
@@ -81,7 +63,6 @@ def test_unknown_option(refused, command):
 def test_no_other_commands_option_is_meant(refused):
     """What may have been meant is an option of this command, not the same word of another."""
     assert "did you mean" not in refused("scenes", "--accuracy", "2e-5")
-    assert "did you mean" not in refused("scenes", "--quantity", "capacitance_free")
     assert "did you mean" not in refused("sensitivity", "--samples", "9")
 
 
@@ -89,13 +70,7 @@ def test_no_other_commands_option_is_meant(refused):
     ("arguments", "words"),
     [
         (["nowhere.toml"], ["neither a readable file nor a built-in scene"]),
-        (["papr"], ['did you mean "paper"']),
-        (["paper", "--set", "bimorph.length"], ["KEY=VALUE"]),
         (["paper", "--set", "bimorph.lenght=25mm"], ['did you mean "bimorph.length"']),
-        (["paper", "--set", "bimorph.length=25"], ["bimorph.length", "has no unit"]),
-        (["paper", "--set", "bimorph.length=25 kg"], ["bimorph.length", "not a length"]),
-        (["paper", "--set", "piezo.density=-7800 kg/m^3"], ["piezo.density", "greater than 0"]),
-        (["paper", "--set", "models=tmn"], ['did you mean "tmm"']),
         (["paper", "--set", "piezo.d31=-3850 pC/N"], ["piezo.d31", "negative energy"]),
     ],
 )
@@ -124,24 +99,25 @@ def test_no_half_a_document(refused, command):
             ["solve", "--frequency", "5000", "--quantity", "tip_velocity"],
             ["5000 Hz", "10 to 1000 Hz"],
         ),
-        (["solve", "nowhere"], ["neither a readable file nor a built-in scene"]),
+        (["solve", "papr"], ['did you mean "paper"']),
+        (["solve", "--set", "bimorph.length"], ["KEY=VALUE"]),
+        (["solve", "--set", "bimorph.length=25 kg"], ["bimorph.length", "not a length"]),
+        (["solve", "--set", "piezo.density=-7800 kg/m^3"], ["piezo.density", "greater than 0"]),
+        (["solve", "--set", "models=tmn"], ['did you mean "tmm"']),
         (["solve", "--model", "fem"], ['model "fem" is unknown']),
         (["solve", "--quantity", "speed"], ['quantity "speed" is unknown']),
         (["solve", "--set", "bimorph.length=25"], ["has no unit"]),
-        (["solve", "--nonsense"], ["unrecognized arguments", "--help"]),
         (["fly"], ["invalid choice"]),
         (["export"], ["--step"]),
         (["export", "--glb", "x.gltf"], ["--glb x.gltf", ".glb"]),
         (["export", "--mesh", "x.stl"], ["--mesh x.stl", ".vtu or .msh"]),
         (["solve", "--frequency", ""], ["--frequency is empty", "--frequency 10:2000:200"]),
-        (["solve", "--model", " "], ["--model is empty"]),
         (["solve", "--frequency", "10 20"], ['"10 20"', "not a frequency"]),
         (["solve", "x\ny" * 2000], ["neither a readable file"]),
         (["solve", "--no\nsense"], ["unrecognized arguments"]),
         (["solve", "--jsn"], ['did you mean "--json"', "tactgen solve --help"]),
         (["solve", "--accuracy", "2e-5"], ['did you mean "--set accuracy=…"']),
         (["solve", "--piezo.d31=-180"], ['did you mean "--set piezo.d31=…"']),
-        (["plan", "--set", "gap=-1mm"], ["gap", "greater than 0"]),
         (["report", "--out", "/proc/nowhere"], ["/proc/nowhere", "cannot be written"]),
         (["export", "--step", "/nowhere/x.step"], ["/nowhere/x.step", "cannot be written"]),
         (
@@ -160,9 +136,6 @@ def test_no_half_a_document(refused, command):
         (["init", ""], ["FILE.toml is empty"]),
         (["init", "-"], ['FILE.toml = "-"', "name one"]),
         (["export", "--step", ""], ["--step is empty"]),
-        (["export", "--state-space", " "], ["--state-space is empty"]),
-        (["report", "--model", ""], ["--model is empty"]),
-        (["report", "--model", "tnm"], ['did you mean "tmm"']),
         (["report", "--out", ""], ["--out is empty"]),
         (
             ["report", "--set", "quantities=magnetic_force"],
@@ -236,7 +209,6 @@ LENGTHS = ["whatif", "prototype", "--vary", "bimorph.length=14mm:16mm:2"]
             ["design", "paper", *GOAL, "--vary", "bimorph.length=normal(20mm,1mm)"],
             ["bimorph.length=normal(20mm,1mm)"],
         ),
-        (["design", "paper", *GOAL, "--vary", "modes=2:5"], ["modes", "is not a range to search"]),
         (
             ["solve", "reluctance", "--set", "sleeve.collar_thickness=2mm",
              "--set", "sleeve.collar_radius=0.8mm"],
@@ -261,11 +233,8 @@ def test_what_does_not_go_together(refused, tmp_path, arguments, words):
     [
         (["--vary", "bimorph.length=14mm,22mm", *GOAL], "is not a range to search"),
         (["--vary", "bimorph.length=22mm:14mm", *GOAL], "runs backwards"),
-        (["--vary", "load.kind=none,finger", *GOAL], "is not a range to search"),
         (["--vary", "bimorph.length=14mm:22mm:5", *GOAL], "is not a range to search"),
-        ([*LENGTH, "--vary", "bimorph.width=1mm:2mm:3", *GOAL], 'width=1mm:2mm:3" is not a range'),
         ([*LENGTH, "--vary", "bimorph.width_profile=0 mm:2 mm", *GOAL], "is not a range to search"),
-        (["--vary", "bimorph.lenght=14mm:22mm", *GOAL], 'did you mean "bimorph.length"'),
         ([*LENGTH, *GOAL, "--band", "10:100"], "--band is of the length"),
         ([*LENGTH, *GOAL, "--aim", "minimise capacitance_free"], "two goals cannot both be best"),
         ([*LENGTH, *GOAL, "--model", "tmm", "--model", "beam"], "name one --model"),
@@ -286,15 +255,12 @@ def test_design_of_any_keys(refused, arguments, message):
     [
         (["--margin", "x"], '--margin "x" is not a number'),
         (["--margin", "-1"], "margin = -1 is not a factor above 0"),
-        (["--margin", "nan"], '--margin "nan" is not a number'),
         (["--band", "10"], '--band "10" is not LOW:HIGH'),
-        (["--band", "10:100:1000"], "is not LOW:HIGH"),
         (["--band", "5:1000"], "reaches beyond the detection threshold"),
         (["--band", "500:20"], "does not rise"),
         (["--band", "10:nan"], '--band = "10:nan" has "nan"'),
         (["--plot", ""], "--plot is empty"),
         (["--lengths", "20:40mm"], 'lengths: "20" has no unit'),
-        (["--lengths", "20mm:40kg"], "which is not a length"),
         (["--lengths", "40mm:20mm"], "must rise and start above 0 mm"),
         (["--lengths", "-1mm:20mm"], "must be greater than 0 mm"),
         (["--aim", "longest"], '--aim "longest" is neither shortest nor margin'),
@@ -313,7 +279,6 @@ def test_design_of_any_keys(refused, arguments, message):
             "bimorph.width_profile is stated for 20 mm",
         ),
         (["--set", "drive.voltage=0V"], "drive.voltage or piezo.d31 is 0"),
-        (["nowhere"], "nowhere"),
     ],
 )
 def test_design(refused, arguments, message):
@@ -330,7 +295,6 @@ def test_design(refused, arguments, message):
     [
         (["nowhere.csv"], ["nowhere.csv cannot be read", "no such file"]),
         ([], ["MEASURED.csv", "--help"]),
-        (["SWEEP", "prototyp"], ["neither a readable file nor a built-in scene"]),
         (["SWEEP", "--fit", "c_q"], ['"c_q" is not a scene key', 'did you mean "c_s"']),
         (["SWEEP", "--fit", "c_s=5"], ["has no unit"]),
         (["SWEEP", "--set", "support.kind=clamped"], ["has no effect", "support.kind"]),
@@ -347,22 +311,9 @@ def test_identify(refused, arguments, words):
     assert all(word in error for word in words), error
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (
-            "frequency (Hz),speed (mm/s)\n10,1\n",
-            ["line 1", "frequency, speed", "no measured curve"],
-        ),
-        ("frequency (Hz),velocity\n10,1\n", ['"velocity" has no unit']),
-        ("frequency (Hz),velocity (mm/s)\n10,nan\n20,1\n", ["line 2", '"nan"']),
-        ("frequency (Hz),velocity (mm/s)\n20,1\n10,1\n", ["line 3", "sort"]),
-        ("frequency (Hz),velocity (mm/s)\n10,1\n20,1\n", ["holds 2 points", "at least 5"]),
-        ("", ["is empty"]),
-    ],
-)
-def test_measured_data(refused, tmp_path, text, words):
+def test_measured_data(refused, tmp_path):
     """The measurement's own faults, with the name of its file."""
+    text = "frequency (Hz),velocity (mm/s)\n10,nan\n20,1\n"
     (tmp_path / "sweep.csv").write_text(text, encoding="utf-8")
     error = refused("identify", "SWEEP")
-    assert all(word in error for word in ["sweep.csv", *words]), error
+    assert all(word in error for word in ["sweep.csv", "line 2", '"nan"']), error

@@ -7,26 +7,15 @@ from types import SimpleNamespace as Stub
 import numpy as np
 import pytest
 
-from tactgen.fem.elements.skfem_mesh import ElementTetEdge2
-from tactgen.fem.magnetics.error_estimate import two_orders
-from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.cad import solids
 from tactgen.geometry.cad.tessellation import Plane
-from tactgen.geometry.device.parameters import Beam, Device
+from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError, MeshError
-from tactgen.geometry.meshing.tetwild import conform
 from tactgen.geometry.meshing.tetwild import conform as snapping
-from tactgen.geometry.store import values as sources
-from tactgen.tmm.beam import modes, port_quantities
-from tactgen.tmm.beam.sections import section
 from tactgen.tmm.generator.equilibrium import resting_places
 from tactgen.tmm.generator.transient import time_integration as passes
 from tactgen.tmm.harmonic_balance import continuation
-from tactgen.tmm.harmonic_balance import steady as free_oscillation
 from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
-from tactgen.tmm.reluctance import flux_ladder
-from tactgen.validation.evidence.peers import sfepy
 from tactgen.validation.models import backbone
 from tactgen.validation.models import backbone as deflection
 from tactgen.validation.models import backbone as held_head
@@ -50,10 +39,6 @@ FAILED = Stub(rows=[(None, "tmm", Stub(status="failed"))])
     ("what", "error", "words"),
     [
         (
-            lambda: conform._pieces("floor", Stub(plane=None, regions=()), Stub(faces=())),
-            MeshError, "the face floor is not in the CAD model",
-        ),
-        (
             lambda: snapping.snapped(
                 np.zeros((1, 3)), np.array([0]), np.array([0]),
                 [Plane((0.0, 0.0, 1.0), 1.0)], 0.5,
@@ -64,29 +49,12 @@ FAILED = Stub(rows=[(None, "tmm", Stub(status="failed"))])
             lambda: solids._only_solid(Stub(Solids=lambda: [1, 2])),
             InputError, "falls into 2 pieces",
         ),
-        (lambda: two_orders(Device(), 2e-4, 1, 1.0, 0.06), InputError, "order = 1 leaves none"),
-        (lambda: sfepy.run({"kind": "tetra"}), InputError, "no tetrahedra by itself; ask it for"),
-        (lambda: sources._place("nowhere"), LookupError, "package nowhere has no folder"),
         (lambda: resting_places(UPWARD, 0.05), InputError, "nowhere between its stops at coil"),
-        (
-            lambda: continuation._solved_tangent(np.zeros((3, 3))),
-            NoConvergence, "no tangent",
-        ),
-        (
-            lambda: flux_ladder._tridiagonal(-np.ones((1, 2)), np.zeros((1, 1)), np.ones((1, 2))),
-            ArithmeticError, "no minimum",
-        ),
         (
             lambda: spread(scene("display", "spring.stiffness=0 N/m"), None),
             InputError, "give the spring a stiffness",
         ),
         (lambda: study_picture(FAILED), InputError, "nothing to draw"),
-        (
-            lambda: section(
-                Stub(section="bond", layers=lambda *_: None), Device(), None, lossy=False
-            ),
-            ValueError, "a bond is no beam",
-        ),
         (
             lambda: passes.Marcher._keep(
                 Stub(_system=Stub(coil=Stub(largest_current=1.0, gaps=(1e-4, 2e-4)))),
@@ -101,32 +69,12 @@ FAILED = Stub(rows=[(None, "tmm", Stub(status="failed"))])
             ),
             MeshError, "belongs to faces that do not meet; choose a smaller edge length",
         ),
-        (lambda: ElementTetEdge2().lbasis(np.zeros((3, 1)), 14), ValueError, "Index larger"),
     ],
 )  # fmt: skip
 def test_each_is_said(what, error, words):
     """The sentence names what is wrong."""
     with pytest.raises(error, match=words):
         what()
-
-
-def test_searches_that_do_not_end_say_so(monkeypatch):
-    """The number of natural frequencies, the first of them, and a free oscillation's frequency."""
-    beam = section(Piece("bimorph", 20e-3), Device(), Beam(), lossy=False)
-    monkeypatch.setattr(modes, "_WHOLE", 0.0)
-    with pytest.raises(ArithmeticError, match="cannot be counted"):
-        modes.bending_frequencies([(beam, 20e-3)], Ends(), 1, open_circuit=False)
-    monkeypatch.setattr(port_quantities, "_MOST_STEPS", 0)
-    actuator, values, start = Stub(), {}, np.ones(1)
-    monkeypatch.setattr(port_quantities, "terminated", lambda *_, **__: None)
-    monkeypatch.setattr(port_quantities, "hold", lambda *_: None)
-    monkeypatch.setattr(port_quantities, "symmetric_form", lambda _: np.eye(2)[None])
-    with pytest.raises(ArithmeticError, match="first natural frequency did not converge"):
-        port_quantities.first_frequency(actuator, values, start, open_circuit=False)
-    monkeypatch.setattr(free_oscillation, "converge", lambda evaluate, start, *_: evaluate(-start))
-    guess = Orbit(1.0, 0.0, np.ones((4, 1), dtype=complex))
-    with pytest.raises(NoConvergence, match="free oscillation became negative"):
-        free_oscillation._solved(Stub(size=1, scales=np.ones(1)), 1.0, guess)
 
 
 def test_a_cluster_that_is_lost(monkeypatch):

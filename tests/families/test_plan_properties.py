@@ -99,4 +99,3 @@ def test_a_key_is_new_where_something_that_is_read_is(name, change):
             assert new, (stage, change)
         if new:
             assert reading or "models" in entries, (stage, change)
-    assert stage_keys(stage_reads(), load_scene(name)[0]) == before

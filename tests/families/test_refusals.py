@@ -2,14 +2,12 @@
 
 import itertools
 from dataclasses import dataclass
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy import sparse
 
-from tactgen.fem.elements.skfem_mesh import _facets
 from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.fem.solvers.newton import Factors, minimise
 from tactgen.geometry.bimorph.tets import _refuse_too_thin
@@ -17,11 +15,8 @@ from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.mesh import check_areas, check_volumes
 from tactgen.geometry.store.values import from_bytes, storable, to_bytes
 from tactgen.tmm.generator.transient import step as newton
-from tactgen.validation.command_line.streams import _plainly
 from tactgen.validation.engine import comparison as ladder
-from tactgen.validation.show import browser
 from tactgen.validation.studies import measured_data
-from tactgen.validation.studies.simulate import _film
 
 #: A straight tetrahedron of ten nodes, its volume 1/6 and its slanted face.
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -67,15 +62,6 @@ def test_features_too_thin_to_mesh():
     _refuse_too_thin(device, 1.0)
     with pytest.raises(MeshError, match=r"thinnest feature, 1e-06 um, .* device of 5 mm"):
         _refuse_too_thin(device, 1e-9)
-
-
-def test_a_named_face_that_no_cell_has():
-    """Faces are found by their corners, whatever their order."""
-    mesh = SimpleNamespace(facets=np.array([[0, 0, 0, 1], [1, 1, 2, 2], [2, 3, 3, 3]]))
-    assert _facets(mesh, np.array([[3, 1, 0], [2, 1, 3]])).tolist() == [1, 3]
-    assert _facets(mesh, np.zeros((0, 3), dtype=int)).tolist() == []
-    with pytest.raises(ValueError, match="not a face of the mesh"):
-        _facets(mesh, np.array([[0, 1, 1]]))
 
 
 def test_values_that_cannot_be_stored_or_hold_more_than_was():
@@ -127,33 +113,6 @@ def test_a_measured_curve_of_too_many_points(tmp_path, monkeypatch):
     monkeypatch.setattr(measured_data, "_MOST", 5)
     with pytest.raises(InputError, match="holds 6 points; thin it to at most 5"):
         measured_data.read_measured(path)
-
-
-def test_a_run_whose_phases_have_other_names():
-    """They are read by their place."""
-    with pytest.raises(ValueError, match="other names"):
-        _film(SimpleNamespace(phases=b"up down", variables={}))
-
-
-def test_only_what_cannot_be_written_is_written_otherwise():
-    """An error of reading is none of the stream's."""
-    with pytest.raises(UnicodeDecodeError):
-        _plainly(UnicodeDecodeError("utf-8", b"\xff", 0, 1, "no start"))
-
-
-@pytest.mark.parametrize(("code", "written"), [(1, b"pdf"), (0, None), (0, b"")])
-def test_a_page_that_the_browser_did_not_print(tmp_path, monkeypatch, code, written):
-    """It says that it failed, writes nothing, or writes an empty file."""
-    target = tmp_path / "page.pdf"
-
-    def run(*_):
-        if written is not None:
-            target.write_bytes(written)
-        return SimpleNamespace(returncode=code)
-
-    monkeypatch.setattr(browser, "run_browser", run)
-    with pytest.raises(InputError, match="did not print"):
-        browser.print_pdf("browser", Path("page.html"), target)
 
 
 def test_a_judge_that_takes_no_scene_and_has_none_in_its_place(monkeypatch):
