@@ -17,8 +17,6 @@ from tactgen.tmm.generator.transient import time_integration as passes
 from tactgen.tmm.harmonic_balance import continuation
 from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
 from tactgen.validation.models import backbone
-from tactgen.validation.models import backbone as deflection
-from tactgen.validation.models import backbone as held_head
 from tactgen.validation.models.display import spread
 from tactgen.validation.scene import files as frequencies
 from tactgen.validation.scene.scene import load_scene
@@ -129,15 +127,15 @@ def test_orbits_that_are_lost_are_refused(monkeypatch):
     with pytest.raises(InputError, match=r"--voltage 5 V no response was found .* lost"):
         backbone.response_branch(head, 5.0, (10.0, 20.0))
     rest = Stub(with_harmonics=lambda _: Orbit(1.0, 0.0, np.zeros((2, 1))))
-    monkeypatch.setattr(deflection, "equilibrium", lambda _: rest)
+    monkeypatch.setattr(backbone, "equilibrium", lambda _: rest)
     for ended, level in (("lost", 5.0), ("", 4.0)):
         branch = Stub(ended=ended, orbits=[Stub(level=level)])
-        monkeypatch.setattr(deflection, "follow", lambda *_, found=branch, **__: found)
+        monkeypatch.setattr(backbone, "follow", lambda *_, found=branch, **__: found)
         with pytest.raises(InputError, match="cannot be followed up to 5 V"):
-            deflection._raised(head, 100.0, 5.0)
-    monkeypatch.setattr(held_head, "resting_place", lambda *_: Stub(kind="floating"))
+            backbone._raised(head, 100.0, 5.0)
+    monkeypatch.setattr(backbone, "resting_place", lambda *_: Stub(kind="floating"))
     with pytest.raises(InputError, match="leaves the rod between its stops"):
-        held_head.held_head(scene("generator"))
+        backbone.held_head(scene("generator"))
 
 
 def test_a_list_of_very_many_frequencies(monkeypatch):

@@ -1,7 +1,4 @@
-"""Verdicts at their thresholds, for any numbers: what the bars or a tolerance reach, no more.
-
-And none gets worse by a wider bar: who tells more of an error is never punished for it.
-"""
+"""Verdicts at their thresholds, for any numbers: what the bars or a tolerance reach, no more."""
 
 import math
 from dataclasses import replace
@@ -13,7 +10,7 @@ from hypothesis import strategies as st
 
 from tactgen.validation.engine.comparison import compare
 from tactgen.validation.evidence.case import Check, judged
-from tactgen.validation.evidence.coverage import PROMISED, Judged, rows
+from tactgen.validation.evidence.coverage import Judged
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.whatif.compare import Number, _beyond
@@ -28,17 +25,10 @@ SCENE = load_scene("paper")[0]
 def cell(value, bar, reference, reference_bar):
     """Return what is said of a value of tmm beside a reference of solid."""
     found = [
-        Quantity(
-            name="static_tip_displacement",
-            model=m,
-            value=np.asarray(v),
-            unit="m",
-            error=np.asarray(b),
-            method="",
-            seconds=0.0,
-        )
+        Quantity(name="static_tip_displacement", model=m, unit="m", value=np.asarray(v),
+                 error=np.asarray(b))
         for m, v, b in (("tmm", value, bar), ("solid", reference, reference_bar))
-    ]
+    ]  # fmt: skip
     (row,) = compare(SCENE, found, "bimorph")
     return row.cells[0].verdict
 
@@ -54,13 +44,6 @@ def test_models_agree_as_far_as_both_bars_reach(reference, bar, other, aside, up
     for first, second in ((bar, other), (other, bar)):
         assert cell(near, first * size, reference, second * size) == "agrees"
         assert cell(far, first * size, reference, second * size) != "agrees"
-
-
-@given(value=VALUES, reference=VALUES, bar=SHARES, wider=st.floats(1.0, 100.0))
-def test_a_wider_bar_never_ends_an_agreement(value, reference, bar, wider):
-    """And what wide bars do not cover narrow ones do not."""
-    narrow, wide = (cell(value, b * abs(value), reference, 0.0) for b in (bar, bar * wider))
-    assert (narrow, wide) != ("agrees", "model form")
 
 
 @given(first=VALUES, bar=SHARES, other=SHARES, aside=ASIDE)
@@ -110,24 +93,8 @@ def test_an_explanation_holds_for_the_deviation_it_was_written_for(known, moved,
     assert inside.status == "explained"
     outside = judged(check, 1.0 + known + sign * may * (1.001 + moved))
     assert outside.status == "fail"
+    assert judged(check, math.nan).status == "fail"
     assert judged(replace(check, explained=""), 1.0 + known).status == "fail"
-
-
-@given(count=st.integers(1, 400), data=st.data())
-def test_coverage_is_called_too_narrow_by_the_odds_only(count, data):
-    """What keeps the promise holds, one more inside never hurts, and half outside never holds."""
-    inside = data.draw(st.integers(0, count))
-
-    def holds(number):
-        answers = [Judged("", "a", 2.0 * (k >= number), 1.0) for k in range(count)]
-        (found,) = rows(answers)
-        assert (found.inside, found.count) == (number, count)
-        return found.holds
-
-    assert holds(math.ceil(PROMISED * count))
-    assert not holds(inside) or holds(min(inside + 1, count))
-    if count >= 4:
-        assert not holds(count // 2)
 
 
 @pytest.mark.parametrize(("error", "bar", "within"), [(1.0, 1.0, True), (1.0, 0.999, False)])

@@ -11,16 +11,11 @@ from tactgen.validation.scene.scene import load_scene
 
 
 def quantity(name, model, value, error=0.0):
+    frequency = (10.0, 20.0) if np.ndim(value) else None
     return Quantity(
-        name=name,
-        model=model,
-        value=np.asarray(value),
-        unit="m",
-        error=np.asarray(error),
-        method="",
-        seconds=0.0,
-        frequency=(10.0, 20.0) if np.ndim(value) else None,
-    )
+        name=name, model=model, unit="m", value=np.asarray(value), error=np.asarray(error),
+        frequency=frequency,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("name", ["static_tip_displacement", "tip_displacement"])

@@ -177,11 +177,6 @@ def timing(case="J1", own=True, seconds=1.0, error=1e-3, path="ours"):
     return solid.timing_of(path, "1", case, 10, {"mesh": seconds}, errors, own=own)
 
 
-def test_rows_are_complete():
-    """Both jobs fill the same columns."""
-    assert timing("J1").values.keys() == timing("J2").values.keys()
-
-
 def test_capacitance_is_shown_but_not_judged():
     """The requirement speaks of deflection and natural frequencies."""
     errors = {**dict.fromkeys(solid.VALUES, 1e-3), "capacitance": 1.0}
@@ -203,12 +198,6 @@ def test_targets():
     assert (sweep.measured, sweep.met) == (pytest.approx(80.0), True)
 
 
-def test_sweep_target_counts_where_ours_is_worst():
-    """An error that we do not reach counts as no advantage at all."""
-    rows = [timing("J2", error=1e-2), timing("J2", own=False, seconds=99.0, error=1e-3)]
-    assert solid.targets_of(rows)[-1].measured == 0.0
-
-
 def test_far_targets_are_not_met():
     """Neither a time nor a ratio is made up from a curve that ends too early."""
     first, second, ratio, _ = solid.targets_of(
@@ -217,6 +206,8 @@ def test_far_targets_are_not_met():
     assert first.measured == second.measured == math.inf
     assert math.isnan(ratio.measured)
     assert not any(target.met for target in (first, second, ratio))
+    rows = [timing("J2", error=1e-2), timing("J2", own=False, seconds=99.0, error=1e-3)]
+    assert solid.targets_of(rows)[-1].measured == 0.0  # an error that we do not reach
 
 
 def test_sample_has_the_steepest_places():

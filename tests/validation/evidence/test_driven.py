@@ -38,15 +38,7 @@ def test_slow_motion_is_the_derivative_of_rest():
 
 
 def quantity(values, bars):
-    return Quantity(
-        name="x",
-        model="m",
-        value=np.array(values),
-        unit="1",
-        error=np.array(bars),
-        method="",
-        seconds=0.0,
-    )
+    return Quantity(name="x", model="m", unit="1", value=np.array(values), error=np.array(bars))
 
 
 def test_the_worst_entry_is_that_beyond_its_bar():

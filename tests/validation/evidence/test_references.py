@@ -1,13 +1,14 @@
-"""The references of the cases, computed once more from their own formulas."""
+"""The references of the cases, computed once more from their own formulas.
 
-import itertools
+Those are left out that a light row's solver meets to 1e-5 and closer: it shares nothing with them.
+"""
+
 import math
 
 import mpmath as mp
 import numpy as np
 import pytest
 from scipy.linalg import eigh
-from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from tactgen.geometry.device.magnetisation import MU0, TEAM20
@@ -50,60 +51,11 @@ def test_shear_beam():
     assert printed != pytest.approx(3 * first, rel=5e-4)
 
 
-def test_two_layers():
-    """VM144: strip theory, [N, M] = [[A, B], [B, D]] [strain, curvature] about the lower face."""
-    edges, moduli, free = [0.0, 0.2, 0.3], [1.2e6, 0.4e6], [1.8e-2, 0.6e-2]
-    a, b, d = (
-        sum(m * (edges[i + 1] ** n - edges[i] ** n) / n for i, m in enumerate(moduli))
-        for n in (1, 2, 3)
-    )
-    force, moment = (
-        sum(m * s * (edges[i + 1] ** n - edges[i] ** n) / n for i, (m, s) in
-            enumerate(zip(moduli, free, strict=True)))
-        for n in (1, 2)
-    )  # fmt: skip
-    strain, curvature = np.linalg.solve([[a, b], [b, d]], [force, moment + 20.0])
-    upper, lower = 0.4e6 * (strain + 0.3 * curvature - 0.6e-2), 1.2e6 * (strain - 1.8e-2)
-    exact = [-curvature * 32.0, upper, lower]
-    assert references(laminates, "VM144") == pytest.approx(exact, rel=1e-12)
-    assert [round(exact[0], 3), round(upper), round(lower)] == [0.832, 2258, 1731]  # as printed
-
-
-def test_seven_layers():
-    """NAFEMS R0031/1: laminate theory without shear is below the printed deflection, by shear."""
-    minor = 0.4 * 5 / 100
-    stiff, soft, coupled = (e * 1e9 / (1 - 0.4 * minor) for e in (100.0, 5.0, 2.0))
-    d = np.zeros((2, 2))
-    edges = np.cumsum([-0.5, 0.1, 0.1, 0.1, 0.4, 0.1, 0.1, 0.1]) * 1e-3
-    for i, (low, high) in enumerate(itertools.pairwise(edges)):
-        along, across = (stiff, soft) if i % 2 == 0 else (soft, stiff)
-        d += np.array([[along, coupled], [coupled, across]]) * (high**3 - low**3) / 3
-    # 10 N/mm on a span of 30 mm, free to curve across
-    bent = 1e4 * 30e-3**3 / 48 * np.linalg.inv(d)[0, 0]
-    assert 1.0 < -references(elastic, "R0031")[0] / bent < 1.1
-
-
 def test_ideal_gap():
     """Pull k (g0 − g) balances most at g = 2/3 g0: I² = 8 k g0³ / (27 µ0 N² A)."""
     current, travel = references(iron, "SNAP")
     assert current**2 == pytest.approx(8 * 100 * 0.2e-3**3 / (27 * MU0 * 500**2 * 4e-6), rel=1e-8)
     assert travel == pytest.approx(0.2e-3 / 3)
-
-
-def test_driven_deep_beam():
-    """NAFEMS 5H: the sum over a Timoshenko beam's modes is within 0.3 % of the printed peak."""
-    poisson, omega = 0.3, 2 * math.pi * 42.65
-    modulus = 200e9 * (1 + 0.04j)
-    shear = 10 * 1.3 / (12 + 11 * poisson) * modulus / 2.6 * 4.0
-    total = 0.0
-    for n in range(1, 60, 2):
-        k = n * math.pi / 10.0
-        turning = modulus * 16 / 12 * k**2 + shear - 8000 * 16 / 12 * omega**2
-        matrix = [[shear * k**2 - 32000 * omega**2, shear * k], [shear * k, turning]]
-        part = np.linalg.solve(np.array(matrix), [4e6 / (math.pi * n), 0.0])[0]
-        total += part * math.sin(n * math.pi / 2)
-    moved = references(beams, "P5H")[0]
-    assert abs(total) == pytest.approx(moved, rel=3e-3)  # NAFEMS damps each mode alike
 
 
 @pytest.mark.parametrize(
@@ -122,11 +74,10 @@ def test_cylindrical_bending(case, thickness):
     assert natural_frequency(exact, free, grounded=(False, False)) == pytest.approx(free, rel=1e-9)
 
 
-@pytest.mark.parametrize(("case", "thickness"), [("CYL4", 0.385e-3), ("CYL5", 2.5e-3)])
-def test_driven_cylindrical_bending(case, thickness):
+def test_driven_cylindrical_bending():
     """The state at the lower face with a wave of 1 V on the upper one: [.., w, .., D] there."""
-    low, _ = static_state(bimorph(thickness), pressure=(0.0, 0.0), faces=(0.0, 1.0))
-    assert [float(low[1]), float(low[5])] == pytest.approx(references(laminates, case), rel=1e-12)
+    low, _ = static_state(bimorph(2.5e-3), pressure=(0.0, 0.0), faces=(0.0, 1.0))
+    assert [float(low[1]), float(low[5])] == pytest.approx(references(laminates, "CYL5"), rel=1e-12)
 
 
 def test_pagano():
@@ -140,21 +91,6 @@ def test_pagano():
         found.append(float(100 * (half.transfer(0) * low)[1]) / slenderness**4)
     assert found == pytest.approx(references(laminates, "PAG"), rel=1e-12)
     assert [round(v, 3) for v in found[:2]] == [2.887, 0.932]
-
-
-@pytest.mark.parametrize("ratio", [1.0, 0.25, 0.1, 0.01])
-def test_tip_mass(ratio):
-    """Roots of the frequency equation; the root spring's are those of the inverse ratio."""
-    masses, springs = references(beams, "MASS"), references(beams, "ROOT")
-    known = {1.0: masses[:3], 0.25: masses[3:], 0.1: springs[1:2], 0.01: springs[2:]}[ratio]
-    assert springs[0] == masses[0]
-    for value in known:
-        root = mp.findroot(
-            lambda x: 1 + mp.cos(x) * mp.cosh(x)
-            - ratio * x * (mp.sin(x) * mp.cosh(x) - mp.cos(x) * mp.sinh(x)),
-            value,
-        )  # fmt: skip
-        assert float(root) == pytest.approx(value, rel=1e-11)
 
 
 def test_wedge():
@@ -182,23 +118,6 @@ def test_breadth():
 
     for value in references(beams, "BREADTH"):
         assert float(mp.findroot(determinant, value)) == pytest.approx(value, rel=2e-9)
-
-
-def test_clamped_deep_beam():
-    """FV5-3 to -5: Timoshenko's equations as a matrix exponential; no moment, no shear at 10 m."""
-    bending, shear = 200e9 * 16 / 12, 10 * 1.3 / (12 + 11 * 0.3) * 200e9 / 2.6 * 4
-
-    def at_tip(frequency):
-        square = (2 * mp.pi * frequency) ** 2
-        rates = mp.matrix(4, 4)  # of [w, ψ, M/EI, Q/EI]
-        rates[0, 1], rates[0, 3], rates[1, 2] = 1, bending / shear, 1
-        rates[2, 1], rates[2, 3] = -8000 * 16 / 12 * square / bending, -1
-        rates[3, 0] = -32000 * square / bending
-        found = mp.expm(10 * rates)
-        return found[2, 2] * found[3, 3] - found[2, 3] * found[3, 2]
-
-    for value in references(beams, "FV5")[2:]:
-        assert float(mp.findroot(at_tip, value)) == pytest.approx(value, rel=4e-9)
 
 
 def thin_plate(clamped, terms):
@@ -253,63 +172,6 @@ def test_supported_plate():
         with mp.workdps(40):
             exact = mp.findroot(lamb, (value * (1 - 1e-4), value * (1 + 1e-4)))
         assert float(exact) == pytest.approx(value, rel=2e-8)
-
-
-def test_smits_under_pressure():
-    """SMITSP: moments of the load, and of a volt, integrated along Bernoulli's beam."""
-    length, width, h, modulus, d31 = 20e-3, 2.1e-3, 0.26e-3, 1 / 16.4e-12, -171e-12
-    stiffness = modulus * width * (2 * h) ** 3 / 12
-    lost = np.polynomial.Polynomial([length, -1.0])  # what of the beam is beyond a station
-    slope = (0.5 * width * lost**2 / stiffness).integ()
-    bend = slope.integ()
-    volt = np.polynomial.Polynomial([-modulus * d31 * width * h**2 / (2 * h) / stiffness]).integ(2)
-    exact = [
-        bend(length),
-        slope(length),
-        width * bend.integ()(length),
-        width * volt.integ()(length),
-    ]
-    assert references(laminates, "SMITSP") == pytest.approx(exact, rel=1e-12)
-
-
-def test_smits():
-    """The entries without pressure in closed form for two layers of thickness h in series."""
-    length, width, h = 20e-3, 2.1e-3, 0.26e-3
-    s11, d31, eps = 16.4e-12, -171e-12, 1700 * EPS0
-    k2 = d31**2 / (s11 * eps)
-    exact = [
-        -3 * d31 * length**2 / (8 * h**2),
-        s11 * length**3 / (2 * width * h**3),
-        3 * s11 * length / (2 * width * h**3),
-        eps * (1 - k2 / 4) * width * length / (2 * h),
-        3 * s11 * length**2 / (4 * width * h**3),
-        -3 * d31 * length / (4 * h**2),
-        3 * s11 * length**2 / (4 * width * h**3),
-    ]
-    assert references(beams, "SMITS") == pytest.approx(exact, rel=1e-8)
-
-
-def plate_constants(shear):
-    """Return coupling factor, f_p and f_s (Hz) of the 1 mm PZT-5A plate by IEEE 176."""
-    ceramic = LIBRARY["PZT-5A"]
-    tensors = ceramic.tensors(lossy=False)
-    c, e, eps = (
-        (tensors.c[4, 4], tensors.e[2, 4], tensors.eps[2, 2])
-        if shear
-        else (tensors.c[0, 0], tensors.e[0, 0], tensors.eps[0, 0])
-    )
-    stiffened = c + e**2 / eps
-    k2 = e**2 / (eps * stiffened)
-    parallel = math.sqrt(stiffened / ceramic.density) / (2.0 * 1e-3)
-    phase = brentq(lambda q: q / math.tan(q) - k2, 1e-3, 0.5 * math.pi, xtol=1e-15)
-    return math.sqrt(k2), parallel, 2.0 * parallel * phase / math.pi
-
-
-@pytest.mark.parametrize(("case", "shear"), [("TE", False), ("TS", True)])
-def test_plates(case, shear):
-    """IEEE 176 with the library's constants; coupling factor last."""
-    coupling, parallel, series = plate_constants(shear)
-    assert references(resonators, case) == pytest.approx([parallel, series, coupling], rel=1e-10)
 
 
 def test_bars():
@@ -382,22 +244,6 @@ def test_loops():
     shares = np.array([1.0, 4.0, 1.0]) / 6.0
     exact = [np.einsum("abcd,a,b,c,d", f(a, b, d - zero), *[shares] * 4) for f in functions]
     assert references(coils, "LOOPS") == pytest.approx(exact, rel=1e-10)
-
-
-def test_image():
-    """IMAGE: the mean over both sections by Simpson's rule; the pull as the slope of the gain."""
-    points = np.linspace(-0.01, 0.01, 9)
-    shares = np.array([1, 4, 2, 4, 2, 4, 2, 4, 1]) / 24
-    radii = 0.2 + points
-
-    def gain(height):
-        a, b, low, high = np.meshgrid(radii, radii, points, points)
-        mutual = coils.mutual_inductance(a, b, 2 * height + high - low)
-        return 999 / 1001 * np.einsum("abcd,a,b,c,d", mutual, *[shares] * 4)
-
-    # energy i² L/2 at twice the speed of the image
-    pull = (gain(0.05 + 1e-5) - gain(0.05 - 1e-5)) / 4e-5
-    assert references(iron, "IMAGE") == pytest.approx([gain(0.05), pull], rel=1e-7)
 
 
 def test_saturated_ball():

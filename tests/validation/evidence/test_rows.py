@@ -8,7 +8,7 @@ import pytest
 
 from tactgen.geometry.bimorph import bricks as bimorph_bricks
 from tactgen.validation.evidence.case import Null, run_check
-from tactgen.validation.evidence.cases import actuator, bimorph, coils, iron, motion
+from tactgen.validation.evidence.cases import bimorph, iron, motion
 from tactgen.validation.evidence.mesh_levels import on_level
 from tactgen.validation.evidence.verification import GROUPS, ON_SCENES, group_cases, group_rows
 from tactgen.validation.models import transient
@@ -137,20 +137,6 @@ def test_coarser_levels_are_farther_from_the_answer(name):
         assert run.new is (below > 0)
     assert errors[0] < 0.3 * errors[1]
     assert counts[0] > counts[1]
-
-
-def test_references_of_the_coils_are_maxwells():
-    """The rows' references are the elliptic integrals with more Gauss points than it takes."""
-    mutual, slope = (
-        coils.between_windings(coils.LOW, coils.HIGH, function, points=16)
-        for function in (coils.mutual_inductance, coils.mutual_inductance_slope)
-    )
-    one, other = coils.CURRENTS
-    pull = pytest.approx(one * other * slope, rel=1e-12)
-    assert BY_ID["COI-1"].reference == pytest.approx(mutual, rel=1e-12)
-    assert BY_ID["COI-2"].reference == BY_ID["COI-3"].reference == pull
-    assert BY_ID["VM213-1"].reference == pytest.approx(actuator.COENERGY, rel=1e-15)
-    assert BY_ID["VM213-2"].reference == pytest.approx(actuator.ENERGY, rel=1e-15)
 
 
 @pytest.fixture
