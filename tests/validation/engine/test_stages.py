@@ -79,29 +79,6 @@ def test_the_same_again_is_read(name, overrides):
     assert set(ran) <= {"solid.modes_short", "solid.modes_open"}
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        "drive.voltage=7V",
-        "load.kind=spring_damper load.stiffness=900N/m load.damping=0.01N*s/m",
-        "support.kind=spring support.rotational_inertia=1e-9kg*m^2",
-    ],
-)  # fmt: skip
-def test_a_changed_load_support_or_voltage_solves_nothing(change):
-    """Neither mesh nor matrix: all of it is attached to what is kept."""
-    name, overrides = SCENES[1]
-    before = answers(name, *overrides)
-    ran = []
-    after = answers(name, *overrides, *change.split(), announce=ran.append)
-    assert set(ran) <= {"solid.modes_short", "solid.modes_open"}
-    changed = [
-        a["name"]
-        for a, b in zip(after["quantities"], before["quantities"], strict=True)
-        if a["value"] != b["value"]
-    ]
-    assert changed
-
-
 def test_answers_from_the_store_load_no_solver():
     """Neither sparse matrices nor elements nor mesher, in a process of its own."""
     for name, overrides in SCENES:

@@ -29,14 +29,11 @@ def row(found, family):
     return next(r for r in found.rows if r.family == family)
 
 
-@pytest.mark.parametrize(
-    "family",
-    ["frequency x length, lossy", "frequency x length, lossless", "static limit", "cut-off",
-     "thickness ratio", "section constants", "quality factor"],
-)  # fmt: skip
-def test_every_family_holds(found, family):
-    """1e-12 over the whole grid, with no exception."""
-    assert row(found, family).verdict == "holds"
+def test_every_family_holds(found):
+    """1e-12 over whole grids; joining n pieces costs n³ roundings at most."""
+    others = ("natural", "resonance", "long chain")  # of the first two below
+    assert {r.verdict for r in found.rows if not r.family.startswith(others)} == {"holds"}
+    assert row(found, "long chain").verdict != "fails"
 
 
 def test_natural_frequencies_from_slender_to_all_shear(found):
@@ -55,11 +52,6 @@ def test_into_a_resonance(found, family):
     assert judgement.verdict == "holds up to the condition limit"
     assert judgement.worst.error > 1e-6
     assert judgement.worst.condition > 1e12
-
-
-def test_chains_stay_within_their_condition(found):
-    """Joining n pieces costs n³ roundings at most."""
-    assert row(found, "long chain").verdict != "fails"
 
 
 def test_the_naive_formulas_fail(found):
