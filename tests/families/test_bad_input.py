@@ -95,10 +95,8 @@ def test_no_half_a_document(refused, command):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (
-            ["solve", "--frequency", "5000", "--quantity", "tip_velocity"],
-            ["5000 Hz", "10 to 1000 Hz"],
-        ),
+        (["solve", "--frequency", "5000", "--quantity", "tip_velocity"],
+         ["5000 Hz", "10 to 1000 Hz"]),
         (["solve", "papr"], ['did you mean "paper"']),
         (["solve", "--set", "bimorph.length"], ["KEY=VALUE"]),
         (["solve", "--set", "bimorph.length=25 kg"], ["bimorph.length", "not a length"]),
@@ -118,49 +116,31 @@ def test_no_half_a_document(refused, command):
         (["solve", "--accuracy", "2e-5"], ['did you mean "--set accuracy=…"']),
         (["solve", "--piezo.d31=-180"], ['did you mean "--set piezo.d31=…"']),
         (["report", "--out", "/proc/nowhere"], ["/proc/nowhere", "cannot be written"]),
-        (
-            ["solve", "--set", "support.rotational_stiffness=0 N*m/rad"],
-            ["support.rotational_stiffness = 0", "no value at 0 Hz"],
-        ),
-        (
-            ["design", "reluctance"],
-            ["models = network", "design is about the lateral", "models=tmm"],
-        ),
+        (["solve", "--set", "support.rotational_stiffness=0 N*m/rad"],
+         ["support.rotational_stiffness = 0", "no value at 0 Hz"]),
+        (["design", "reluctance"],
+         ["models = network", "design is about the lateral", "models=tmm"]),
         (["sensitivity", "reluctance", "--sobol"], ["--sobol is of the lateral", "remove it"]),
-        (
-            ["sensitivity", "--model", "network", "--quantity", "capacitance_free"],
-            ["capacitance_free", "is computed by"],
-        ),
+        (["sensitivity", "--model", "network", "--quantity", "capacitance_free"],
+         ["capacitance_free", "is computed by"]),
         (["init", ""], ["FILE.toml is empty"]),
         (["init", "-"], ['FILE.toml = "-"', "name one"]),
-        (
-            ["report", "--set", "quantities=magnetic_force"],
-            ["--set models=lumped,tmm,beam,solid,cad,network"],
-        ),
-        (
-            ["solve", "reluctance", "--set", "coil.turns=1e7"],
-            ["coil.turns", "must be from 1 to 1000000"],
-        ),
+        (["report", "--set", "quantities=magnetic_force"],
+         ["--set models=lumped,tmm,beam,solid,cad,network"]),
+        (["solve", "reluctance", "--set", "coil.turns=1e7"],
+         ["coil.turns", "must be from 1 to 1000000"]),
         (["init", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
-        (
-            ["simulate", "generator", "--voltage", "1 V sine 9 Hz", "--until", "-1ms"],
-            ["--until = -0.001 s is not between"],
-        ),
-        (
-            ["simulate", "generator", "--coil", "9 mA step at 50 ms", "--until", "30 ms"],
-            ["--coil starts at 50 ms and the run ends at 30 ms", "give a later --until"],
-        ),
+        (["simulate", "generator", "--voltage", "1 V sine 9 Hz", "--until", "-1ms"],
+         ["--until = -0.001 s is not between"]),
+        (["simulate", "generator", "--coil", "9 mA step at 50 ms", "--until", "30 ms"],
+         ["--coil starts at 50 ms and the run ends at 30 ms", "give a later --until"]),
         (["init", "own.yaml"], ["own.yaml must end in .toml", "name the file so"]),
-        (
-            ["solve", "--frequency", "10:2000:1"],
-            ["asks for 1 point between two ends", 'such as "10", or at least 2 points'],
-        ),
-        (
-            ["whatif", "--vary", "bimorph.length=20mm,21mm", "--seed", "1000000000"],
-            ['--seed "1000000000" is not a whole number from 0 to 999999999'],
-        ),
+        (["solve", "--frequency", "10:2000:1"],
+         ["asks for 1 point between two ends", 'such as "10", or at least 2 points']),
+        (["whatif", "--vary", "bimorph.length=20mm,21mm", "--seed", "1000000000"],
+         ['--seed "1000000000" is not a whole number from 0 to 999999999']),
     ],
-)
+)  # fmt: skip
 def test_arguments(refused, arguments, words):
     """What the options of solve, plan, report, export, sensitivity and init refuse."""
     error = refused(*arguments)
@@ -182,10 +162,8 @@ LENGTHS = ["whatif", "prototype", "--vary", "bimorph.length=14mm:16mm:2"]
              "minimise magnetic_force"],
             ["magnetic_force", "lumped do not give", "--model"],
         ),
-        (
-            ["whatif", "paper", "--vary", "load.mass=0mg:5mg:log", "--sample", "4"],
-            ["load.mass", "must begin above 0"],
-        ),
+        (["whatif", "paper", "--vary", "load.mass=0mg:5mg:log", "--sample", "4"],
+         ["load.mass", "must begin above 0"]),
         (["export", "paper", "--machine", "m.npz"], ["--machine", "set support.kind=contact"]),
         (
             ["export", "paper", "--state-space", "s.npz", "--set",
@@ -193,18 +171,12 @@ LENGTHS = ["whatif", "prototype", "--vary", "bimorph.length=14mm:16mm:2"]
             ["support.lateral_stiffness = 0 N/m", "clamped"],
         ),
         (["view", "--lengths", "14mm:20mm", "--png", "a.png"], ["--lengths", "--out FILE.html"]),
-        (
-            ["view", "--lengths", "14mm:20mm", "--model", "axisymmetric", "--out", "a.html"],
-            ["--lengths", "axisymmetric does not know"],
-        ),
-        (
-            ["view", "--lengths", "14mm:20mm", "--model", "cad", "--out", "a.html"],
-            ["--lengths", "a fast way to many lengths", "--model tmm"],
-        ),
-        (
-            ["design", "paper", *GOAL, "--vary", "bimorph.length=normal(20mm,1mm)"],
-            ["bimorph.length=normal(20mm,1mm)"],
-        ),
+        (["view", "--lengths", "14mm:20mm", "--model", "axisymmetric", "--out", "a.html"],
+         ["--lengths", "axisymmetric does not know"]),
+        (["view", "--lengths", "14mm:20mm", "--model", "cad", "--out", "a.html"],
+         ["--lengths", "a fast way to many lengths", "--model tmm"]),
+        (["design", "paper", *GOAL, "--vary", "bimorph.length=normal(20mm,1mm)"],
+         ["bimorph.length=normal(20mm,1mm)"]),
         (
             ["solve", "reluctance", "--set", "sleeve.collar_thickness=2mm",
              "--set", "sleeve.collar_radius=0.8mm"],
@@ -264,17 +236,13 @@ def test_design_of_any_keys(refused, arguments, message):
         (["--plot", "length.png"], "is not an SVG file"),
         (["--lengths", "1um:40mm"], "no beam; start at 0.77 mm or more"),
         (["--lengths", "1mm:1m"], "half waves at 1000 Hz"),
-        (
-            ["--set", "bimorph.bare_above=25mm", "--set", "bimorph.length=30mm"],
-            "leave no electrode beside",
-        ),
-        (
-            ["--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"],
-            "bimorph.width_profile is stated for 20 mm",
-        ),
+        (["--set", "bimorph.bare_above=25mm", "--set", "bimorph.length=30mm"],
+         "leave no electrode beside"),
+        (["--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"],
+         "bimorph.width_profile is stated for 20 mm"),
         (["--set", "drive.voltage=0V"], "drive.voltage or piezo.d31 is 0"),
     ],
-)
+)  # fmt: skip
 def test_design(refused, arguments, message):
     """What the options of design refuse."""
     # "--band=5:1000": argparse takes a value with a leading minus for an option otherwise

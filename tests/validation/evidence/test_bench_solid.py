@@ -79,13 +79,6 @@ def test_faces_of_the_grid(coarse):
     assert found == pytest.approx(wanted, rel=1e-12)
 
 
-def test_grid_is_graded(coarse):
-    """The first brick at the clamp is about as short as asked, no brick longer than allowed."""
-    z = np.unique(bricks(coarse).points[:, 2])
-    assert z[1] == pytest.approx(coarse["first"], rel=0.25)  # scaled so that all fits
-    assert np.diff(z).max() < 1.01 * coarse["longest"]
-
-
 def test_structured_tetrahedra_fill_the_bricks(coarse):
     """Six per brick, all positive, faces cut as the cells are."""
     mesh = meshes.structured_tetrahedra(coarse)

@@ -17,15 +17,15 @@ from tactgen.validation.models.transient import Phase
 CASES = {(group, case.id): case for group in GROUPS for case in group_cases(group)}
 ROWS = [row for case in CASES.values() for row in case.rows]
 BY_ID = {row.id: row for row in ROWS}
-#: Rows that take long and whose like stays: of job J1 the default mesh, force and flux linkage in
-#: another state, solenoids beside VM168's, loops beside COI's coils, iron around a hollow beside
-#: BALL's, a slot of another width, a plate on supports beside the clamped and the free one, a
-#: sheared patch beside TS and PVDF, bricks at rest beside those that are driven.
+#: Rows that take long and whose like stays: of job J1 the default mesh; another state, current,
+#: load or width of a slot; solenoids beside VM168's, loops beside COI's coils, iron around a hollow
+#: beside BALL's, a plate on supports beside the clamped and the free one, a sheared patch beside TS
+#: and PVDF, bricks at rest beside those that are driven.
 _LIKE = (
     "SOL-1", "SOL-2", "FORCE-2", "FORCE-3", "FORCE-D2", "FORCE-D3", "FORCE-D4", "NET-F2", "NET-L2",
     "NAGAOKA-1", "NAGAOKA-3", "NAGAOKA-5", "VM168-1", "LOOPS-1", "LOOPS-2", "SPHEROID-1", "SHELL-1",
     "CARTER-1", "CARTER-3", "CARTER-4", "P13H-1", "P13H-2", "P13H-3", "P13H-4", "P13H-5", "TOR-2",
-    "SHEAR-1", "MMSB-9", "MMSB-10",
+    "SHEAR-1", "MMSB-9", "MMSB-10", "ACT-F2", "ACT-L2", "MOT-14",
 )  # fmt: skip
 
 
