@@ -35,6 +35,7 @@ from tactgen.geometry.bimorph.segments import (
     bimorph_stack,
     listed_at,
     material_of,
+    stack,
 )
 from tactgen.geometry.device.laminate import Laminate, Layer
 from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim, Support
@@ -73,6 +74,12 @@ _ALIKE = 1.25
 _COUPLES_MORE = 1.15
 #: Least lever of the ceramics, see :func:`lever`: below it their motion is a small difference.
 _LEVER = 0.05
+#: Share of a range by which its rounded ends may be off.
+_ROUNDED = 1e-3
+#: Number of :func:`step_sizes`.
+STEP_SIZES = 7
+#: Share of the length below which a driven part begins at the clamp.
+_CLOSE = 0.02
 #: What the six factors act on, in order; see :class:`SectionFactors`.
 FACTORS = ("stiffness", "root", "shear", "coupling", "root_coupling", "capacitance")
 #: What an error is known of, in order: the tip's displacement per force and per voltage, the free
@@ -162,13 +169,40 @@ class Fit:
 
 
 @dataclass(frozen=True)
+class Widening:
+    """Factors on :data:`ERRORS`, at least 1, over a range of :func:`step_sizes`."""
+
+    low: Floats  #: (g,) Range of the sizes; those beyond count as its end
+    high: Floats
+    logarithms: Floats  #: (1 + g, 7) Of the factors: constant, and by size from −1 to 1
+
+    def terms(self, sizes: Floats) -> Floats:
+        """1 and sizes (..., 1 + g) over the range."""
+        unit = np.clip(self._unit(sizes), -1.0, 1.0)
+        return np.concatenate([np.ones_like(unit[..., :1]), unit], axis=-1)
+
+    def outside(self, sizes: Floats) -> bool:
+        """Whether one of the sizes (g,) that differ at all is beyond the range."""
+        beyond = (np.abs(self._unit(sizes)) > 1.0 + _ROUNDED) & (self.high > self.low)
+        return bool(beyond.any())
+
+    def _unit(self, sizes: Floats) -> Floats:
+        span = np.where(self.high > self.low, self.high - self.low, 1.0)
+        return np.asarray(2.0 * (sizes - self.low) / span - 1.0)
+
+    def __call__(self, sizes: Floats) -> Floats:
+        """Factors (..., 7) at sizes (..., g)."""
+        return np.asarray(np.maximum(np.exp(self.terms(sizes) @ self.logarithms), 1.0))
+
+
+@dataclass(frozen=True)
 class Calibration:
-    """A fit, and factors on its errors."""
+    """A fit, and what widens its errors."""
 
     fit: Fit
-    #: Factors (7,) on :data:`ERRORS` by property that the fit does not know, such as a tab, and of
-    #: ratios beyond its range; of others, such as a taper, no error is known
-    beyond: dict[str, list[float]]
+    #: By property that the fit does not know, such as a tab, and of ratios beyond its range; of
+    #: others, such as a taper, no error is known
+    beyond: dict[str, Widening]
 
 
 def calibration_from(record: dict[str, Any]) -> Calibration:
@@ -179,7 +213,11 @@ def calibration_from(record: dict[str, Any]) -> Calibration:
         Products(*(np.array(one[name]) for name in ("low", "high", "clamp"))),
         *(np.array(one[name]) for name in ("factors", "ratios", "errors")),
     )
-    return Calibration(fit, record["beyond"])
+    beyond = {
+        name: Widening(*(np.array(of[key]) for key in ("low", "high", "logarithms")))
+        for name, of in record["beyond"].items()
+    }
+    return Calibration(fit, beyond)
 
 
 @cache
@@ -255,13 +293,11 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
     stiffness, root, shear, coupling, root_coupling, capacitance = np.exp(
         theory.factors + terms @ fit.factors
     )
-    errors = fit.products.quadratic(at) @ fit.errors
+    errors = np.exp(fit.products.quadratic(at) @ fit.errors)
     outside = [group_names(simple)[i] for i in fit.products.outside(at)] + _proportions(simple)
+    widened, beyond = _widened(device, beam, known, outside)
     broad = simple.bimorph.width / simple.bimorph.length
     damping = DAMPING + _PER_WIDTH * min(broad, 1.0) + _PER_CORE * core_shear(simple)
-    unknown = (*properties(device), *(["range"] if outside else []))
-    unstated = [np.nan] * len(ERRORS)
-    widened = np.prod([known.beyond.get(name, unstated) for name in unknown], axis=0)
     own = section(Piece("bimorph", glued.bimorph.length), glued, beam, lossy=False)
     active = replace(whole, EI=whole.EI * stiffness, GA=whole.GA / shear)
     return SectionFactors(
@@ -272,10 +308,48 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
         * (free_capacitance(whole) / free_capacitance(own) if own.C else 1.0),
         root=float(root), root_coupling=float(root_coupling), root_length=near,
         knots=theory.frequencies, ratios=np.exp(theory.ratios + np.pad(further, (0, 2), "edge")),
-        errors=widened * np.exp(errors), lengthwise=lengthwise_modes(simple),
-        damping_error=min(damping, _LOST),
-        beyond=tuple(outside),
+        errors=widened * errors,
+        lengthwise=lengthwise_modes(simple), damping_error=min(damping, _LOST),
+        beyond=beyond,
     )  # fmt: skip
+
+
+def _widened(
+    device: Device, beam: Beam, known: Calibration, outside: Sequence[str]
+) -> tuple[Floats, tuple[str, ...]]:
+    """Factors (7,) on the errors by what the fit does not know, and what is outside of ranges."""
+    unknown = properties(device)
+    found = np.ones(len(ERRORS))
+    if not (unknown or outside):
+        return found, ()
+    sizes = step_sizes(device, beam)
+    if any(name in known.beyond and known.beyond[name].outside(sizes) for name in unknown):
+        outside = (*outside, "proportions of the pieces")
+    for name in (*unknown, *(["range"] if outside else [])):
+        found *= known.beyond[name](sizes) if name in known.beyond else np.nan
+    return found, tuple(outside)
+
+
+def step_sizes(device: Device, beam: Beam) -> Floats:
+    """Logarithms (7,) of the sizes that the errors of a row of several pieces go with.
+
+    Thickness and width over the length that the voltage drives; the thinnest and the softest piece
+    over the thickest and the stiffest; where the driven part begins, and its length, over that
+    of the whole; the lever of the ceramics.
+    """
+    row = beam_pieces(device, Support())
+    parts = [section(piece, device, beam, lossy=False) for piece in row]
+    length, bending = np.array([(p.length, s.EI) for p, s in zip(row, parts, strict=True)]).T
+    thickness = np.array([sum(of.thickness for of in stack(piece, device)) for piece in row])
+    driven = np.array([p.electrode and s.K != 0.0 for p, s in zip(row, parts, strict=True)])
+    driven |= not driven.any()
+    active, whole = length[driven].sum(), length.sum()
+    before = length[: np.argmax(driven)].sum()
+    return np.log([
+        thickness.max() / active, device.bimorph.width / active,
+        thickness.min() / thickness.max(), bending.min() / bending.max(),
+        _CLOSE + before / whole, active / whole, max(lever(plain(device)), _LEVER),
+    ])  # fmt: skip
 
 
 class TheoryChange(NamedTuple):

@@ -23,15 +23,18 @@ from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam import calibrated
 from tactgen.tmm.beam.calibrated import (
     ERRORS,
+    STEP_SIZES,
     Calibration,
     Fit,
     SectionFactors,
     TheoryChange,
+    Widening,
     bending_frequencies,
     lengthwise_modes,
     multiport,
     section_factors,
     sections,
+    step_sizes,
     theory_change,
 )
 from tactgen.tmm.beam.dimensionless_groups import (
@@ -89,6 +92,10 @@ _TRUSTED, _TRUSTED_RATIO = np.array([0.1, 0.003, 0.003, 0.1, 0.003, np.inf]), 0.
 _SMOOTH, _LEAST_RATIO, _ON_SPRINGS = 1e-2, 0.2, 0.7
 #: Quantile of held-out errors that a stated error covers, and the least error (that of the bricks).
 _QUANTILE, _LEAST = 0.97, 1e-4
+#: Ridges of the errors' coefficients by group, and by the sizes of a row of several pieces.
+_RIDGE_OF_ERRORS, _RIDGE_OF_STEPS = 1e-2, 3e-2
+#: The same quantile of few devices, of which as many coefficients cover more than of fresh ones.
+_QUANTILE_OF_STEPS = 0.975
 
 
 @storable
@@ -380,14 +387,20 @@ def left_over(one: Observed, scene: Scene, known: Calibration) -> Floats:
 
 def _fit_errors(of: Devices, left: Floats, known: Fit) -> Floats:
     """Coefficients (1 + 2 g, 7) of the logarithms of the errors, such that they cover."""
-    rows = known.products.quadratic(of.groups)
-    found = np.zeros((rows.shape[1], len(ERRORS)))
-    for k in range(len(ERRORS)):
-        known_ones = np.isfinite(left[:, k])
-        a, error = rows[known_ones], np.maximum(left[known_ones, k], _LEAST)
-        normal = a.T @ a + 1e-2 * len(a) * np.diag([0.0] + [1.0] * (a.shape[1] - 1))
+    return _covering(
+        known.products.quadratic(of.groups), np.maximum(left, _LEAST), _RIDGE_OF_ERRORS
+    )
+
+
+def _covering(rows: Floats, sizes: Floats, ridge: float, quantile: float = _QUANTILE) -> Floats:
+    """Coefficients (t, k) of logarithms that cover all but a few of sizes (n, k), nan left out."""
+    found = np.zeros((rows.shape[1], sizes.shape[1]))
+    for k, size in enumerate(sizes.T):
+        known = np.isfinite(size)
+        a, error = rows[known], size[known]
+        normal = a.T @ a + ridge * len(a) * np.diag([0.0] + [1.0] * (a.shape[1] - 1))
         found[:, k] = np.linalg.solve(normal, a.T @ np.log(error))
-        found[0, k] += np.log(np.quantile(error / np.exp(a @ found[:, k]), _QUANTILE))
+        found[0, k] += np.log(np.quantile(error / np.exp(a @ found[:, k]), quantile))
     return found
 
 
@@ -401,21 +414,37 @@ def calibrate(
     kind = "listed" if devices.scenes[0].bimorph.layers else "three"
     found, shown = fit(devices, kind, announce)
     record: dict[str, Any] = {"devices": len(observed), "seed": SEED, "fit": _plain(found), **shown}
-    record["beyond"] = dict.fromkeys(unusual, [1.0] * len(ERRORS))
-    known = calibrated.calibration_from(record)
-    record["beyond"] = {what: _widening(known, those) for what, those in unusual.items()}
+    record["beyond"] = {}
+    # such a device has errors of the fit alone where no property is said to widen them
+    none = Widening(
+        np.zeros(STEP_SIZES), np.zeros(STEP_SIZES), np.zeros((1 + STEP_SIZES, len(ERRORS)))
+    )
+    known = Calibration(found, dict.fromkeys(unusual, none))
+    for what, those in unusual.items():
+        record["beyond"][what] = _widening(known, those)
     return record
 
 
-def _widening(known: Calibration, of: Sequence[Observed]) -> list[float]:
-    """Factors (7,) on :data:`ERRORS` that cover the devices of a property."""
-    ratios = []
-    for one in of:
-        scene, _ = load_scene("prototype", list(one.overrides))
-        stated = section_factors(scene.device, scene.beam, known).errors
-        ratios.append(left_over(one, scene, known) / stated)
-    factors = np.maximum(np.nanquantile(ratios, _QUANTILE, axis=0), 1.0)
-    return [float(f"{factor:.3g}") for factor in factors]
+def _widening(known: Calibration, of: Sequence[Observed]) -> dict[str, Any]:
+    """What covers the devices of a property, and by half of them what the other half shows."""
+    scenes = [load_scene("prototype", list(one.overrides))[0] for one in of]
+    left = np.array([left_over(*each, known) for each in zip(of, scenes, strict=True)])
+    stated = np.array([section_factors(s.device, s.beam, known).errors for s in scenes])
+    sizes = np.array([step_sizes(s.device, s.beam) for s in scenes])
+    ratios, low, high = np.maximum(left, _LEAST) / stated, sizes.min(axis=0), sizes.max(axis=0)
+
+    def fitted(to: Bools) -> Widening:
+        found = Widening(low, high, np.zeros((1 + STEP_SIZES, len(ERRORS))))
+        terms = found.terms(sizes[to])
+        covering = _covering(terms, ratios[to], _RIDGE_OF_STEPS, _QUANTILE_OF_STEPS)
+        return replace(found, logarithms=covering)
+
+    even = np.arange(len(of)) % 2 == 0
+    for fresh in (even, ~even):
+        stated[fresh] *= fitted(~fresh)(sizes[fresh])
+    everything = fitted(even | True)
+    shown = {key: np.vectorize(rounded)(of).tolist() for key, of in vars(everything).items()}
+    return {**shown, "evidence": evidence(ERRORS, left, stated, [one.overrides for one in of])}
 
 
 def _plain(found: Fit) -> dict[str, Any]:

@@ -316,6 +316,10 @@ _STOUT, _THIN_SHIM = (2.0, STOUTEST), (0.03, 0.12)
 _PITCHES = (1.5, 6.0)
 
 
+#: Lengths of tabs and tip extensions over that of the ceramic.
+_SHORTEST, _LONGEST = 0.02, 1.5
+
+
 def unusual_bimorph(rng: np.random.Generator, overrides: Sequence[str], what: str) -> list[str]:
     """The same clamped bimorph with one property more, or beyond the usual ratios."""
     value = dict(one.split("=", 1) for one in overrides)
@@ -324,18 +328,20 @@ def unusual_bimorph(rng: np.random.Generator, overrides: Sequence[str], what: st
         for name in ("length", "width", "piezo_thickness", "shim_thickness")
     )
     listed = value.get("bimorph.layers", "")
-    share = rng.uniform(0.02, 0.15)
+    part = rng.random()
+    beside = f"{length * _SHORTEST * (_LONGEST / _SHORTEST) ** part:.5g}mm"
     if what == "tab":
-        value["bimorph.tab_length"] = f"{length * share:.5g}mm"
+        value["bimorph.tab_length"] = beside
     elif what == "tip extension":
-        value["bimorph.tip_extension"] = f"{length * share:.5g}mm"
+        value["bimorph.tip_extension"] = beside
     elif what == "patch":
         value["bimorph.layers"] = _patched(rng, listed, length)
     elif what == "glue":
         glue = min(piezo, shim) * between(rng, 0.03, 0.3)
         value["bimorph.glue_thickness"] = f"{max(glue, 1e-3):.5g}mm"
     elif what == "bare ends":
-        value[f"bimorph.bare_{rng.choice(['below', 'above'])}"] = f"{length * share:.5g}mm"
+        bare = length * (0.02 + 0.13 * part)
+        value[f"bimorph.bare_{rng.choice(['below', 'above'])}"] = f"{bare:.5g}mm"
     elif what == "poled along":
         signs = cycle("+-")  # as what is poled alike does not bend
         value["bimorph.layers"] = re.sub(

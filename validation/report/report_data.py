@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.arrays import Complex
-from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.operating_system import core_count
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
@@ -114,7 +114,9 @@ class Study:
         if self.scene.coil.current:
             return NormalActuator(self.solution, self.announce)
         coil = self.scene.coil.model_copy(update={"current": Device().coil.current})
-        driven = self.scene.model_copy(update={"coil": coil})
+        # held so that no rod rests, for which a field solves a map
+        held = Support(kind="clamped")
+        driven = self.scene.model_copy(update={"coil": coil, "support": held})
         asked = any(MODELS[name].theory == "field" for name in models)
         names = [
             name

@@ -143,6 +143,50 @@ def test_beyond_the_range_is_named_and_widened():
     assert np.isnan(calibrated.section_factors(taper.device, taper.beam).errors).all()
 
 
+def patched(end, *more):
+    """Brass of 0.2 mm with a ceramic up to a height."""
+    layers = f"brass 0.2 mm; PZT-5A 0.2 mm to {end:.9g} mm +x"
+    return scene("bimorph.length=20mm", f"bimorph.layers={layers}", "piezo.material=PZT-5A", *more)
+
+
+def test_a_short_patch_is_known_less_well_than_a_long_one():
+    """How far force and voltage move it, its first frequency and its coupling."""
+    long, short = (
+        calibrated.section_factors(of.device, of.beam) for of in (patched(16.0), patched(4.0))
+    )
+    assert short.beyond == long.beyond == ()
+    for name in ("compliance", "deflection", "f1", "coupling_factor"):
+        place = calibrated.ERRORS.index(name)
+        assert short.errors[place] > long.errors[place], name
+
+
+def test_sizes_of_a_row_of_pieces():
+    """A patch and a tab by hand; the same of a bimorph twice as large; nothing of a plain one."""
+    of = patched(5.0, "bimorph.tab_length=5mm", "bimorph.width=4mm")
+    found = np.exp(calibrated.step_sizes(of.device, of.beam))
+    # driven are 5 of 25 mm above the tab; glue there is none, so the brass is half as thick
+    assert found[[0, 1, 2, 4, 5]] == pytest.approx([0.08, 0.8, 0.5, 0.22, 0.2])
+    larger = sized(2.0, "bimorph.tab_length=4mm")
+    np.testing.assert_allclose(
+        calibrated.step_sizes(larger.device, larger.beam),
+        calibrated.step_sizes(sized(1.0, "bimorph.tab_length=2mm").device, larger.beam),
+        atol=1e-12,
+    )
+    plain = calibrated.step_sizes(sized(1.0).device, larger.beam)
+    assert plain[[2, 3, 5]] == pytest.approx(0.0)
+
+
+def test_pieces_beyond_those_of_the_fit_are_named_and_widen_more():
+    """A tab of three times the ceramic's length: more than the factors for a tab at its longest."""
+    usual, longer = (
+        calibrated.section_factors(of.device, of.beam)
+        for of in (sized(1.0, f"bimorph.tab_length={mm}mm") for mm in (14, 42))
+    )
+    assert usual.beyond == ()
+    assert longer.beyond == ("proportions of the pieces",)
+    assert (longer.errors >= usual.errors).all()
+
+
 def test_a_rod_is_refused():
     scene = load_scene("bimorph_on_rod")[0]
     with pytest.raises(InputError, match="--model cad, which takes both"):
