@@ -130,13 +130,9 @@ class Bimorph(Parameters):
     @classmethod
     def _put_sizes_in_place(cls, given: Any, info: ValidationInfo) -> Any:
         """Layers with the sizes that keys of their own state; what is no list says so itself."""
-        sizes = (
-            {name: v for name, v in given.items() if is_size(name)}
-            if isinstance(given, dict)
-            else {}
-        )
-        if not sizes:
+        if not isinstance(given, dict) or not any(map(is_size, given)):
             return given
+        sizes = {name: value for name, value in given.items() if is_size(name)}
         rest = {name: value for name, value in given.items() if name not in sizes}
         try:
             layers = read_layers(given.get("layers", PLAIN), info)

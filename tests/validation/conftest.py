@@ -4,7 +4,7 @@ import base64
 import html
 import json
 import re
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -128,11 +128,15 @@ def rough_fields():
     """
     from tactgen.fem.magnetics import axisymmetric as actuator
     from tactgen.fem.magnetics import axisymmetric as walk
+    from tactgen.tmm.reluctance import map_range
     from tactgen.validation.models.reluctance import field
 
     @contextmanager
     def within(store):
-        with pytest.MonkeyPatch.context() as patch:
+        kept = map_range._network_pull  # of the grid that holds at the time
+        with ExitStack() as stack, pytest.MonkeyPatch.context() as patch:
+            kept.cache_clear()
+            stack.callback(kept.cache_clear)
             patch.setenv("TACTGEN_CACHE", str(store))
             point = partial(actuator.solve_point, order=2, any_grid=True)
             rows = partial(actuator.solve_map, refinement=0.5, any_grid=True)
