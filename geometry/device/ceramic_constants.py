@@ -12,7 +12,7 @@ keeps its ratio to a base material.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import Annotated, Any, NamedTuple
@@ -287,10 +287,10 @@ _TABLE = (
 )  # fmt: skip
 
 
-def tabulated(of: Piezoceramic) -> Constants:
+def tabulated(of: Piezoceramic, names: Iterable[str] = _TABLE) -> Constants:
     """Constants of a ceramic as a data sheet prints them, to four digits."""
     forms = Forms(of.s, of.d, of.eps_t)
-    return Constants(Constant(name, float(f"{_KINDS[name].value(forms):.4g}")) for name in _TABLE)
+    return Constants(Constant(name, float(f"{_KINDS[name].value(forms):.4g}")) for name in names)
 
 
 def _ratio(first: float, second: float) -> float:

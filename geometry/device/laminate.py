@@ -275,8 +275,8 @@ def read_sizes(layers: Laminate, values: Mapping[str, Any], info: ValidationInfo
             raise InputError(f"bimorph.{name} = {quoted(value)} {error}") from None
         if size == "pitch" and not layers.size(name):
             raise InputError(
-                f"bimorph.{name} = {quoted(value)} is of a layer without interdigitated "
-                "electrodes; state their pitch in bimorph.layers"
+                f"bimorph.{name} = {SIZES[size].show(read[name])} is of a layer without "
+                "interdigitated electrodes; state their pitch in bimorph.layers"
             )
     return layers.with_sizes(read)
 

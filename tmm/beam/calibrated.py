@@ -400,7 +400,7 @@ def properties(device: Device) -> tuple[str, ...]:
         "tab": own.tab_length > 0.0, "glue": own.glue_thickness > 0.0 and not own.layers,
         "bare ends": own.bare_below + own.bare_above > 0.0, "taper": bool(own.profiles),
         "tip extension": own.tip_extension > 0.0,
-        "patch": any(layer.is_patch for layer in own.layers),
+        "patch": any(extent != (0.0, own.length) for extent in own.layers.extents(own.length)),
         "poled along": any(layer.pitch for layer in own.layers),
     }  # fmt: skip
     return tuple(name for name, has in found.items() if has)

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import Any
 
+from tactgen.geometry.device.ceramic_constants import tabulated
 from tactgen.geometry.device.load_table import load_table
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.device.support_table import support_table
@@ -101,13 +102,16 @@ def _width_of_bare_shim(scene: Scene, origins: Mapping[str, str]) -> Iterator[st
 
 
 def _stated_twice(scene: Scene, origins: Mapping[str, str]) -> Iterator[str]:
-    """Yield which constants of the ceramic a key of their own replaces by another value."""
-    for constant in scene.piezo.constants:
-        key, printed = f"piezo.{constant.name}", _AS_PRINTED * abs(constant.value)
-        if key in origins and abs(value_of(scene, key) - constant.value) > printed:
-            yield (
-                f"{key} = {_text(scene, key)} replaces {constant} of piezo.constants; leave one out"
-            )
+    """Yield which constants of the ceramic keys of their own give another value."""
+    constants = scene.piezo.constants
+    single = [key for key in ("s11", "s55", "d31", "eps33") if f"piezo.{key}" in origins]
+    if not (constants and single):
+        return
+    names = " and ".join(f"piezo.{key}" for key in single)
+    found = tabulated(scene.piezo.ceramic(), [constant.name for constant in constants])
+    for stated, own in zip(constants, found, strict=True):
+        if abs(own.value - stated.value) > _AS_PRINTED * abs(stated.value):
+            yield f"piezo.constants has {stated}, and with {names} it is {own}; leave one out"
 
 
 def _own_keys(scene: Scene, entries: Iterable[str]) -> dict[str, None]:

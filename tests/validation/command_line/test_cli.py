@@ -207,7 +207,8 @@ def test_materials_are_listed_and_shown(capsys, tmp_path):
     constants = re.search("constants: (.*)", out)[1]
     file = tmp_path / "mine.toml"
     file.write_text(f'[piezo]\nmaterial = "PZT-4"\nconstants = "{constants}"\n')
-    (found,) = json.loads(run(capsys, "materials", str(file), "--json")[1])
+    found, shim = json.loads(run(capsys, "materials", str(file), "--json")[1])
+    assert shim["name"] == "CFRP"
     # the constants are printed to four digits
     assert found["s11"] == pytest.approx(LIBRARY["PZT-5A"].s[0, 0], rel=1e-3)
     assert found["d31"] == pytest.approx(LIBRARY["PZT-5A"].d[2, 0], rel=1e-3)

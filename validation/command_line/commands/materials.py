@@ -1,4 +1,4 @@
-"""``tactgen materials``: the library of ceramics and shims, and what constants come to."""
+"""``tactgen materials``: the library of ceramics and shims, and what a scene's constants make."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def add(commands: Commands) -> None:
     """Declare ``materials``."""
     parser = commands.add_parser("materials", help="list the library of materials, or show one")
     parser.add_argument(
-        "name", metavar="NAME", nargs="?", help="a material, or a scene whose ceramic is shown"
+        "name", metavar="NAME", nargs="?", help="a material, or a scene whose materials are shown"
     )
     parser.add_argument("--json", action="store_true", help="machine-readable result on stdout")
     parser.set_defaults(run=_run)
@@ -40,6 +40,8 @@ def _run(options: argparse.Namespace) -> int:
         shown = "; ".join(f"{key} {show(v, of.declaration(key))}" for key, v in values.items())
         constants = str(tabulated(of.ceramic())) if isinstance(of, Piezo) else "none"
         source = sources(of)["density"]
+        if of != type(of)(material=of.material):
+            source = f"partly stated; else {source}"
         found.append({"name": of.material, "source": source, "constants": constants, **values})
         if options.json:
             continue
@@ -52,7 +54,8 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _chosen(name: str | None) -> list[Piezo | Shim]:
-    """All materials, one by its name, or the ceramic of a scene."""
+    """All materials, one by its name, or those of a scene's layers."""
+    from tactgen.geometry.bimorph.segments import bimorph_stack
     from tactgen.geometry.device import material_library as library
     from tactgen.geometry.device.parameters import Piezo, Shim
     from tactgen.geometry.errors import InputError
@@ -69,7 +72,9 @@ def _chosen(name: str | None) -> list[Piezo | Shim]:
     if shim := library.shim_name(name):
         return [Shim(material=shim)]
     if name in built_in_scenes() or Path(name).exists():
-        return [load_scene(name)[0].piezo]
+        layers = bimorph_stack(load_scene(name)[0].device)
+        used = [of.material for of in layers if isinstance(of.material, Piezo | Shim)]
+        return list(dict.fromkeys(used))
     raise InputError(
         f"{quoted(name)} is neither a material of the library{nearest(name, (*ceramics, *shims))} "
         "nor a scene; tactgen materials lists all"
