@@ -146,10 +146,7 @@ def _driven_by_digits(scene: Scene) -> list[tuple[Any, ...]]:
 
 def _row(scene: Scene, *, lossy: bool) -> Row:
     """Section constants and length of the pieces, none of which is bare shim."""
-    layers = exact.Layers.of(scene.device, scene.beam)
-    if not lossy:
-        layers = replace(layers, quality_factor=mp.inf, loss_tangent=0)
-    active = exact.bimorph_constants(layers)
+    active = exact.bimorph_constants(scene.device, scene.beam, lossy=lossy)
     bare = exact.without_electrode(active)
     pieces = beam_pieces(scene.device, scene.support)
     return [(active if piece.electrode else bare, piece.length) for piece in pieces]

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from mirrored_mesh import mirrored
 
 from tactgen.fem.magnetics.axisymmetric_space import coenergy_density, energy_density
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, VectorPotential, sample
@@ -14,7 +15,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from tactgen.validation.evidence.cases import ball as sphere_in_field
-from tactgen.validation.evidence.cases.ball import mirrored, sphere_mesh
+from tactgen.validation.evidence.cases.ball import sphere_mesh
 
 STEEL = {"pole": TEAM20, "yoke": TEAM20}
 STRAIGHT = {"pole": linear(500.0), "yoke": linear(500.0)}

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from ideal_gap import IdealGap
 
 from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Contact, Device, Spring
@@ -16,7 +17,6 @@ from tactgen.tmm.generator.equilibrium import (
     resting_places,
     settled_place,
 )
-from tactgen.validation.evidence.cases.iron import IdealGap
 
 GAP, STIFFNESS, STRENGTH = 0.2e-3, 100.0, MU0 * 500.0**2 * 4e-6
 #: I² = 8 k g0³ / (27 µ0 N² A), the electrostatic or magnetic gap on a spring; at g0/3 of travel.

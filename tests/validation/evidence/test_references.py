@@ -8,6 +8,7 @@ import math
 import mpmath as mp
 import numpy as np
 import pytest
+from exact_laminate import Laminate, Layer, natural_frequency, static_state
 from scipy.linalg import eigh
 from scipy.special import ellipe, ellipk
 
@@ -16,12 +17,6 @@ from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0
 from tactgen.validation.evidence.cases import beams, coils, elastic, iron, laminates, resonators
 from tactgen.validation.evidence.cases.ball import exact_flux_density
-from tactgen.validation.evidence.cases.exact_laminate import (
-    Laminate,
-    Layer,
-    natural_frequency,
-    static_state,
-)
 from tactgen.validation.evidence.cases.laminates import ply
 
 

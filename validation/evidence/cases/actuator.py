@@ -121,7 +121,6 @@ def _powers() -> dict[str, float]:
 
 
 CURRENT, FLUX_LINKAGE = 0.2, 0.25
-COENERGY, ENERGY = 2.0 / 3.0 * CURRENT * FLUX_LINKAGE, CURRENT * FLUX_LINKAGE / 3.0
 #: Gap (m) at which the map has the transformer's flux linkage.
 SQUARE_LAW_GAP = 0.2e-3
 

@@ -38,26 +38,10 @@ from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.scene.scene import Scene
 
 
-def section_formulas(device: Device, beam: Beam) -> dict[int, Any]:
+def _exact_sections(device: Device, beam: Beam) -> dict[int, Any]:
     """ΡI, GA, EI, s_EP, m, K and C_p by the paper's equation numbers."""
-    with mp.workdps(reference.DIGITS):
-        return _section_formulas(device, beam)
-
-
-def frequency_formulas(
-    support: Support, beam: Section, length: float, frequency: float
-) -> dict[int, tuple[Any, ...]]:
-    """Values of eqs 7, 8, 11 and 13-48 at a frequency (Hz), by equation number.
-
-    Eqs 46 and 48 are left out without piezoelectric coupling.
-    """
-    with mp.workdps(reference.DIGITS):
-        return _frequency_formulas(support, beam, length, frequency)
-
-
-def _section_formulas(device: Device, beam: Beam) -> dict[int, Any]:
     piezo = device.piezo
-    found = reference.bimorph_constants(reference.Layers.of(device, beam))
+    found = reference.bimorph_constants(device, beam)
     compliance = mp.mpf(piezo.s11) / (1 + mp.j / mp.mpf(piezo.quality_factor))
     return {
         49: found.rhoI,
@@ -70,14 +54,14 @@ def _section_formulas(device: Device, beam: Beam) -> dict[int, Any]:
     }
 
 
-def _frequency_formulas(
+def _exact_formulas(
     support: Support, beam: Section, length: float, frequency: float
 ) -> dict[int, tuple[Any, ...]]:
-    """Solve for them.
+    """Values of eqs 7, 8, 11 and 13-48 at a frequency (Hz), by equation number.
 
     From T over [w, ψ, M, F, q, U]: C2 = −T_wM/a, β⁴ = −T_Fψ a²/T_wM, C3 = T_FM l/β⁴,
     σ C3 = T_ψM l/a − T_MF/l, τ C3 = −T_Fw a l/β⁴ − T_MF/l, and so on; cosh λ₁ and cos λ₂
-    from the traces of T and T².
+    from the traces of T and T².  Eqs 46 and 48 are left out without piezoelectric coupling.
     """
     f, l = mp.mpf(float(frequency)), mp.mpf(length)
     jw = 2j * mp.pi * f
@@ -177,7 +161,8 @@ def audit(scene: Scene) -> Audit:
     length = device.bimorph.length
     beam = section_constants(Piece("bimorph", length), device, scene.beam, lossy=True)
     correct = _response(scene, device, beam, frozenset())
-    deviations = _deviations(scene, device, beam)
+    with mp.workdps(reference.DIGITS):
+        deviations = _deviations(scene, device, beam)
     rows = []
     for formula in FORMULAS:
         effect: Any = (None, None)
@@ -225,10 +210,6 @@ def _ends(scene: Scene, frequencies: Floats) -> tuple[Complex, Complex, Complex]
 
 
 def _residual(scene: Scene, beam: Section, length: float, correct: Complex) -> float:
-    import mpmath as mp
-
-    from tactgen.validation.evidence.cases import exact_beam as reference
-
     errors = []
     for i, frequency in enumerate(AT):
         omega = 2 * mp.pi * mp.mpf(float(frequency))
@@ -242,15 +223,13 @@ def _residual(scene: Scene, beam: Section, length: float, correct: Complex) -> f
 
 def _deviations(scene: Scene, device: Device, beam: Section) -> dict[int, float]:
     """Largest relative deviation of each formula as printed."""
-    from tactgen.validation.evidence.cases import exact_beam as reference
-
     found = {}
     printed = _printed_sections(device, beam)
-    for equation, exact in section_formulas(device, scene.beam).items():
+    for equation, exact in _exact_sections(device, scene.beam).items():
         found[equation] = reference.relative_error(printed[equation], exact)
     by_frequency = _printed_formulas(scene, device, beam)
     for i, frequency in enumerate(_COMPARED):
-        exact_here = frequency_formulas(scene.support, beam, device.bimorph.length, frequency)
+        exact_here = _exact_formulas(scene.support, beam, device.bimorph.length, frequency)
         for equation, exacts in exact_here.items():
             here = [
                 reference.relative_error(value[i], exact)

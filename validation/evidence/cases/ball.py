@@ -11,7 +11,6 @@ Theory, 1941, section 4.18, with that outer condition).
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -62,28 +61,6 @@ def sphere_mesh(n: int, *, curved: bool, shells: Floats | None = None) -> Mesh:
         region_of_cell=(depth > RADIUS).astype(int) + beyond,
         regions=("ball", "air", "far"),
         faces=on,
-    )
-
-
-def mirrored(mesh: Mesh, axis: int) -> Mesh:
-    """Mesh and its image at the plane through the origin as one, outer faces kept."""
-    image = mesh.points.copy()
-    image[:, axis] *= -1.0
-    off = np.abs(mesh.points[:, axis]) > 1e-12
-    number = np.arange(len(mesh.points))
-    number[off] = len(mesh.points) + np.arange(off.sum())
-    # swapping corners 0 and 1 keeps volumes positive; their edges' middles go along
-    swapped = [1, 0, 2, 3] + ([4, 6, 5, 8, 7, 9] if mesh.kind == "tetra10" else [])
-    return replace(
-        mesh,
-        points=np.concatenate([mesh.points, image[off]]),
-        cells=np.concatenate([mesh.cells, number[mesh.cells][:, swapped]]),
-        region_of_cell=np.tile(mesh.region_of_cell, 2),
-        faces={
-            name: np.concatenate([faces, number[faces]])
-            for name, faces in mesh.faces.items()
-            if name != ("x_low", "y_low", "z_low")[axis]
-        },
     )
 
 

@@ -294,16 +294,8 @@ def core_tolerance(core: MagnetisationCurve) -> float:
 
 
 CURRENT, APART, TALL, THICK = 24.0, 10e-3, 12e-3, 0.5e-3
-PUBLISHED_FORCE = 9.684e-3
 _SLICE = 2e-3
 _NEAR, _FAR = 0.5 * (APART - THICK), 0.5 * (APART + THICK)
-
-
-def thin_strips() -> float:
-    """Force per length (N/m) between facing strips, Maxwell's integral solved."""
-    ratio = APART / TALL
-    factor = 2.0 * ratio * np.arctan(1.0 / ratio) - ratio**2 * np.log1p(1.0 / ratio**2)
-    return float(2e-7 * CURRENT**2 / APART * factor)
 
 
 def conductors(potential: Potential, scale: float) -> tuple[float, float]:

@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 from typing import Any, ParamSpec, TypeAlias, TypeVar, cast
 
 import mpmath as mp
-import numpy as np
 
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device.materials import EPS0
@@ -41,49 +40,6 @@ def _exact(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 
 @dataclass(frozen=True)
-class Layers:
-    """Layers of the bimorph (SI); poled along −x, voltage across each layer."""
-
-    width: Any
-    piezo_thickness: Any
-    shim_thickness: Any
-    piezo_density: Any
-    shim_density: Any
-    shim_modulus: Any
-    shim_shear_modulus: Any
-    s11: Any
-    s55: Any
-    d31: Any
-    permittivity: Any
-    shear_correction: Any
-    quality_factor: Any = mp.inf
-    loss_tangent: Any = 0
-
-    @classmethod
-    def of(cls, device: Device, beam: Beam) -> Layers:
-        """Layers of a device, digit for digit."""
-        bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
-        with mp.workdps(DIGITS):
-            permittivity = mp.mpf(piezo.eps33) * mp.mpf(EPS0)
-        return cls(
-            width=bimorph.width,
-            piezo_thickness=bimorph.piezo_thickness,
-            shim_thickness=bimorph.shim_thickness,
-            piezo_density=piezo.density,
-            shim_density=shim.density,
-            shim_modulus=shim.youngs_modulus,
-            shim_shear_modulus=shim.shear_modulus,
-            s11=piezo.s11,
-            s55=piezo.s55,
-            d31=piezo.d31,
-            permittivity=permittivity,
-            shear_correction=beam.shear_correction,
-            quality_factor=piezo.quality_factor,
-            loss_tangent=piezo.loss_tangent,
-        )
-
-
-@dataclass(frozen=True)
 class Constants:
     """Section constants EI, GA, m, ρI, K and C as mpmath numbers."""
 
@@ -104,28 +60,30 @@ def constants(beam: Any) -> Constants:
 
 
 @_exact
-def bimorph_constants(layers: Layers) -> Constants:
-    """Integrate T = E (x ψ' − d f U), D = d T + ε f U over the three layers.
+def bimorph_constants(device: Device, beam: Beam, *, lossy: bool = True) -> Constants:
+    """Integrate T = E (x ψ' − d f U), D = d T + ε f U over the three layers, poled along −x.
 
-    f is the field along x per volt and d the strain constant with the poling's sign;
-    M = ∫ x T dA = EI ψ' − K U and the charge per length is ∫ f D dA.
+    f is the field along x per volt across each layer and d the strain constant with the poling's
+    sign; M = ∫ x T dA = EI ψ' − K U and the charge per length is ∫ f D dA.
     """
-    half, hp = mp.mpf(layers.shim_thickness) / 2, mp.mpf(layers.piezo_thickness)
-    modulus = (1 + mp.j / mp.mpf(layers.quality_factor)) / mp.mpf(layers.s11)
-    shear = 1 / mp.mpf(layers.s55)
-    permittivity = mp.mpf(layers.permittivity) * (1 - mp.j * mp.mpf(layers.loss_tangent))
-    d = -mp.mpf(layers.d31)
-    rho = mp.mpf(layers.piezo_density)
-    shim = [mp.mpf(v) for v in (layers.shim_modulus, layers.shim_shear_modulus)]
+    bimorph, piezo, shim = device.bimorph, device.piezo, device.shim
+    half, hp = mp.mpf(bimorph.shim_thickness) / 2, mp.mpf(bimorph.piezo_thickness)
+    modulus, shear = 1 / mp.mpf(piezo.s11), 1 / mp.mpf(piezo.s55)
+    permittivity = mp.mpf(piezo.eps33) * mp.mpf(EPS0)
+    if lossy:
+        modulus *= 1 + mp.j / mp.mpf(piezo.quality_factor)
+        permittivity *= 1 - mp.j * mp.mpf(piezo.loss_tangent)
+    d, rho = -mp.mpf(piezo.d31), mp.mpf(piezo.density)
+    core = [mp.mpf(v) for v in (shim.youngs_modulus, shim.shear_modulus, shim.density)]
     ei = ga = m = rho_i = k = c = mp.mpf(0)
     for low, high, e, g, density, f in (
         (-half - hp, -half, modulus, shear, rho, 1 / hp),
-        (-half, half, *shim, mp.mpf(layers.shim_density), mp.mpf(0)),
+        (-half, half, *core, mp.mpf(0)),
         (half, half + hp, modulus, shear, rho, -1 / hp),
     ):
-        area, first, second = (mp.mpf(layers.width) * (high**n - low**n) / n for n in (1, 2, 3))
+        area, first, second = (mp.mpf(bimorph.width) * (high**n - low**n) / n for n in (1, 2, 3))
         ei += e * second
-        ga += mp.mpf(layers.shear_correction) * g * area
+        ga += mp.mpf(beam.shear_correction) * g * area
         m += density * area
         rho_i += density * second
         k += e * d * f * first
@@ -193,16 +151,6 @@ def without_electrode(active: Constants) -> Constants:
     """Section without electrodes: U follows from K ψ' + C U = 0."""
     with mp.workdps(DIGITS):
         return replace(active, EI=active.EI + active.K**2 / active.C, K=mp.mpf(0), C=mp.mpf(0))
-
-
-@_exact
-def matrix_a(beam: Constants, length: Any, frequency: Any) -> np.ndarray:
-    """Paper's A (5, 5): [v, ψ̇, M, F, U] below to [v, ψ̇, M, F, I] above."""
-    omega = 2 * mp.pi * mp.mpf(frequency)
-    t, jw = transfer(beam, length, omega), mp.j * omega
-    rates = mp.diag([jw, jw, 1, 1, jw])  # displacements to velocities, charge to current
-    states = mp.diag([1 / jw, 1 / jw, 1, 1, 1])
-    return as_array(rates * _pick(t, range(5), (0, 1, 2, 3, 5)) * states)
 
 
 @_exact
@@ -277,11 +225,6 @@ def relative_error(value: Any, exact: Any) -> float:
 
 def _pick(matrix: mp.matrix, rows: Sequence[int], columns: Sequence[int]) -> mp.matrix:
     return mp.matrix([[matrix[i, j] for j in columns] for i in rows])
-
-
-def as_array(matrix: mp.matrix) -> np.ndarray:
-    """Round to double precision."""
-    return np.array(matrix.apply(complex).tolist(), dtype=complex)
 
 
 #: Section constants (of mpmath or as doubles) or a joint's compliance, and the length (m).

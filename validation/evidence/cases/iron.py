@@ -6,9 +6,8 @@ of two facing iron surfaces takes permeance from the gap between them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.reluctance.section_grid import Region
 from tactgen.tmm.reluctance.coenergy_fit import fit
-from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint, Samples
+from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.switching import Switching, switching
 from tactgen.validation.evidence.case import Case, Check, case
 from tactgen.validation.evidence.cases import ball
@@ -251,30 +250,6 @@ IMAGES: tuple[Case, ...] = (
         tolerance=1e-5, reason="the mesh and walls at a hundred radii, 2e-6 each",
     ),
 )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class IdealGap:
-    """It stands where a co-energy map does; the pull is positive when it closes the gap."""
-
-    strength: float  #: C = µ0 N² A (H m)
-
-    def at(self, current: float, gap: float) -> CoenergyPoint:
-        """All that holds at a current (A) and gap (m)."""
-        linkage = self.strength * current / gap
-        force = float(self.force(current, gap))
-        return CoenergyPoint(
-            0.5 * linkage * current, linkage, force, self.strength / gap, -linkage / gap,
-            -2.0 * force / gap,
-        )  # fmt: skip
-
-    def force(self, current: Any, gap: Any) -> Any:
-        """Pull (N)."""
-        return 0.5 * self.strength * (current / np.asarray(gap)) ** 2
-
-    def force_gradient(self, current: Any, gap: Any) -> Any:
-        """∂F/∂g (N/m)."""
-        return -2.0 * self.force(current, gap) / np.asarray(gap)
 
 
 CASES: tuple[Case, ...] = (_SHELL, _SPHEROID, *ball.CASES, _CARTER, *IMAGES, *IDEAL_GAP)

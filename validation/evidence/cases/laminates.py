@@ -29,7 +29,7 @@ from tactgen.validation.evidence.cases.resonators import poled
 from tactgen.validation.evidence.mesh_levels import cached
 
 _BRICKS = "bricks of the model solid"
-_EXACT = "exact state-space solution through the thickness (validation/checks/cases/exact_laminate)"
+_EXACT = "exact state-space solution through the thickness (tests/exact_laminate)"
 _SMOOTH = "polynomials of degree 6 along half a sine wave, 4 through each layer"
 
 

@@ -62,19 +62,6 @@ def one_sided(stiffness: float) -> Callable[[Floats], tuple[Floats, Floats]]:
     return lambda x: (stiffness * np.maximum(x, 0.0), np.where(x > 0.0, stiffness, 0.0))
 
 
-def cubic_frequency(stiffness: float, coefficient: float, mass: float, amplitude: float) -> float:
-    """Free angular frequency on k x + g x³, by an elliptic integral.
-
-    Kovacic and Brennan (eds), *The Duffing Equation*, 2011: ω = π sqrt((k + g A²)/m) / (2 K(μ)),
-    μ = g A² / (2 (k + g A²)).
-    """
-    from scipy.special import ellipk
-
-    top = stiffness + coefficient * amplitude**2
-    parameter = coefficient * amplitude**2 / (2.0 * top)
-    return float(np.pi * np.sqrt(top / mass) / (2.0 * ellipk(parameter)))
-
-
 def free_on_cubic(stiffness: float, coefficient: float, mass: float, amplitude: float) -> Orbit:
     """Free oscillation on k x + g x³ by harmonic balance."""
     scaled = one_mass(cubic(coefficient), mass=mass, stiffness=stiffness)

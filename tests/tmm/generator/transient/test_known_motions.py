@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ideal_gap import IdealGap
 from scipy.special import ellipk
 
 from tactgen.geometry.errors import InputError
@@ -32,7 +33,6 @@ from tactgen.tmm.generator.transient.waveform import (
     Square,
     Step,
 )
-from tactgen.validation.evidence.cases.iron import IdealGap
 
 ONE, UNIT = np.ones(1), np.eye(1)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from ideal_gap import IdealGap
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.system import Coil, Element, Output, Stop, System
@@ -21,7 +22,6 @@ from tactgen.tmm.generator.transient.waveform import (
     Square,
     Step,
 )
-from tactgen.validation.evidence.cases.iron import IdealGap
 from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
