@@ -6,18 +6,27 @@ frequencies.  Job J2: its damped sweep at 200 frequencies.
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
+import scipy.sparse.linalg  # noqa: F401  (before a clock starts)
 from scipy import sparse
 
+from tactgen.fem.piezo.krylov import reduce_to_ports
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import static_multiport
+from tactgen.fem.piezo.solid import assemble
+from tactgen.fem.piezo.system import materials
+from tactgen.fem.solvers.linear_solver import available_solver, factorise
 from tactgen.geometry.arrays import Ints, Numbers
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.tmm.ports.elements import attach
+from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.evidence.peers.job import (
     LAYERS,
     Answer,
@@ -27,6 +36,7 @@ from tactgen.validation.evidence.peers.job import (
     answer,
     bricks,
 )
+from tactgen.validation.models.bimorph.natural_modes import coarse_modes, fine_modes, lowest_modes
 from tactgen.validation.scene.scene import Scene, load_scene
 
 #: Natural frequencies that are compared.
@@ -59,8 +69,6 @@ def job(
     device: Device | None = None,
 ) -> Job:
     """Job J1, or another device's, as plain numbers; with frequencies, its damped sweep."""
-    from tactgen.fem.piezo.system import materials
-
     device = device or j1().device
     regions = ("piezo_top", "shim")
     exact, lossy = (
@@ -108,18 +116,8 @@ def _plain(exact: Any, lossy: Any) -> Material:
 
 def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     """Solve the job (or, with frequencies, its sweep) on a mesh of one of our families."""
-    # imported before the clock starts: their time is the process's, not the mesh's
-    from tactgen.fem.piezo.solid import assemble
-    from tactgen.fem.solvers.linear_solver import available_solver, factorise
-
-    later_on = (
-        "scipy.sparse.linalg",
-        "tactgen.fem.piezo.krylov",
-        "tactgen.validation.models.bimorph.natural_modes",
-    )
-    for later in later_on:
-        importlib.import_module(later)
-    # the solver's libraries come with its first call
+    # the solver's libraries come with its first call, before the clock starts: their time is the
+    # process's, not the mesh's
     factorise(sparse.csr_matrix(np.eye(2)))
     solver = available_solver()
     device, make = j1().device, FAMILIES[family]
@@ -144,65 +142,30 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
 
 def _static(system: Any) -> tuple[float, float]:
     """Deflection and capacitance of the clamped, free bimorph."""
-    from tactgen.fem.piezo.ports import static_multiport
-    from tactgen.geometry.bimorph.boundary_conditions import Ends
-    from tactgen.tmm.ports.elements import attach
-    from tactgen.tmm.ports.multiport import respond
-
     response = respond(attach(static_multiport(system), Ends()), {"voltage": 1.0})
     return float(response.motion["w_tip"][0].real), float(response.effort["voltage"][0].real)
 
 
 def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
     """Natural frequencies; a coarse mesh says which classes of motion they are in."""
-    from tactgen.fem.piezo.modes import natural_modes
-    from tactgen.fem.piezo.solid import assemble
-    from tactgen.geometry.bimorph.boundary_conditions import Ends
-    from tactgen.validation.models.bimorph.natural_modes import (
-        coarse_modes,
-        fine_modes,
-        lowest_modes,
-    )
-
-    clamped = Ends()
     if not isinstance(mesh, Bricks):
-        return [mode.frequency for mode in natural_modes(system, clamped, MODES)]
+        return [mode.frequency for mode in natural_modes(system, Ends(), MODES)]
     below = coarse_modes(assemble(device, scout(device), lossy=False), MODES)
     above = fine_modes(system, below, MODES)
-    found, _ = lowest_modes(above, below, clamped, MODES, open_circuit=False)
+    found, _ = lowest_modes(above, below, Ends(), MODES, open_circuit=False)
     return [mode.frequency for mode in found][:MODES]
 
 
 def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
     """Complex deflection by reduction to ports."""
-    from tactgen.fem.piezo.krylov import reduce_to_ports
-    from tactgen.geometry.bimorph.boundary_conditions import Ends
-    from tactgen.tmm.ports.elements import attach
-    from tactgen.tmm.ports.multiport import respond
-
     f = np.array(frequencies)
     port = reduce_to_ports(system, f, tolerance=_REDUCTION).multiport(f)
     response = respond(attach(port, Ends()), {"voltage": 1.0})
     return [complex(w) for w in response.motion["w_tip"]]
 
 
-#: Mesh of each of our families from a device and a fineness.  Another one is one line.
-FAMILIES: dict[str, Callable[[Device, Any], Mesh | Bricks]] = {
-    BRICKS: lambda device, level: high_order(device, level),  # noqa: PLW0108  (defined below)
-    "hexahedra of 27 nodes": lambda device, sizes: second_order(device, *sizes),
-    "hexahedra of 20 nodes": lambda _, fineness: hexahedra(fineness),
-    "structured P2 tetrahedra": lambda _, fineness: structured_tetrahedra(fineness),
-    "tetwild P2 tetrahedra": lambda device, edges: free_tetrahedra(device, *edges),
-}
-
-
 #: Six tetrahedra of a brick, all around its diagonal from corner 0 to corner 6.
 _TETS = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
-
-
-def high_order(device: Device, level: int) -> Bricks:
-    """Bricks of high order of a level of the solid model's own family."""
-    return bimorph_bricks(device, LEVELS[level])
 
 
 def second_order(
@@ -273,3 +236,14 @@ def free_tetrahedra(device: Device, root: float, far: float) -> Mesh:
     """Tetwild mesh with edges of `root` at the clamp and `far` elsewhere (m)."""
     options = TetMeshing(edge_length=far, root_edge_length=root)
     return tetrahedralise(device, "alone", LAYERS, options)
+
+
+#: Mesh of each of our families from a device and a fineness; that of the first a level of the
+#: solid model's own.  Another one is one line.
+FAMILIES: dict[str, Callable[[Device, Any], Mesh | Bricks]] = {
+    BRICKS: lambda device, level: bimorph_bricks(device, LEVELS[level]),
+    "hexahedra of 27 nodes": lambda device, sizes: second_order(device, *sizes),
+    "hexahedra of 20 nodes": lambda _, fineness: hexahedra(fineness),
+    "structured P2 tetrahedra": lambda _, fineness: structured_tetrahedra(fineness),
+    "tetwild P2 tetrahedra": lambda device, edges: free_tetrahedra(device, *edges),
+}
