@@ -18,7 +18,7 @@ from tactgen.geometry.files import write_text
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.evidence.calibration import shipped
 from tactgen.validation.evidence.case import Case
-from tactgen.validation.evidence.coverage import PROMISED
+from tactgen.validation.evidence.coverage import shares_plot
 from tactgen.validation.evidence.faults import cached_rows
 from tactgen.validation.evidence.fit_record import CURVE
 from tactgen.validation.evidence.verification import (
@@ -252,23 +252,12 @@ def convergence(curves: Sequence[Curve], measure: str, tolerance: float) -> str:
 
 def _curves(part: dict[str, Any]) -> str:
     """Share of modelling errors within a multiple of those stated, a curve for each number."""
-    figure, axis = panels(6.4, 4.0)
-    for kind, fit in part.items():
-        for name, row in _errors(fit).items():
-            shares = [100.0 * share for share in row["curve"]]
-            axis.semilogx(CURVE, shares, label=f"{kind}: {name.replace('_', ' ')}")
-    axis.axhline(100.0 * PROMISED, color=GREY, linestyle="--", linewidth=1.0)
-    axis.axvline(1.0, color=GREY, linestyle="--", linewidth=1.0)
-    axis.set_xlabel("multiple of the stated error")
-    axis.set_ylabel("errors within it (%)")
-    axis.legend(fontsize=6, labelcolor=DARK)
-    return svg(figure)
-
-
-def _errors(fit: Any) -> dict[str, Any]:
-    """Errors by name of one fit of a calibration; nothing of its other entries."""
-    whole = isinstance(fit, dict) and "evidence" in fit
-    return dict(fit["evidence"]["errors"]) if whole else {}
+    curves = {
+        f"{kind}: {name.replace('_', ' ')}": row["curve"]
+        for kind, fit in part.items() if isinstance(fit, dict) and "evidence" in fit
+        for name, row in fit["evidence"]["errors"].items()
+    }  # fmt: skip
+    return shares_plot(curves, CURVE, "stated error", fontsize=6, labelcolor=DARK)
 
 
 def scattered(groups: dict[str, Scatter]) -> str:

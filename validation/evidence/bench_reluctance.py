@@ -19,8 +19,8 @@ from tactgen.fem.magnetics.axisymmetric import FieldPoint, solve_map, solve_poin
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.evidence.bench import Bench, Target, Timing
-from tactgen.validation.evidence.cases.ball import Potential
-from tactgen.validation.evidence.cases.team20 import pole_forces
+from tactgen.validation.evidence.cases.ball import potential_of
+from tactgen.validation.evidence.cases.team20 import pole_states
 from tactgen.validation.evidence.single_core import least_time, on_one_core
 
 #: Errors asked for, relative.
@@ -170,10 +170,8 @@ def map_seconds(gaps: int, currents: int) -> float:
 
 def solid_of(name: str, scale: float) -> dict[str, float]:
     """TEAM problem 20 by one potential, and the processor time (s) from mesh to force."""
-    from tactgen.fem.magnetics.problem_3d import ScalarPotential, VectorPotential
-
-    potential: Potential = VectorPotential if name == "A" else ScalarPotential
-    seconds, found = least_time(lambda: next(pole_forces(potential, scale, (_SATURATED,))))
+    potential = potential_of(name)
+    seconds, (found, _) = least_time(lambda: next(pole_states(potential, scale, (_SATURATED,))))
     return {
         "seconds": seconds,
         "unknowns": found.unknowns,

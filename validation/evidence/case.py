@@ -208,6 +208,6 @@ def case(
     return Case(name, title, problem, model, checks, refinement)
 
 
-def nth(values: Callable[..., Any], index: int, *arguments: object) -> Callable[[], float]:
+def nth(values: Callable[..., Any], index: int | str, *arguments: object) -> Callable[[], float]:
     """Measurement of one of several values that a function gives at once."""
     return lambda: float(values(*arguments)[index])

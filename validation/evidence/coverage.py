@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias
@@ -82,19 +82,15 @@ def rows(found: Sequence[Judged]) -> list[Row]:
 
 
 def _row(quantity: str, found: list[Judged]) -> Row:
+    from scipy.stats import binom
+
     worst = max(found, key=lambda one: one.error / max(one.bar, 1e-300))
     inside, devices = sum(one.within for one in found), len({one.where for one in found})
     width = median_width(found)
-    verdict = _verdict(inside, len(found), width)
+    verdict: Verdict = "wide" if width > WIDE else "holds"
+    if binom.cdf(inside, len(found), PROMISED) < _FALSE_ALARM:
+        verdict = "fails"
     return Row(quantity, inside, len(found), devices, width, worst, verdict)
-
-
-def _verdict(inside: int, count: int, width: float) -> Verdict:
-    from scipy.stats import binom
-
-    if binom.cdf(inside, count, PROMISED) < _FALSE_ALARM:
-        return "fails"
-    return "wide" if width > WIDE else "holds"
 
 
 def median_width(found: Sequence[Judged]) -> float:
@@ -177,6 +173,15 @@ def cached_by_code(kind: str, of: tuple[object, ...], module: str, work: Callabl
     return cached_result(kind, (*of, built_in_texts()), (module, *_CODE), work)
 
 
+def loaded(name: str) -> Callable[..., Any]:
+    """Function of this room, as module.function; its module is imported only now."""
+    module, _, function = name.partition(".")
+    found: Callable[..., Any] = getattr(
+        importlib.import_module(f"{__package__}.{module}"), function
+    )
+    return found
+
+
 def table(parts: Sequence[Part]) -> str:
     """Parts as lines of text."""
     lines = []
@@ -208,69 +213,66 @@ def write(parts: Sequence[Part], out: Path) -> list[Path]:
         (part.name, part.seed, one.where, one.quantity, float(one.error), float(one.bar))
         for part in parts for one in part.answers
     ]  # fmt: skip
+    curves = {part.name: calibration(part.answers) for part in parts}
     return [
         write_csv(out / "verdicts.csv", ("part", "seed", "quantity", "devices", "inside",
                   "answers", "median bar/error", "verdict"), verdicts),
         write_csv(out / "coverage.csv", ("part", "seed", "device", "quantity", "relative error",
                   "relative bar"), answers),
-        write_text(out / "calibration.svg", calibration_plot(parts)),
+        write_text(out / "calibration.svg", shares_plot(curves, MULTIPLES, "bar", fontsize=9)),
     ]  # fmt: skip
 
 
-def calibration_plot(parts: Sequence[Part]) -> str:
-    """Share of errors within so many times the bar, a curve for each part."""
+def shares_plot(
+    curves: Mapping[str, object], multiples: Sequence[float] | Floats, of: str, **legend: Any
+) -> str:
+    """Share of errors within so many times what was stated, a curve for each name."""
     figure, axis = panels(6.4, 4.0)
-    for part in parts:
-        axis.semilogx(MULTIPLES, 100.0 * calibration(part.answers), label=part.name)
+    for name, shares in curves.items():
+        axis.semilogx(multiples, 100.0 * np.asarray(shares), label=name)
     axis.axhline(100.0 * PROMISED, color=GREY, linestyle="--", linewidth=1.0)
     axis.axvline(1.0, color=GREY, linestyle="--", linewidth=1.0)
-    axis.set_xlabel("multiple of the bar")
+    axis.set_xlabel(f"multiple of the {of}")
     axis.set_ylabel("errors within it (%)")
-    axis.legend(fontsize=9)
+    axis.legend(**legend)
     return svg(figure)
 
 
 class PartRow(NamedTuple):
-    """Part of a coverage run: devices, models compared, judge of one device."""
+    """Part of a coverage run."""
 
     devices: int
-    what: str
-    module: str
-    judge: str
-
-
-def _row_of(devices: int, what: str, code: str) -> PartRow:
-    module, _, function = code.partition(".")
-    return PartRow(devices, what, f"{__package__}.{module}", function)
+    what: str  #: The models compared
+    judge: str  #: Module and function that judge one device
 
 
 #: The parts of a run by name; only the modules of those that are run are imported.
 PARTS: dict[str, PartRow] = {
-    "tmm": _row_of(60, "the transfer matrix against 80 digits; its bars are of rounding and wide",
+    "tmm": PartRow(60, "the transfer matrix against 80 digits; its bars are of rounding and wide",
                    "coverage_bimorph.judge_tmm"),
-    "beam": _row_of(60, "beam elements against exact spans", "coverage_bimorph.judge_beam"),
-    "taper": _row_of(40, "tapers by the transfer matrix against four times as many segments",
+    "beam": PartRow(60, "beam elements against exact spans", "coverage_bimorph.judge_beam"),
+    "taper": PartRow(40, "tapers by the transfer matrix against four times as many segments",
                      "coverage_bimorph.judge_taper"),
-    "solid": _row_of(16, "bricks against bricks two levels finer", "coverage_bimorph.judge_solid"),
-    "cad": _row_of(4, "tetrahedra of the CAD solids against much finer bricks",
+    "solid": PartRow(16, "bricks against bricks two levels finer", "coverage_bimorph.judge_solid"),
+    "cad": PartRow(4, "tetrahedra of the CAD solids against much finer bricks",
                    "coverage_bimorph.judge_cad"),
-    "surrogate": _row_of(12, "a fresh length by a surrogate against bricks two levels finer",
+    "surrogate": PartRow(12, "a fresh length by a surrogate against bricks two levels finer",
                        "coverage_bimorph.judge_surrogate"),
-    "calibrated": _row_of(40, "modelling errors of the transfer matrix against bricks",
+    "calibrated": PartRow(40, "modelling errors of the transfer matrix against bricks",
                           "coverage_bimorph.judge_calibrated"),
-    "network": _row_of(60, "modelling errors of the network against the magnetic field",
+    "network": PartRow(60, "modelling errors of the network against the magnetic field",
                        "coverage_actuator.judge_network"),
-    "axisymmetric": _row_of(20, "the magnetic field against a finer grid, higher order and farther "
+    "axisymmetric": PartRow(20, "the magnetic field against a finer grid, higher order and farther "
                             "walls", "coverage_actuator.judge_axisymmetric"),
-    "magnetic3d": _row_of(20, "the magnetic field on coarse tetrahedra against the half section's",
+    "magnetic3d": PartRow(20, "the magnetic field on coarse tetrahedra against the half section's",
                           "coverage_actuator.judge_magnetic3d"),
-    "map": _row_of(60, "the co-energy map against the network itself",
+    "map": PartRow(60, "the co-energy map against the network itself",
                    "coverage_actuator.judge_map"),
-    "switching": _row_of(30, "switching currents against balances of a network four times as fine",
+    "switching": PartRow(30, "switching currents against balances of a network four times as fine",
                          "coverage_actuator.judge_switching"),
-    "generator": _row_of(30, "small motions of the machine against those by a network four times "
+    "generator": PartRow(30, "small motions of the machine against those by a network four times "
                          "as fine", "coverage_actuator.judge_motions"),
-    "time": _row_of(30, "runs in time against runs in much finer steps",
+    "time": PartRow(30, "runs in time against runs in much finer steps",
                     "coverage_actuator.judge_in_time"),
 }  # fmt: skip
 
@@ -285,7 +287,7 @@ def run_parts(
     parts = []
     for name in names:
         row = PARTS[name]
-        judge = getattr(importlib.import_module(row.module), row.judge)
+        judge = loaded(row.judge)
         count = row.devices if devices is None else devices
         answers: list[Judged] = []
         for number in range(count):
@@ -294,7 +296,7 @@ def run_parts(
             answers += cached_by_code(
                 "coverage",
                 (name, seed, number),
-                row.module,
+                judge.__module__,
                 lambda: tuple(judge(rng)),  # noqa: B023
             )
         parts.append(Part(name, row.what, seed, count, tuple(answers)))

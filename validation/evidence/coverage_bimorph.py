@@ -159,7 +159,7 @@ def _stiffness(row: Row, omega: Any) -> mp.matrix:
 
 #: Where responses of solids are judged, per first resonance: at all but rest, about the first
 #: resonance, and beyond it.
-_AT = (0.05, 0.9, 1.1, 2.0, 4.0)
+AT = (0.05, 0.9, 1.1, 2.0, 4.0)
 #: References are solved so many levels above the one judged; that of tetrahedra.
 _ABOVE, _FOR_TETRAHEDRA = 2, LEVELS[3]
 #: Error that the reduction of a reference may add: far less than bricks have.
@@ -210,47 +210,23 @@ class Case:
         return int((bricks.used() & bricks.products()).sum()) <= _MOST_FUNCTIONS[self.model]
 
 
-def varied_cases(seed: int, count: int = 44, finer: int = 6) -> list[Case]:
-    """Random bimorphs; the first `finer` that are small enough come at level 3 as well."""
-    rng, cases = np.random.default_rng(seed), list[Case]()
-    while len(cases) < count:
-        case = _sampled(rng, len(cases))
-        if case is None or not case.affordable:
+def affordable_case(rng: np.random.Generator, model: Literal["solid", "cad"] = "solid") -> Case:
+    """Random bimorph whose reference is affordable; for the model cad of those that CAD knows."""
+    while True:
+        overrides = solid_bimorph(rng)
+        if overrides is None:
             continue
-        cases.append(case)
-        again = replace(case, level=3, all_motions=False, at=())
-        if finer and again.affordable:
-            finer -= 1
-            cases.append(again)
-    return cases[:count]
-
-
-def cad_cases(seed: int, count: int = 20) -> list[Case]:
-    """Random bimorphs of those that CAD knows, for the model cad."""
-    rng, cases = np.random.default_rng(seed), list[Case]()
-    while len(cases) < count:
-        case = _sampled(rng, len(cases))
-        if case is None or beyond_plain_layers(case.scene().device.bimorph):
-            continue
-        case = replace(case, model="cad", all_motions=True)
-        if case.affordable:
-            cases.append(case)
-    return cases
-
-
-def _sampled(rng: np.random.Generator, number: int) -> Case | None:
-    overrides = solid_bimorph(rng)
-    if overrides is None:
-        return None
-    at = _AT if number % 4 == 3 else ()
-    return Case(tuple(overrides), all_motions=number % 3 == 0, at=at)
+        case = Case(tuple(overrides), model=model, all_motions=model == "cad")
+        plain = model == "solid" or not beyond_plain_layers(case.scene().device.bimorph)
+        if plain and case.affordable:
+            return case
 
 
 def judge_solid(rng: np.random.Generator) -> list[Judged]:
     """Answers of one device by bricks, of a third all motions or responses."""
-    (case,) = varied_cases(int(rng.integers(2**31)), 1, finer=0)
+    case = affordable_case(np.random.default_rng(int(rng.integers(2**31))))
     every, responds = rng.random(2) < _ONE_IN_THREE
-    return judged(replace(case, all_motions=bool(every), at=_AT if responds else ()))
+    return judged(replace(case, all_motions=bool(every), at=AT if responds else ()))
 
 
 #: Tip masses beside the bimorph's own, of a device in three.
@@ -299,8 +275,7 @@ def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
 
 def judge_cad(rng: np.random.Generator) -> list[Judged]:
     """Answers of one device by tetrahedra of its CAD solids."""
-    (case,) = cad_cases(int(rng.integers(2**31)), 1)
-    return judged(case)
+    return judged(affordable_case(np.random.default_rng(int(rng.integers(2**31))), "cad"))
 
 
 def judged(case: Case) -> list[Judged]:

@@ -27,7 +27,7 @@ from typing import Any, TypeAlias
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import cached_result, stored_result
-from tactgen.validation.evidence.stress import Family, PartRequest, Row, Stress, answered
+from tactgen.validation.evidence.stress import Family, PartRequest, Row, Stress
 
 #: Seconds after which a process is taken for endless.
 ENDLESS = 300.0
@@ -333,32 +333,21 @@ def _names(folder: Path) -> list[str]:
 Points: TypeAlias = Iterator[tuple[str, str, Ended | None]]
 
 
-def _ended_by(trials: Trials, times: int, number: int, codes: Sequence[int]) -> Points:
-    """End commands at random moments by a signal."""
-    for turn in range(times):
-        command = trials.commands[turn % len(trials.commands)]
-        around = trials.place()
-        moment = trials.chance.random() * trials.seconds[command.name]
-        done = finish(begin(command, around), after=moment, end=number)
-        if before_us(done):
-            done = Ended(-number, "", "")
-        wrong = trials.judge(command, around, done, codes)
-        yield f"{command.name} after {moment:.2f} s", wrong, None
+def ended_by(number: int, codes: Sequence[int], share: int = 1) -> Callable[[Trials, int], Points]:
+    """Runner that ends commands at random moments by a signal, in one of `share` turns."""
 
+    def run(trials: Trials, times: int) -> Points:
+        for turn in range(times // share):
+            command = trials.commands[turn % len(trials.commands)]
+            around = trials.place()
+            moment = trials.chance.random() * trials.seconds[command.name]
+            done = finish(begin(command, around), after=moment, end=number)
+            if before_us(done):
+                done = Ended(-number, "", "")
+            wrong = trials.judge(command, around, done, codes)
+            yield f"{command.name} after {moment:.2f} s", wrong, None
 
-def killed(trials: Trials, times: int) -> Points:
-    """Kill commands at random moments."""
-    return _ended_by(trials, times, signal.SIGKILL, (-signal.SIGKILL, 0))
-
-
-def terminated(trials: Trials, times: int) -> Points:
-    """Tell commands to end; before the program has begun its code is the signal's."""
-    return _ended_by(trials, times // 2, signal.SIGTERM, (_TERMINATED, -signal.SIGTERM, 0))
-
-
-def interrupted(trials: Trials, times: int) -> Points:
-    """Interrupt commands as Ctrl-C does."""
-    return _ended_by(trials, times // 2, signal.SIGINT, (_INTERRUPTED, -signal.SIGINT, 0))
+    return run
 
 
 def corrupted(trials: Trials, times: int) -> Points:
@@ -442,9 +431,12 @@ def homeless(trials: Trials, _: int) -> Points:
 
 #: Families by name: what is spoilt, and what runs the trials.
 FAMILIES: dict[str, tuple[str, Callable[[Trials, int], Points]]] = {
-    "killed (SIGKILL)": ("at random moments", killed),
-    "told to end (SIGTERM)": ("at random moments", terminated),
-    "interrupted (SIGINT)": ("at random moments", interrupted),
+    "killed (SIGKILL)": ("at random moments", ended_by(signal.SIGKILL, (-signal.SIGKILL, 0))),
+    # before the program has begun its code is the signal's
+    "told to end (SIGTERM)": ("at random moments",
+                              ended_by(signal.SIGTERM, (_TERMINATED, -signal.SIGTERM, 0), 2)),
+    "interrupted (SIGINT)": ("at random moments",
+                             ended_by(signal.SIGINT, (_INTERRUPTED, -signal.SIGINT, 0), 2)),
     "corrupted store": ("every entry with a bit flipped, cut, emptied, or another's content",
                         corrupted),
     "no room on the disk": ("files of at most 0 and 300 bytes",
@@ -467,7 +459,7 @@ def judge(name: str, trials: Trials, times: int) -> Row:
             family.refusals.append(said(done)[1])
         family.add(f"{where}{': ' if wrong else ''}{wrong}", math.inf if wrong else 0.0, 0.0)
     what = f"{len(trials.commands)} commands, {what}"
-    return answered(f"faults: {name}", what, family.points, family.refusals)
+    return family.row(f"faults: {name}", what)
 
 
 def _spoil(path: Path, other: Path, how: str, chance: random.Random) -> None:
@@ -488,11 +480,11 @@ def run(asked: PartRequest) -> Stress:
     """
     if sys.platform != "linux":
         raise InputError("the part faults runs on Linux only; choose other parts with --only")
-    started = time.perf_counter()
     # kept together: how long the undisturbed runs take steers all that follows
     rows = asked.keep((asked.quick,), lambda: _rows(asked))
-    store_rows(rows, quick=asked.quick)
-    return Stress("faults", _STATEMENT, rows, (), (), time.perf_counter() - started)
+    # and once more for the verification book, whatever the seed
+    cached_result(_KIND, (asked.quick,), _CODE, lambda: rows, serves=lambda _: False)
+    return Stress("faults", _STATEMENT, rows)
 
 
 def _rows(asked: PartRequest) -> tuple[Row, ...]:
@@ -504,11 +496,6 @@ def _rows(asked: PartRequest) -> tuple[Row, ...]:
             asked.announce(f"faults: {name}")
             rows.append(judge(name, trials, 6 if asked.quick else 60))
         return tuple(rows)
-
-
-def store_rows(rows: tuple[Row, ...], *, quick: bool) -> None:
-    """Store the rows of a run for the verification book."""
-    cached_result(_KIND, (quick,), _CODE, lambda: rows, serves=lambda _: False)
 
 
 def cached_rows() -> tuple[Row, ...]:

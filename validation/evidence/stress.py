@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -24,7 +23,7 @@ from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam.span import error_bound
-from tactgen.validation.evidence.coverage import cached_by_code
+from tactgen.validation.evidence.coverage import cached_by_code, loaded
 from tactgen.validation.show.browser import console
 from tactgen.validation.show.figures import ORANGE, new_figure, panels, svg
 
@@ -98,9 +97,9 @@ class Stress:
     part: str
     statement: str
     rows: tuple[Row, ...]
-    maps: tuple[ErrorMap, ...]
-    approaches: tuple[Approach, ...]
-    seconds: float
+    maps: tuple[ErrorMap, ...] = ()
+    approaches: tuple[Approach, ...] = ()
+    seconds: float = 0.0  #: How long the run took
 
 
 def judged(family: str, what: str, points: Sequence[Point]) -> Row:
@@ -188,21 +187,17 @@ class Family:
         size = abs(exact)
         self.add(where, abs(value - exact) / size, bar / size)
 
-    def refuse(self, error: Exception) -> None:
-        """Add a refusal."""
-        self.refusals.append(str(error))
-
     @contextmanager
     def attempt(self) -> Iterator[None]:
         """Context that adds a refusal in place of its answers."""
         try:
             yield
         except REFUSALS as error:
-            self.refuse(error)
+            self.refusals.append(str(error))
 
-    def row(self, name: str, what: str) -> Row:
-        """Family, judged."""
-        return answered(name, what, self.points, self.refusals)
+    def row(self, name: str, what: str, promised: float = 1.0) -> Row:
+        """Family, judged as :func:`answered` has it."""
+        return answered(name, what, self.points, self.refusals, promised=promised)
 
 
 def spread(values: Iterable[float]) -> float:
@@ -281,11 +276,11 @@ def print_stress(parts: Sequence[Stress]) -> None:
 
     screen = console(200)
     table = Table(title="worst errors, against what was promised of each answer")
-    for name in _CELLS:
+    for name in ("part", *_CELLS):
         table.add_column(name, justify="right" if name in _NUMBERS else "left")
     for part in parts:
         for row in part.rows:
-            table.add_row(part.part, *(cell(row) for cell in list(_CELLS.values())[1:]))
+            table.add_row(part.part, *(cell(row) for cell in _CELLS.values()))
         table.add_section()
     screen.print(table)
     for part in parts:
@@ -302,7 +297,6 @@ def print_stress(parts: Sequence[Stress]) -> None:
 
 
 _CELLS: dict[str, Callable[[Row], str]] = {
-    "part": lambda row: "",
     "family": lambda row: row.family,
     "range": lambda row: row.what,
     "points": lambda row: str(row.points),
@@ -408,12 +402,12 @@ class PartRequest:
 
     def part(self, name: str, statement: str, families: Families) -> Stress:
         """Part with the rows of all its families, each announced before."""
-        started, rows = time.perf_counter(), list[Row]()
+        rows = list[Row]()
         for title, family in families.items():
             self.announce(title if title.startswith(name) else f"{name}: {title}")
             found = self.keep((title, self.quick), partial(family, self.quick))
             rows += found if isinstance(found, list) else [found]
-        return Stress(name, statement, tuple(rows), (), (), time.perf_counter() - started)
+        return Stress(name, statement, tuple(rows))
 
 
 #: The parts in order: module and function, from :class:`PartRequest` to :class:`Stress`.
@@ -428,15 +422,6 @@ PARTS = {
 }
 
 
-def _run_of(name: str) -> Callable[[PartRequest], Stress]:
-    """Function that runs a part; only its own models are imported."""
-    module, _, function = PARTS[name].partition(".")
-    run: Callable[[PartRequest], Stress] = getattr(
-        importlib.import_module(f"{__package__}.{module}"), function
-    )
-    return run
-
-
 def run_parts(
     names: Iterable[str], quick: bool, seed: int, announce: Callable[[str], None]
 ) -> list[Stress]:
@@ -447,7 +432,7 @@ def run_parts(
     """
     found = []
     for name in names:
-        run = _run_of(name)
+        run, started = loaded(PARTS[name]), time.perf_counter()
 
         def keep(
             of: tuple[object, ...], work: Callable[[], Any],
@@ -455,5 +440,6 @@ def run_parts(
         ) -> Any:  # fmt: skip
             return cached_by_code("stress", (name, *of, seed), module, work)
 
-        found.append(run(PartRequest(quick, seed, announce, keep)))
+        part = run(PartRequest(quick, seed, announce, keep))
+        found.append(replace(part, seconds=time.perf_counter() - started))
     return found

@@ -8,7 +8,6 @@ section constants, length and Ω, taken as exact on both sides.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 from typing import Any
@@ -40,7 +39,6 @@ from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.evidence.cases import textbook_beam
 from tactgen.validation.evidence.cases.exact_beam import offset
 from tactgen.validation.evidence.stress import (
-    REFUSALS,
     WANTED,
     Approach,
     ErrorMap,
@@ -49,7 +47,6 @@ from tactgen.validation.evidence.stress import (
     Point,
     Row,
     Stress,
-    answered,
     judged,
 )
 
@@ -116,10 +113,8 @@ _CLAMPED_FREE = Ends()
 
 def run(asked: PartRequest) -> Stress:
     """Run all families; some 400 points if quick, else some 1300."""
-    started = time.perf_counter()
-    rows, maps, approaches = asked.keep((asked.quick,), lambda: _found(asked.quick, asked.announce))
-    seconds = time.perf_counter() - started
-    return Stress("tmm", _statement(), rows, maps, approaches, seconds)
+    found = asked.keep((asked.quick,), lambda: _found(asked.quick, asked.announce))
+    return Stress("tmm", _statement(), *found)
 
 
 def _found(
@@ -131,11 +126,11 @@ def _found(
         table, row = _grid(lossy, quick)
         maps.append(table)
         rows.append(row)
-    for family in (_static, _cut_off, _ratios, _constants, _quality, _chains):
+    for family in (
+        _static, _cut_off, _ratios, _constants, _quality, _chains, _natural_frequencies,
+    ):  # fmt: skip
         announce(f"tmm: {family.__name__.strip('_').replace('_', ' ')}")
         rows.append(family(quick))
-    announce("tmm: natural frequencies")
-    rows.append(_natural_frequencies(quick))
     for approach in (_held_resonance, _mounted_resonance):
         announce("tmm: into a resonance")
         line, row = approach(quick)
@@ -336,16 +331,12 @@ def _natural_frequencies(quick: bool) -> Row:
     inertias = (1e-3,) if quick else (1e-8, 1e-3, 1.0)
     for power, rho_i, (name, ends) in product(powers, inertias, _ENDS.items()):
         beam = Section(EI=1.0, GA=10.0**-power, m=1.0, rhoI=rho_i)
-        try:
+        where = f"φ 1e{power}, ρI/ml² {rho_i:g}, {name}"
+        with family.attempt():
             found = natural_frequencies([(beam, 1.0)], ends, _MODES, open_circuit=False)
-        except REFUSALS as error:
-            family.refuse(error)
-            continue
-        for frequency, bar in zip(found.frequencies, found.rounding, strict=True):
-            where = f"φ 1e{power}, ρI/ml² {rho_i:g}, {name}"
-            family.add(where, abs(offset([(beam, 1.0)], ends, float(frequency))), float(bar))
-    return answered(
+            for frequency, bar in zip(found.frequencies, found.rounding, strict=True):
+                family.add(where, abs(offset([(beam, 1.0)], ends, float(frequency))), bar)
+    return family.row(
         "natural frequencies: slenderness",
         "three modes, EI/(GA l²) 1e-12 to 1e16, clamped, on springs and free, against 80 digits",
-        family.points, family.refusals,
-    )  # fmt: skip
+    )

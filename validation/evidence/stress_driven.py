@@ -18,14 +18,12 @@ from tactgen.validation.evidence.coverage import PROMISED
 from tactgen.validation.evidence.random_devices import any_scene
 from tactgen.validation.evidence.stress import (
     FAR,
-    REFUSALS,
     Families,
     Family,
     PartRequest,
     Point,
     Row,
     Stress,
-    answered,
 )
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene, load_scene
@@ -101,11 +99,9 @@ def driven(
     """
     family = Family()
     for where, overrides in sweep.chosen(quick):
-        try:
+        with family.attempt():
             add(family, where, load_scene(scene, list(overrides))[0])
-        except REFUSALS as error:
-            family.refuse(error)
-    return answered(name, sweep.what, family.points, family.refusals, promised=promised)
+    return family.row(name, sweep.what, promised)
 
 
 def worst(one: Quantity, other: Quantity) -> tuple[float, float]:
@@ -280,10 +276,8 @@ _SCENES, _QUICK = 2000, 16
 
 def run_random(asked: PartRequest) -> Stress:
     """Run random scenes: seconds if quick, else half an hour."""
-    started = time.perf_counter()
     rows = random_rows(asked, _QUICK if asked.quick else _SCENES)
-    statement = _STATEMENT.format(endless=_ENDLESS)
-    return Stress("random", statement, rows, (), (), time.perf_counter() - started)
+    return Stress("random", _STATEMENT.format(endless=_ENDLESS), rows)
 
 
 def random_rows(asked: PartRequest, count: int) -> tuple[Row, ...]:
@@ -299,12 +293,9 @@ def random_rows(asked: PartRequest, count: int) -> tuple[Row, ...]:
         families[name].points += points
         families[name].refusals += refusals
     return tuple(
-        answered(
-            f"random: {name}", f"{scenes[name]} scenes, seed {seed}", f.points, f.refusals,
-            promised=PROMISED,
-        )
+        f.row(f"random: {name}", f"{scenes[name]} scenes, seed {seed}", PROMISED)
         for name, f in families.items()
-    )  # fmt: skip
+    )
 
 
 def _judged(name: str, overrides: list[str]) -> tuple[list[Point], list[str]]:
@@ -312,11 +303,10 @@ def _judged(name: str, overrides: list[str]) -> tuple[list[Point], list[str]]:
     family, where = Family(), f"{name} {'; '.join(overrides)}"
     started = time.process_time()
     try:
-        scene, _ = load_scene(name, overrides)
-        for pair in (_LUMPED, _BEAM) if name == "prototype" else (_MACHINE,):
-            pair.add(family, where, scene)
-    except REFUSALS as error:
-        family.refuse(error)
+        with family.attempt():
+            scene, _ = load_scene(name, overrides)
+            for pair in (_LUMPED, _BEAM) if name == "prototype" else (_MACHINE,):
+                pair.add(family, where, scene)
     except Exception as error:  # noqa: BLE001 what a user would see as a traceback
         family.add(f"{where}: {type(error).__name__}: {error}", np.inf, 0.0)
     if time.process_time() - started > _ENDLESS:

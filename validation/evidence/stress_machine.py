@@ -13,15 +13,7 @@ from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Wa
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.tmm.reluctance.network import DirectForce, network_samples
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.evidence.stress import (
-    REFUSALS,
-    Families,
-    Family,
-    PartRequest,
-    Row,
-    Stress,
-    answered,
-)
+from tactgen.validation.evidence.stress import Families, Family, PartRequest, Row, Stress
 from tactgen.validation.evidence.stress_driven import MACHINE, MACHINE_PAIR, Sweep, driven, families
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.small_signal import CELLS_AT_REST
@@ -117,13 +109,11 @@ def edge_row(quick: bool) -> Row:
                 size = max(abs(known), 0.1 * abs(float(top)))
                 family.add(f"{where}, {name}", abs(float(value) - known) / size, bar)
     for current, gap in ((1.01 * most, near), (most, 1.01 * far), (most, near - 1e-6)):
-        try:
+        with family.attempt():
             surface.force(current, gap)
             family.add(f"{current:.3g} A, {1e6 * gap:.4g} µm, outside", np.inf, 0.0)
-        except REFUSALS as error:
-            family.refuse(error)
     what = "corners, edges and middle of currents and gaps; just outside it refuses"
-    return answered("machine: edges of the co-energy map", what, family.points, family.refusals)
+    return family.row("machine: edges of the co-energy map", what)
 
 
 #: Accuracy of the runs that are judged, and what their witness's is of it.
@@ -182,11 +172,9 @@ def motion_rows(quick: bool) -> list[Row]:
 def _row(name: str, what: str, runs: tuple[_Run, ...], quick: bool) -> Row:
     family = Family()
     for run in runs[-1:] if quick else runs:
-        try:
+        with family.attempt():
             _judge(family, run)
-        except REFUSALS as error:
-            family.refuse(error)
-    return answered(name, what, family.points, family.refusals)
+    return family.row(name, what)
 
 
 def _judge(family: Family, run: _Run) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -136,21 +136,15 @@ def group_rows(group: str) -> tuple[Check, ...]:
     return tuple(row for case in group_cases(group) for row in case.rows)
 
 
-def _rows(groups: Sequence[str]) -> Iterator[tuple[str, Case, Check]]:
-    for group in groups:
-        for case in group_cases(group):
-            for check in case.rows:
-                yield group, case, check
-
-
 def verify(
     groups: Sequence[str], *, extent: Extent, announce: Callable[[str], None]
 ) -> list[Verified]:
     """Run the checks of the groups, as many of them as `extent` says; the others are skipped."""
     rows = []
-    for group, case, check in _rows(groups):
-        wanted = check is case.rows[0] if extent == "quick" else True
-        if not wanted or (check.heavy and extent != "heavy"):
+    every = ((g, case, row) for g in groups for case in group_cases(g) for row in case.rows)
+    for group, case, check in every:
+        left_out = extent == "quick" and check is not case.rows[0]
+        if left_out or (check.heavy and extent != "heavy"):
             rows.append(Verified(group, case, check))
             continue
         announce(f"check {check.id}")

@@ -37,14 +37,6 @@ def test_a_seed_samples_the_same_scene_again():
     assert one == again != other
 
 
-def test_small_ones_come_finer_as_well():
-    """At level 3, without what takes long; none whose reference cannot be afforded."""
-    cases = solid.varied_cases(3, 6, finer=1)
-    assert all(case.affordable for case in cases)
-    (at,) = [i for i, case in enumerate(cases) if case.level == 3]
-    assert cases[at] == replace(cases[at - 1], level=3, all_motions=False, at=())
-
-
 def test_a_case_is_asked_about_its_first_resonance():
     case = Case(("bimorph.length=10 mm", "load.kind=none"), level=3, at=(0.9, 2.0))
     scene = case.scene()

@@ -11,7 +11,6 @@ from tactgen.validation.evidence.case import Null, run_check
 from tactgen.validation.evidence.cases import bimorph, iron, motion
 from tactgen.validation.evidence.mesh_levels import on_level
 from tactgen.validation.evidence.verification import GROUPS, ON_SCENES, group_cases, group_rows
-from tactgen.validation.models import transient
 from tactgen.validation.models.transient import Phase
 
 CASES = {(group, case.id): case for group in GROUPS for case in group_cases(group)}
@@ -145,7 +144,7 @@ def made_phases(monkeypatch):
 
     def put(*phases):
         phases = tuple(Phase(*phase) for phase in phases)
-        monkeypatch.setattr(transient, "phases", lambda run: phases)
+        monkeypatch.setattr(motion, "phases", lambda run: phases)
         monkeypatch.setattr(motion, "_paper_run", lambda: "run")
         monkeypatch.setattr(motion, "_run_of_fig_16", lambda load, angle=0.0, _=0.0: ("run", angle))
 
@@ -179,9 +178,7 @@ def test_held_over_pressed_is_the_smallest_over_the_largest(made_phases, monkeyp
     sizes = {0.0: 1e9, 1.0: 6.0, 2.0: 2.0, 3.0: 5.0, 4.0: 4.0}
     names = ("pressed", "held", "pressed", "held", "pressed", "rising")
     made_phases(*((name, float(i), i + 0.5, 0.0) for i, name in enumerate(names)))
-    monkeypatch.setattr(
-        transient, "common_oscillation", lambda seen, _: sizes[seen[0][1].start] * 1j
-    )
+    monkeypatch.setattr(motion, "common_oscillation", lambda seen, _: sizes[seen[0][1].start] * 1j)
     assert motion._held_to_pressed("finger") == pytest.approx(5.0 / 4.0)
 
 

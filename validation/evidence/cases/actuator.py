@@ -71,11 +71,6 @@ GAP = 0.2e-3
 KNOWN = {0.13: (110.0507e-3, 2.278879e-6), 0.05: (37.9644e-3, 1.376275e-6)}
 
 
-def field(current: float) -> FieldPoint:
-    """Axisymmetric field's answer at a current (A)."""
-    return field_point(COLLARED, current, GAP)
-
-
 #: Stated from the nominal gap.
 _POSITIONS = ("rod.length", "rod.flange_position", "coil.position")
 #: All lengths, and the current.
@@ -96,13 +91,9 @@ _GROWTH = 1.25
 _QUANTITIES = ("coenergy", "flux_linkage", "magnetic_force")
 
 
-def power_of_size(name: str) -> float:
-    """Power with which a quantity grows with the device, as it is grown."""
-    return _powers()[name]
-
-
 @cached
-def _powers() -> dict[str, float]:
+def powers_of_size() -> dict[str, float]:
+    """Power with which each quantity grows with the device, as it is grown."""
     scene, _ = load_scene("reluctance", ["models=axisymmetric", *_DEVICE])
     grown = {}
     for key in _KEYS:
@@ -169,6 +160,7 @@ def by_ladder() -> LadderSolution:
     return solve_ladder(one_loop(core, area, length, turns), np.array([CURRENT, -CURRENT]))
 
 
+@cached
 def by_map() -> CoenergyMap:
     """Map with the same square root at each gap: λ = 0.25 Wb √(i/0.2 A) · 0.2 mm/g."""
     i, g = 0.3 * (np.arange(25) / 24.0) ** 3, np.linspace(0.1e-3, 0.3e-3, 8)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from tactgen.tmm.ports.loads import finger_spring_damper
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.evidence.case import Case, Check, Null, case
 from tactgen.validation.evidence.mesh_levels import cached, level
+from tactgen.validation.models.difference import Step, beam_to_solid
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.published_measurements import (
@@ -24,9 +25,6 @@ from tactgen.validation.studies.published_measurements import (
     compared,
     figures,
 )
-
-if TYPE_CHECKING:
-    from tactgen.validation.models.difference import Step
 
 
 @cached
@@ -181,8 +179,6 @@ def j1_cad_against_bricks() -> float:
 @cached
 def _clamped_steps() -> list[Step]:
     """Steps from beam to solid of the paper's bimorph on a clamp, where f1 is its own."""
-    from tactgen.validation.models.difference import beam_to_solid
-
     scene = load_scene("paper", ("support.kind=clamped",))[0]
     return beam_to_solid(scene, lambda _: None, level=level(1, least=0))
 

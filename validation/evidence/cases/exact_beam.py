@@ -189,16 +189,9 @@ def join(lower: mp.matrix, upper: mp.matrix) -> mp.matrix:
         for i in range(5):
             for j in range(5):
                 both[at[i], at[j]] += block[i, j]
-    return eliminate(both, [0, 1, 4, 5, 6])
-
-
-def eliminate(matrix: mp.matrix, keep: list[int]) -> mp.matrix:
-    """Schur complement on the kept unknowns, the others being free of force."""
-    drop = [i for i in range(matrix.rows) if i not in keep]
-    if not drop:
-        return _pick(matrix, keep, keep)
-    solved = mp.inverse(_pick(matrix, drop, drop)) * _pick(matrix, drop, keep)
-    return _pick(matrix, keep, keep) - _pick(matrix, keep, drop) * solved
+    joint, ends = [2, 3], [0, 1, 4, 5, 6]
+    moved = mp.inverse(_pick(both, joint, joint)) * _pick(both, joint, ends)
+    return _pick(both, ends, ends) - _pick(both, ends, joint) * moved
 
 
 @_exact

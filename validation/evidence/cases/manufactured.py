@@ -15,6 +15,9 @@ from typing import Any, Literal
 import numpy as np
 
 from tactgen.fem.elements.line_basis import gauss_values
+from tactgen.fem.magnetics.axisymmetric_field import solve_field
+from tactgen.fem.magnetics.axisymmetric_space import discretise
+from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, VectorPotential, sample
 from tactgen.fem.piezo.system import Material, volts_per_unit
 from tactgen.fem.piezo.tetrahedra import SkfemBody
 from tactgen.fem.solvers.linear_solver import factorise
@@ -264,9 +267,6 @@ def rings_error(curve: MagnetisationCurve, order: int, divisions: int) -> float:
 
     The source ∫ H(B)·curl v is what a current density curl H does.
     """
-    from tactgen.fem.magnetics.axisymmetric_field import solve_field
-    from tactgen.fem.magnetics.axisymmetric_space import discretise
-
     lines = np.linspace(0.0, 1.0, divisions + 1), np.linspace(-1.0, 1.0, 2 * divisions + 1)
     d = discretise(Grid(*lines, (Region("all", (0.0, 1.0), (-1.0, 1.0), curve),)), order)
     r, z = d.radii, d.elevations
@@ -308,13 +308,6 @@ def _source(points: Floats) -> Floats:
 @cache
 def cube_error(potential: Literal["A", "phi"], cells: Cells, divisions: int) -> float:
     """Relative error of B, in the mean square, in the steel of TEAM problem 20."""
-    from tactgen.fem.magnetics.problem_3d import (
-        MagneticSolid,
-        ScalarPotential,
-        VectorPotential,
-        sample,
-    )
-
     mesh = cube(cells, divisions)
     solid = sample(MagneticSolid(mesh, {"all": TEAM20}, _source, flux_normal=tuple(mesh.faces)))
     by = VectorPotential(solid) if potential == "A" else ScalarPotential(solid)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,16 +13,22 @@ from tactgen.tmm.generator.contact import moving_rod
 from tactgen.tmm.generator.transient.system import CubicSpring, Element, RoughPoint, System
 from tactgen.tmm.generator.transient.time_integration import simulate_steps
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Square, Step
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.case import Case, Check, Null, case
 from tactgen.validation.evidence.cases.actuator import field_point
 from tactgen.validation.evidence.cases.oscillators import run_of_coil
 from tactgen.validation.evidence.mesh_levels import steps
+from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.model import Estimate
-
-if TYPE_CHECKING:
-    from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
-    from tactgen.validation.models.transient import Phase, Simulation
-    from tactgen.validation.scene.scene import Scene
+from tactgen.validation.models.transient import (
+    Phase,
+    Simulation,
+    common_oscillation,
+    phases,
+    run_scene,
+)
+from tactgen.validation.scene.scene import Scene, load_scene
 
 _ONE, _UNIT = np.ones(1), np.eye(1)
 #: Section 2 of the paper: the drives of Fig 16.
@@ -87,8 +92,6 @@ def _pull_in_current() -> Estimate:
 
 def _phase(name: str, after: float) -> Phase:
     """First phase of a name that starts after a time (s)."""
-    from tactgen.validation.models.transient import phases
-
     return next(p for p in phases(_paper_run()) if p.name == name and p.start > after)
 
 
@@ -101,9 +104,6 @@ def _paper_run() -> Simulation:
 @lru_cache(maxsize=1)
 def field_map() -> CoenergyMap:
     """Co-energy over the stroke by the field, of the rod that is set as :data:`_SET` says."""
-    from tactgen.validation.models.classes import map_of
-    from tactgen.validation.scene.scene import load_scene
-
     return map_of(load_scene("reluctance", ["models=axisymmetric", _SET])[0])
 
 
@@ -122,8 +122,6 @@ def _flight_to_contact(load: str) -> float:
 
     1 or more also where the tip moves more while the rod rises than while it falls.
     """
-    from tactgen.validation.models.transient import phases
-
     largest: dict[str, float] = {}
     for phase in phases(_run_of_fig_16(load)):
         largest[phase.name] = max(phase.amplitude, largest.get(phase.name, 0.0))
@@ -138,8 +136,6 @@ def _held_to_pressed(load: str, friction: float = 0.0) -> float:
     By what two runs have in common whose drives are a quarter of a period apart: the smallest of
     all times held over the largest of all times pressed.
     """
-    from tactgen.validation.models.transient import common_oscillation, phases
-
     angles = (0.0, 0.5 * math.pi)
     runs = [_run_of_fig_16(load, angle, friction) for angle in angles]
     sizes: dict[str, list[float]] = {}
@@ -155,8 +151,6 @@ def _held_to_pressed(load: str, friction: float = 0.0) -> float:
 
 def _small_held_to_pressed(load: str) -> float:
     """Small-signal answer at the drive's frequency, held by 120 mA over pressed up."""
-    from tactgen.validation.scene.scene import load_scene
-
     scene = load_scene("generator", [f"load.kind={load}"])[0]
     return abs(small_tip(scene, SQUARE.high)) / abs(small_tip(scene, 0.0))
 
@@ -166,8 +160,6 @@ def small_tip(scene: Scene, current: float) -> complex:
 
     Of a rod that `current` (A) holds down, or that the spring presses up.
     """
-    from tactgen.validation.engine.solve import solve
-
     coil = scene.coil.model_copy(update={"current": current, "history": "falling"})
     resting = scene.model_copy(update={"coil": coil, "frequency": (DRIVE.frequency,)})
     return complex(solve(resting, ("tmm",), ("lateral_tip_per_voltage",)).quantities[0].value[0])
@@ -189,9 +181,6 @@ def _scene_run(
     sources: Sources, until: float, accuracy: float, name: str = "paper", load: str = "none",
     pull: CoenergyMap | None = None, friction: float = 0.0,
 ) -> Simulation:  # fmt: skip
-    from tactgen.validation.models.transient import run_scene
-    from tactgen.validation.scene.scene import load_scene
-
     own = [f"load.kind={load}", f"guide.friction={friction!r} N", *([_SET] if pull else [])]
     scene, _ = load_scene(name, own)
     return run_scene(scene, sources, until, coil="current", accuracy=accuracy, pull=pull)

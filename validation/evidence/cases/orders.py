@@ -13,11 +13,14 @@ from typing import Literal
 
 import numpy as np
 
+from tactgen.fem import beam
 from tactgen.fem.piezo.system import Material
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device.magnetisation import TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
+from tactgen.tmm.beam import transfer_matrix
+from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.validation.evidence.boxes import block, even, held, natural_frequencies
 from tactgen.validation.evidence.case import Case, Check, Refinement, case
 from tactgen.validation.evidence.cases import manufactured
@@ -219,12 +222,8 @@ _HIGH, _STOUT = 11, 3e-3
 
 @cache
 def _mode_error(elements: int, mode: int = _MODE, length: float = 20e-3) -> float:
-    from tactgen.fem import beam
-    from tactgen.tmm.beam.modes import bending_frequencies
-    from tactgen.tmm.beam.transfer_matrix import sections
-
     device, support = Device(bimorph=Bimorph(length=length)), Support(kind="clamped")
-    pieces = sections(device, support, Beam(), lossy=False)
+    pieces = transfer_matrix.sections(device, support, Beam(), lossy=False)
     exact = bending_frequencies(pieces, Ends(), mode + 1, open_circuit=False)[mode]
     matrices = beam.assemble(device, support, Beam(), elements=elements, lossy=False)
     found = beam.bending_frequencies(matrices, Ends(), mode + 1, open_circuit=False)[mode]
@@ -234,9 +233,6 @@ def _mode_error(elements: int, mode: int = _MODE, length: float = 20e-3) -> floa
 @cache
 def _port_error(elements: int) -> float:
     """Largest error of the five ports' stiffness, by the diagonal's sizes."""
-    from tactgen.fem import beam
-    from tactgen.tmm.beam import transfer_matrix
-
     at = np.array([_FAST])
     exact = transfer_matrix.multiport(Device(), Support(), Beam(), at).stiffness[0]
     found = beam.multiport(Device(), Support(), Beam(), at, elements=elements).stiffness[0]

@@ -9,6 +9,11 @@ from functools import partial
 import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric import FieldPoint, solve_map
+from tactgen.fem.magnetics.axisymmetric_force import (
+    eggshell_force,
+    eggshell_weight,
+    virtual_work_force,
+)
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.magnetisation import TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.device.parameters import Device
@@ -17,11 +22,11 @@ from tactgen.geometry.device.reluctance import Steel
 from tactgen.geometry.device.support_load_drive import Limits
 from tactgen.tmm.generator.small_signal import Linearised
 from tactgen.tmm.reluctance.coenergy_fit import fit
-from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples, closed_loop_work
+from tactgen.tmm.reluctance.coenergy_map import Samples, closed_loop_work
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import largest_rms_current, network_samples
 from tactgen.tmm.reluctance.switching import spring_force
-from tactgen.validation.evidence.case import Case, Check, Null, case
+from tactgen.validation.evidence.case import Case, Check, Null, case, nth
 from tactgen.validation.evidence.cases import actuator, coils, team20
 from tactgen.validation.evidence.cases.actuator import SQUARE_LAW_GAP, field_point
 from tactgen.validation.evidence.cases.ball import ball_error, potential_of
@@ -38,17 +43,8 @@ _EDGE = "second-order edge elements and second-order scalar potential on swept t
 # --- air and iron alone ------------------------------------------------------------------------
 
 
-def _coils_force() -> float:
-    """Force between them by virtual work (N)."""
-    from tactgen.fem.magnetics.axisymmetric_force import virtual_work_force
-
-    return virtual_work_force(coils.solved())
-
-
 def _coils_force_by_stress() -> float:
     """Force between them by the stress in the air (N)."""
-    from tactgen.fem.magnetics.axisymmetric_force import eggshell_force, eggshell_weight
-
     field = coils.solved()
     return eggshell_force(field, eggshell_weight(field.discretisation))
 
@@ -61,7 +57,7 @@ _COILS = case(
               1.6463772056050563e-4, "H",
               lambda: float(coils.solved().incremental_inductance[0, 1])),
         Check("The axial force between them, by virtual work, is the derivative of that.",
-              -3.829353438769843e-2, "N", _coils_force),
+              -3.829353438769843e-2, "N", lambda: virtual_work_force(coils.solved())),
         Check("So is the force by the stress in the air.", -3.829353438769843e-2, "N",
               _coils_force_by_stress),
     ],
@@ -127,11 +123,6 @@ def _ladder(energy: bool) -> float:
     return actuator.CURRENT * float(found.flux_linkage[0, 0]) - coenergy if energy else coenergy
 
 
-@cached
-def _square_law_map() -> CoenergyMap:
-    return actuator.by_map()
-
-
 _NEWTON = "Newton's 1e-12, and rounding"
 _SQUARE_LAW = case(
     "VM213", "Energy and co-energy of a core with B ∝ √H",
@@ -143,10 +134,10 @@ _SQUARE_LAW = case(
         Check("Its stored energy iλ − W' is half of that.", 1.0 / 60.0, "J",
               partial(_ladder, True), 1e-11, _NEWTON),
         Check("A co-energy map of the same transformer has that co-energy.", 1.0 / 30.0, "J",
-              lambda: float(_square_law_map().coenergy(actuator.CURRENT, SQUARE_LAW_GAP)), 1e-3,
+              lambda: float(actuator.by_map().coenergy(actuator.CURRENT, SQUARE_LAW_GAP)), 1e-3,
               "no spline follows the root's infinite slope at 0 A"),
         Check("And that energy.", 1.0 / 60.0, "J",
-              lambda: float(_square_law_map().energy(actuator.CURRENT, SQUARE_LAW_GAP)), 3e-3,
+              lambda: float(actuator.by_map().energy(actuator.CURRENT, SQUARE_LAW_GAP)), 3e-3,
               "as VM213-3, with λ a derivative more"),
     ],
     model="model network, and a co-energy map fitted to its samples",
@@ -194,7 +185,7 @@ _STRIPS = case(
 
 def _collared(name: str, current: float) -> Estimate:
     """Pull (N), or flux linkage per turn (Wb), of the actuator with a collar."""
-    found = actuator.field(current)
+    found = field_point(actuator.COLLARED, current, actuator.GAP)
     scale = actuator.COLLARED.coil.turns if name == "flux_linkage" else 1.0
     return Estimate(getattr(found, name) / scale, getattr(found.errors, name) / scale)
 
@@ -265,7 +256,7 @@ _EULER = case(
     "2.",
     [
         Check(f"The {words} of a device whose lengths and current are grown together grows as its "
-              "power of the size.", power, "1", partial(actuator.power_of_size, name), id=letter,
+              "power of the size.", power, "1", nth(actuator.powers_of_size, name), id=letter,
               heavy=True)
         for letter, words, name, power in (
             ("W", "co-energy", "coenergy", 3.0), ("L", "flux linkage", "flux_linkage", 2.0),

@@ -42,18 +42,13 @@ class PoleForce(NamedTuple):
     unknowns: int
 
 
-def pole_forces(
-    potential: Potential, scale: float, currents: Sequence[float]
-) -> Iterator[PoleForce]:
-    """Yield the pole's force at each number of ampere-turns, each started from the last."""
-    for force, _ in _pole_states(potential, scale, currents):
-        yield force
-
-
-def _pole_states(
+def pole_states(
     potential: Potential, scale: float, currents: Sequence[float]
 ) -> Iterator[tuple[PoleForce, MagneticField]]:
-    """Yield the same with the field, of a quarter whose cells are `scale` times the default's."""
+    """Yield the pole's force and the field at each number of ampere-turns, each from the last.
+
+    Of a quarter whose cells are `scale` times the default's.
+    """
     mesh = team20_mesh(Team20Meshing(scale=scale))
     solid = sample(MagneticSolid(mesh, {"pole": TEAM20, "yoke": TEAM20}, team20_source, copies=4))
     weight = harmonic_weight(solid, ("pole",), ("shell",))
@@ -86,7 +81,7 @@ def _section(x: tuple[float, float], y: tuple[float, float]) -> Floats:
 @cached
 def _states(potential: str) -> dict[float, tuple[float, tuple[float, ...]]]:
     """Force (N) and flux densities (T) by ampere-turns."""
-    states = _pole_states(potential_of(potential), size(1.0), tuple(MEASURED_FORCE))
+    states = pole_states(potential_of(potential), size(1.0), tuple(MEASURED_FORCE))
     return {force.current: (force.force, _flux_densities(field)) for force, field in states}
 
 
