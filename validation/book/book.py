@@ -325,12 +325,12 @@ def _levels(row: Verified) -> Iterator[Division]:
     yield row.found
     if row.found.kind is None:
         return
-    other = next_division(row.group, row.case, row.check)
+    other = next_division(row.group, row.check)
     while other is not None and other.new:
         yield other
         if not 0 < other.below < _LEVELS:
             return
-        other = division(row.group, row.case, row.check, other.below + 1)
+        other = division(row.group, row.check, other.below + 1)
 
 
 def _values(row: Verified, levels: Sequence[Division]) -> Convergence:

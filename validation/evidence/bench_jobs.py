@@ -6,7 +6,7 @@ frequencies.  Job J2: its damped sweep at 200 frequencies.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
@@ -44,8 +44,6 @@ MODES = 4
 #: Error asked of the reduction to ports, relative; far below the meshes' errors.
 _REDUCTION = 1e-6
 
-Kind = Literal["brick", "tetra"]
-
 #: The solid model's own family.
 BRICKS = "bricks of high order"
 
@@ -56,9 +54,8 @@ def j1() -> Scene:
 
 
 def job(
-    frequencies: Sequence[float] = (),
     *,
-    kind: Kind = "brick",
+    kind: Literal["brick", "tetra"] = "brick",
     order: int = 2,
     through_piezo: int = 1,
     through_shim: int = 1,
@@ -68,7 +65,7 @@ def job(
     growth: float = 4.0,
     device: Device | None = None,
 ) -> Job:
-    """Job J1, or another device's, as plain numbers; with frequencies, its damped sweep."""
+    """Job J1, or another device's, as plain numbers; without frequencies."""
     device = device or j1().device
     regions = ("piezo_top", "shim")
     exact, lossy = (
@@ -83,7 +80,7 @@ def job(
         ceramic=_plain(exact["piezo_top"], lossy["piezo_top"]),
         shim=_plain(exact["shim"], lossy["shim"]),
         modes=MODES,
-        frequencies=list(frequencies),
+        frequencies=[],
         kind=kind,
         order=order,
         through_piezo=through_piezo,

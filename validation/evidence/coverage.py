@@ -15,9 +15,7 @@ from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
 from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import storable
-from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_texts
-from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import GREY, panels, svg
 
 #: Share of the errors that a bar promises to cover.
@@ -112,20 +110,6 @@ def relative(where: str, name: str, values: object, errors: object, better: obje
         Judged(where, f"{name} {i + 1}" if value.size > 1 else name, float(off), float(bar))
         for i, (off, bar) in enumerate(zip(np.abs(value - right) / size, bars / size, strict=True))
     ]
-
-
-def compared(
-    judged: tuple[Scene, str], better: tuple[Scene, str], quantities: Sequence[str], where: str
-) -> list[Judged]:
-    """Answers of a scene by a model against a better scene's or model's."""
-    values, right = (
-        {q.name: q for q in solve(scene, [model], quantities).quantities}
-        for scene, model in (judged, better)
-    )
-    return [
-        one for name, q in values.items()
-        for one in relative(where, name, q.value, q.error, right[name].value)
-    ]  # fmt: skip
 
 
 #: What computes answers and is loaded by names in strings.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -39,6 +39,8 @@ _ORDER, _REFINEMENT, _FARTHER = 5, 1.5, 3.0
 #: Quantities of the network, in the order of the calibration's values.
 _NETWORK = ("magnetic_force", *VALUES[1:])
 _VALUES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
+
+T = TypeVar("T")
 
 #: A field with its error bars, and a better one.
 Fields: TypeAlias = tuple[Any, Any]
@@ -131,8 +133,7 @@ def judge_map(rng: np.random.Generator) -> list[Judged]:
 
     Relative to a tenth of the largest at that gap, where less: so the map states them.
     """
-    scene, where = _fitting(rng, lambda scene: network_map(scene.device))
-    surface = network_map(scene.device)
+    scene, where, surface = _fitting(rng, lambda scene: network_map(scene.device))
     most = surface.current_limit
     currents = np.append(rng.uniform(0.0, most, _POINTS), most)
     gaps = rng.uniform(*surface.gap_limits, _POINTS)
@@ -148,8 +149,7 @@ def judge_map(rng: np.random.Generator) -> list[Judged]:
 
 def judge_switching(rng: np.random.Generator) -> list[Judged]:
     """Switching currents of one device against balances of a finer network."""
-    scene, where = _fitting(rng, lambda scene: solve(scene, ("network",), _SWITCHING))
-    solution = solve(scene, ("network",), _SWITCHING)
+    scene, where, solution = _fitting(rng, lambda scene: solve(scene, ("network",), _SWITCHING))
     right = _balances(scene)
     found = []
     for name in _SWITCHING:
@@ -161,7 +161,7 @@ def judge_switching(rng: np.random.Generator) -> list[Judged]:
 
 def judge_motions(rng: np.random.Generator) -> list[Judged]:
     """One machine's small motions against those about where a finer network holds it."""
-    scene, where = _fitting(rng, lambda scene: scene.rest)
+    scene, where, _ = _fitting(rng, lambda scene: scene.rest)
     model = make_model("tmm", scene, Stages(make_plan(scene, ("tmm",), _MOTIONS).keys))
     found = []
     judged = model.answer("small_signal")
@@ -184,14 +184,13 @@ def _finer_rod(scene: Scene) -> Linearised:
     return rod_by_network(scene, finest, place)
 
 
-def _fitting(rng: np.random.Generator, tried: Callable[[Scene], object]) -> tuple[Scene, str]:
-    """Sampled machine that `tried` accepts, and its changes."""
+def _fitting(rng: np.random.Generator, tried: Callable[[Scene], T]) -> tuple[Scene, str, T]:
+    """Sampled machine that `tried` accepts, its changes, and what that gave."""
 
-    def attempt() -> tuple[Scene, str]:
+    def attempt() -> tuple[Scene, str, T]:
         overrides = random_devices.machine(rng)
         scene, _ = load_scene("generator", overrides)
-        tried(scene)
-        return scene, " ".join(overrides)
+        return scene, " ".join(overrides), tried(scene)
 
     return accepted(attempt)
 

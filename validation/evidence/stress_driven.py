@@ -129,14 +129,14 @@ def worst(one: Quantity, other: Quantity) -> tuple[float, float]:
     return float(errors[at]), float(bars[at])
 
 
+#: Seconds of processor time after which a scene counts as endless: usual is a tenth of one.
+_ENDLESS = 20.0
 _STATEMENT = (
     "Each answer agrees with the second model's within the bars of both, 19 of 20 and none by "
     "three bars; what cannot be answered is refused in one sentence. A random scene that ended "
-    "otherwise, or not within {endless:g} s of processor time, fails; it names the overrides that "
-    "repeat it."
+    f"otherwise, or not within {_ENDLESS:g} s of processor time, fails; it names the overrides "
+    "that repeat it."
 )
-#: Seconds of processor time after which a scene counts as endless: usual is a tenth of one.
-_ENDLESS = 20.0
 
 _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 # lumped takes the row element by element: 1e-6 for what rounding does to extremes
@@ -267,7 +267,7 @@ def families(part: str, pairs: Sequence[tuple[Pair, Sequence[Sweep]]]) -> Famili
 
 def run_lateral(asked: PartRequest) -> Stress:
     """Run the lateral actuator's sweeps: seconds if quick, else some minutes."""
-    return asked.part("lateral", _STATEMENT.format(endless=_ENDLESS), families("lateral", LATERAL))
+    return asked.part("lateral", _STATEMENT, families("lateral", LATERAL))
 
 
 #: Scenes of a run, and of a quick one.
@@ -277,7 +277,7 @@ _SCENES, _QUICK = 2000, 16
 def run_random(asked: PartRequest) -> Stress:
     """Run random scenes: seconds if quick, else half an hour."""
     rows = random_rows(asked, _QUICK if asked.quick else _SCENES)
-    return Stress("random", _STATEMENT.format(endless=_ENDLESS), rows)
+    return Stress("random", _STATEMENT, rows)
 
 
 def random_rows(asked: PartRequest, count: int) -> tuple[Row, ...]:

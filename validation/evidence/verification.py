@@ -148,7 +148,7 @@ def verify(
             rows.append(Verified(group, case, check))
             continue
         announce(f"check {check.id}")
-        measured = division(group, case, check)
+        measured = division(group, check)
         outcome, bar = judged(check, measured.estimate), _bar(group, case, check, measured)
         rows.append(Verified(group, case, check, outcome, measured, bar))
     return rows
@@ -161,23 +161,23 @@ def _bar(group: str, case: Case, check: Check, measured: Division) -> Estimate |
         return Estimate(measured.value, measured.error, method)
     if measured.kind is None or case.refinement is not None:
         return None
-    other = next_division(group, case, check)
+    other = next_division(group, check)
     if other is None:
         return None
     change = abs(measured.value - other.value)
     return Estimate(measured.value, change, f"the change with {other.words}")
 
 
-def next_division(group: str, case: Case, check: Check) -> Division | None:
+def next_division(group: str, check: Check) -> Division | None:
     """Row's value on the next coarser level.
 
     Where there is none, as of linear functions that contain the answer, on the next finer one.
     """
-    levels = (division(group, case, check, below) for below in (1, -1))
+    levels = (division(group, check, below) for below in (1, -1))
     return next((level for level in levels if level.new), None)
 
 
-def division(group: str, case: Case, check: Check, below: int = 0) -> Division:
+def division(group: str, check: Check, below: int = 0) -> Division:
     """Row's value so many levels coarser, from the store if the code is the same.
 
     A level that its model refuses as too coarse is none.

@@ -113,12 +113,12 @@ def drawn(monkeypatch):
     """Take levels from a list in place of solving them; what is drawn in place of figures."""
     asked, curves, coarser = [], [], {}
 
-    def division(group, of, check, below=0):
+    def division(group, check, below=0):
         asked.append(below)
         return coarser.get(below, level(below, math.nan, new=False))
 
-    def first(group, of, check):
-        return next((d for b in (1, -1) if (d := division(group, of, check, b)).new), None)
+    def first(group, check):
+        return next((d for b in (1, -1) if (d := division(group, check, b)).new), None)
 
     monkeypatch.setattr(book, "division", division)
     monkeypatch.setattr(book, "next_division", first)

@@ -85,7 +85,7 @@ def test_bars_of_rows(monkeypatch, measure, bar, judged_by, covered_by):
         assert found.bar.error == pytest.approx(bar, rel=1e-9)
         assert judged_by in found.bar.method
         assert found.plain()["bar"] == found.bar.error
-    assert (next_division("beams", found.case, row) is None) is (judged_by in ("own", ""))
+    assert (next_division("beams", row) is None) is (judged_by in ("own", ""))
 
 
 def test_a_level_that_is_refused_as_too_coarse_is_none(monkeypatch):
@@ -100,7 +100,7 @@ def test_a_level_that_is_refused_as_too_coarse_is_none(monkeypatch):
 
     row = replace(case.rows[0], reference=1.0, measure=measure)
     monkeypatch.setattr(verification, "cached_result", lambda *key, serves: key[-1]())
-    assert next_division("beams", case, row).below == -1
+    assert next_division("beams", row).below == -1
     least[0] = 5
     with pytest.raises(InputError, match="too coarse"):
-        division("beams", case, row)
+        division("beams", row)

@@ -1,29 +1,27 @@
-"""The axisymmetric field of a normal actuator at a point, as finely as a check's level says."""
+"""Normal actuators of the cases, each by its field or circuit as finely as a check's level says."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from tactgen.geometry.device.parameters import Device
-from tactgen.validation.evidence.mesh_levels import cached, counted, degree
-
-if TYPE_CHECKING:
-    from tactgen.fem.magnetics.axisymmetric import FieldPoint
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.magnetisation import MagnetisationCurve
-from tactgen.geometry.device.parameters import NOMINAL_GAP, Coil, Rod, Sleeve
+from tactgen.geometry.device.parameters import NOMINAL_GAP, Coil, Device, Rod, Sleeve
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
 from tactgen.tmm.reluctance.flux_ladder import Ladder, LadderSolution
 from tactgen.tmm.reluctance.flux_ladder import solve as solve_ladder
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.mesh_levels import cached, counted, degree
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.scene.variation import value_of, with_values
+
+if TYPE_CHECKING:
+    from tactgen.fem.magnetics.axisymmetric import FieldPoint
 
 
 @cached

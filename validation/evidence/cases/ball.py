@@ -186,15 +186,15 @@ def _exact() -> float:
 @cached
 def _mean(potential: Potential) -> float:
     """Mean of B_z in the ball (T), three intervals along an edge."""
-    return mean_in(potential, sampled_ball(intervals(3, least=1), TEAM20), "ball", _FIELD)
+    return mean_in(potential, sampled_ball(intervals(3, least=1), TEAM20), _FIELD)
 
 
-def mean_in(potential: Potential, solid: SampledSolid, region: str, current: float = 1.0) -> float:
-    """Mean of B_z (T) in a region."""
+def mean_in(potential: Potential, solid: SampledSolid, current: float = 1.0) -> float:
+    """Mean of B_z (T) in the ball."""
     solver = potential(solid)
     counted(solver.size)
     field = solver.solve(current)
-    cells = solid.problem.mesh.cells_of(region)
+    cells = solid.problem.mesh.cells_of("ball")
     weights = solid.weights[cells]
     return float(np.sum(weights * field.flux_density[cells][..., 2]) / weights.sum())
 

@@ -55,19 +55,16 @@ def mutual_inductance_slope(a: Floats, b: Floats, distance: Floats) -> Floats:
 
 
 def between_windings(
-    one: Region,
-    other: Region,
-    function: Callable[[Floats, Floats, Floats], Floats],
-    points: int = 8,
+    one: Region, other: Region, function: Callable[[Floats, Floats, Floats], Floats]
 ) -> float:
     """Mean of a filament function over both sections, times the turns."""
-    (r1, z1, w1), (r2, z2, w2) = (_filaments(winding, points) for winding in (one, other))
+    (r1, z1, w1), (r2, z2, w2) = map(_filaments, (one, other))
     values = function(r1[:, None], r2[None, :], z2[None, :] - z1[:, None])
     return one.turns * other.turns * float(w1 @ values @ w2)
 
 
-def _filaments(winding: Region, points: int) -> tuple[Floats, Floats, Floats]:
-    x, w = np.polynomial.legendre.leggauss(points)
+def _filaments(winding: Region) -> tuple[Floats, Floats, Floats]:
+    x, w = np.polynomial.legendre.leggauss(8)
     (r0, r1), (z0, z1) = winding.radii, winding.heights
     r, z = np.meshgrid((r0 + r1 + (r1 - r0) * x) / 2.0, (z0 + z1 + (z1 - z0) * x) / 2.0)
     return r.ravel(), z.ravel(), np.outer(w, w).ravel() / 4.0
@@ -255,9 +252,7 @@ _HEIGHT = 5e-3
 SOLENOID_ERROR = 18.0**-5
 
 
-def infinite_solenoid(
-    density: float, core: MagnetisationCurve | None = None, order: int = 6
-) -> MagneticField:
+def infinite_solenoid(density: float, core: MagnetisationCurve | None = None) -> MagneticField:
     """Field of the winding carrying `density` (A/m²).
 
     All sides are left open for tangential H = 0: exact outside an infinite solenoid.
@@ -268,7 +263,7 @@ def infinite_solenoid(
     spans = ((0.0, CORE), (CORE, INNER), (INNER, OUTER), (OUTER, 1.5 * OUTER))
     r = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in spans]))
     grid = Grid(r, np.array([0.0, _HEIGHT]), tuple(parts))
-    d = discretise(grid, degree(order), closed=())
+    d = discretise(grid, degree(6), closed=())
     counted(d.size)
     return solve_field(d, np.array([density * (OUTER - INNER) * _HEIGHT]))
 

@@ -41,10 +41,10 @@ _PERMEABILITY = 1000.0
 _WALL = 60.0
 
 
-def _mean_in(mesh: Mesh, region: str, iron: str) -> float:
-    """Mean of B_z in a region of an eighth of a body in 1 A/m along z, over µ0 H0."""
+def _mean_in(mesh: Mesh, iron: str) -> float:
+    """Mean of B_z in the ball of an eighth of a body in 1 A/m along z, over µ0 H0."""
     solid = ball.in_uniform_field(mesh, iron, linear(_PERMEABILITY))
-    return ball.mean_in(ScalarPotential, solid, region) / MU0
+    return ball.mean_in(ScalarPotential, solid) / MU0
 
 
 # --- hollow ball -------------------------------------------------------------------------------
@@ -66,7 +66,7 @@ def _shell_mesh(n: int) -> Mesh:
 @cached
 def _shielded() -> float:
     """B in the hollow over B far away."""
-    return _mean_in(_shell_mesh(intervals(4)), "ball", "iron")
+    return _mean_in(_shell_mesh(intervals(4)), "iron")
 
 
 _SHELL = case(
@@ -91,7 +91,7 @@ def _factor(ratio: float, finest: int) -> float:
     n = intervals(finest)
     round_mesh = sphere_mesh(n, curved=True, shells=np.geomspace(RADIUS, _WALL, 4 * n + 1))
     mesh = replace(round_mesh, points=round_mesh.points * [1.0, 1.0, ratio])
-    inside = _mean_in(mesh, "ball", "ball")
+    inside = _mean_in(mesh, "ball")
     return (_PERMEABILITY / inside - 1.0) / (_PERMEABILITY - 1.0)
 
 
