@@ -31,7 +31,7 @@ from tactgen.tmm.ports.multiport import (
     terminate,
 )
 from tactgen.tmm.reluctance.circuit import CELLS, FULL, circuit
-from tactgen.tmm.reluctance.flux_ladder import Ladder, LadderSolution, solve
+from tactgen.tmm.reluctance.flux_ladder import Ladder, solve
 
 #: What a unit shows to the others.
 UNIT = ("w_tip", "voltage", "w_board", "psi_board")
@@ -269,8 +269,8 @@ def network_forces(
     """
     over = between_heads(device, display.pitch)
     alone = circuit(device, np.array([gap]), FULL, cells)
-    pull = _force(_solved(alone, current))
-    alternating = _force(_solved(beside(alone, 2.0 * NEIGHBOURS * over), current))
+    pull = _pull(alone, current)
+    alternating = _pull(beside(alone, 2.0 * NEIGHBOURS * over), current)
     return NetworkForces(pull, alternating, _one_driven(alone, current, pull, display, over))
 
 
@@ -284,12 +284,8 @@ def beside(ladder: Ladder, permeance: float) -> Ladder:
     return replace(ladder, reluctance=reluctance, d_reluctance=d_reluctance)
 
 
-def _solved(ladder: Ladder, current: float) -> LadderSolution:
-    return solve(ladder, np.array([current]))
-
-
-def _force(found: LadderSolution) -> float:
-    return float(found.force[0, 0])
+def _pull(ladder: Ladder, current: float) -> float:
+    return float(solve(ladder, np.array([current])).force[0, 0])
 
 
 def _one_driven(alone: Ladder, current: float, pull: float, display: Display, over: float) -> float:
@@ -299,7 +295,7 @@ def _one_driven(alone: Ladder, current: float, pull: float, display: Display, ov
     the head's magnetic voltage when as much is put beside it.
     """
     gap = 1.0 / float(alone.reluctance[0, -1])
-    less = _force(_solved(beside(alone, _SMALL * gap), current))
+    less = _pull(beside(alone, _SMALL * gap), current)
     if pull <= 0.0:
         return 0.0
     own = _SMALL * gap / (math.sqrt(pull / less) - 1.0)

@@ -204,7 +204,7 @@ class _Attached:
             r = r + x[:, :4, 4:] * x[:, 4:, :4] / (2j * x[:, 4:, 4:])
         displacement, force = reference.units()
         free = [0, 1, 2, 3]
-        for port in self._held:
+        for port in (0, 1) if self._ends.base is None else ():
             column = r[:, port]
             free.remove(port)
             turned = turned - _descent(column[:, port])
@@ -226,11 +226,6 @@ class _Attached:
         if not (np.abs(turns - counts) < _WHOLE).all():
             raise ArithmeticError("the natural frequencies of this row cannot be counted")
         return counts.astype(int), np.asarray(angles)
-
-    @property
-    def _held(self) -> tuple[int, ...]:
-        """Ports that are held."""
-        return (0, 1) if self._ends.base is None else ()
 
     def _stiffnesses(self, omega: Floats) -> list[tuple[Floats, Floats]]:
         """What is attached (n,), each with the motion (4,) of its place per motion of a port."""

@@ -29,7 +29,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from tactgen.geometry.arrays import Bools, Complex, Floats, Numbers
+from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section
@@ -169,9 +169,10 @@ def _respond(mounted: _Mounted) -> _Found:
     found = _quotients(mounted, values, sizes)
     hard = ~(EPS * roundings * found[-1] < TOLERATED)
     if hard.any():
-        some = _at(mounted, hard)
+        some = _each(mounted, lambda v: v[hard])
+        wide = _each(some, lambda v: v.astype(EXTENDED))
         values, sizes, _ = extended_span(some.beam, some.length, some.omega, Span)
-        for array, again in zip(found, _quotients(_wide(some), values, sizes), strict=True):
+        for array, again in zip(found, _quotients(wide, values, sizes), strict=True):
             array[hard] = again
     return found
 
@@ -236,16 +237,6 @@ def _cramer(
     p, n, v = (a + rotational * b for a, b in zip(still, turning, strict=True))
     r = 0.5 * (still[2] + (tip + minus * lateral) * mixed) + rotational * turning[2]
     return p, n, v, r
-
-
-def _at(mounted: _Mounted, mask: Bools) -> _Mounted:
-    """Masked points."""
-    return _each(mounted, lambda v: v[mask])
-
-
-def _wide(mounted: _Mounted) -> _Mounted:
-    """Values in extended precision."""
-    return _each(mounted, lambda v: v.astype(EXTENDED))
 
 
 def _each(mounted: _Mounted, change: Callable[[Complex], Complex]) -> _Mounted:

@@ -153,7 +153,7 @@ def terminated(
     Raises InputError if the row of pieces does not follow a key smoothly.
     """
     row, ends, series = _mounted(actuator, values, lossless=lossless)
-    return attach(_wired(_chain(actuator, row, frequencies), series=series), ends)
+    return attach(_ports(actuator, row, frequencies, series=series), ends)
 
 
 def tip_response(
@@ -177,7 +177,7 @@ def tip_response(
         if closed is not None:
             found = closed.response
         else:
-            port = _wired(_chain(actuator, row, f[part]), series=series)
+            port = _ports(actuator, row, f[part], series=series)
             found = respond(attach(port, ends), {"voltage": 1.0})
         for name, values_of in motion.items():
             values_of[part] = found.motion[name]
@@ -185,11 +185,10 @@ def tip_response(
     return Response(motion, {"voltage": charge})
 
 
-def _chain(actuator: Actuator, row: list[Element], frequencies: Floats) -> Multiport:
-    return chain(row, frequencies, actuator.device.measurement.below_tip)
-
-
-def _wired(port: Multiport, *, series: bool) -> Multiport:
+def _ports(
+    actuator: Actuator, row: list[Element], frequencies: Floats, *, series: bool
+) -> Multiport:
+    port = chain(row, frequencies, actuator.device.measurement.below_tip)
     return in_series(port) if series else port
 
 

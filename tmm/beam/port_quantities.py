@@ -7,7 +7,6 @@ natural frequency and the resonance peak.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -164,13 +163,9 @@ def static_line(row: Row, ports: Numbers, charge: complex, frequency: float) -> 
     right = -(matrix[inner] @ motion) - coupling[inner] * ports[4]
     scale = 1.0 / np.sqrt(np.abs(np.diag(matrix)[inner]))
     balanced = matrix[inner, inner] * scale[:, None] * scale
-    motion[inner] = _as(motion.dtype, scale * np.linalg.solve(balanced, scale * right))
+    found = scale * np.linalg.solve(balanced, scale * right)
+    motion[inner] = found if np.iscomplexobj(motion) else found.real
     return CentreLine(_z(parts), motion[::2], motion[1::2], charge, complex(ports[4]), frequency)
-
-
-def _as(kind: Any, values: Complex) -> Numbers:
-    """Values as real numbers where the rest is real."""
-    return values if np.issubdtype(kind, np.complexfloating) else values.real
 
 
 def _mode(parts: Row, ends: Ends, frequency: float, *, open_circuit: bool) -> CentreLine:

@@ -149,7 +149,7 @@ def joined(row: Sequence[Element], omega: Floats) -> Complex:
         part = slice(first, first + size)
         made = _scattering(stack, part, omega[part], reference.at(part))
         d[part] = _stiffness(tree(made, order), reference.at(part))
-    if not any(np.iscomplexobj(v) for entry in entries for v in _numbers(entry)):
+    if not any(np.iscomplexobj(v) for e, length in entries for v in (length, *vars(e).values())):
         d.imag = 0.0  # a lossless row: what is left there is rounding
     return d
 
@@ -178,19 +178,6 @@ def element_stiffness(element: Section | Joint, length: Any, omega: Floats) -> C
     d[:, :2, :2] = d[:, 2:4, 2:4] = k
     d[:, :2, 2:4] = d[:, 2:4, :2] = -k
     return d
-
-
-def change_along(element: Section | Joint, length: Any, omega: Floats) -> Complex:
-    """T − 1 (n, 5, 5): the change of [w, ψ, F, M, U] from base to tip, per its value there.
-
-    F and M are what the part above exerts on the part below.  By power series: for
-    elements short in wavelengths.
-    """
-    t = np.zeros((omega.size, 5, 5), dtype=complex)
-    if isinstance(element, Joint):
-        t[:, :2, 2:4] = element.compliance
-        return t
-    return _exponential_less_one(_system(element, omega) * np.asarray(length)[..., None, None])
 
 
 def scattering(beam: Section, length: Any, omega: Floats, reference: Reference) -> Complex:
@@ -246,7 +233,9 @@ def _scattering(stack: _Stack, part: slice, omega: Floats, reference: Reference)
     s = np.empty((count + len(stack.joints_at), omega.size, 5, 5), dtype=complex)
     units = _state_units(reference)
     for i, compliance in zip(stack.joints_at, stack.compliances, strict=True):
-        t = change_along(Joint(compliance[part]), 0.0, omega)
+        # T − 1: the change of [w, ψ, F, M, U] from base to tip, per its value there
+        t: Complex = np.zeros((omega.size, 5, 5), dtype=complex)
+        t[:, :2, 2:4] = compliance[part]
         nothing = np.zeros(omega.size)
         s[i] = _from_transfer(t / units[:, :, None] * units[:, None, :], nothing, nothing)
     beams = Section(*(getattr(stack.beams, f.name)[:, part].ravel() for f in fields(Section)))
@@ -254,11 +243,6 @@ def _scattering(stack: _Stack, part: slice, omega: Floats, reference: Reference)
     made = scattering(beams, stack.lengths[:, part].ravel(), np.tile(omega, count), many)
     s[stack.beams_at] = made.reshape(count, -1, 5, 5)
     return s
-
-
-def _numbers(entry: Element) -> list[Any]:
-    element, length = entry
-    return [length, *(getattr(element, f.name) for f in fields(element))]
 
 
 def _reference(row: Sequence[Element], stack: _Stack, omega: Floats) -> Reference:

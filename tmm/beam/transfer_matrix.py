@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -112,15 +111,12 @@ def elements(
     if piece.section == "bond":
         return [(bonded_tab(piece, device, beam, lossy=lossy), 0.0)]
     if piece.tapered:
-        along = partial(_section_at, section_of, piece, device, beam, lossy)
+
+        def along(share: float) -> Section:
+            return section_of(piece, device, beam, lossy=lossy, share=share)
+
         return [*segmented(along, piece.length, segments)]
     return [(section_of(piece, device, beam, lossy=lossy), piece.length)]
-
-
-def _section_at(
-    section_of: SectionOf, piece: Piece, device: Device, beam: Beam, lossy: bool, share: float
-) -> Section:
-    return section_of(piece, device, beam, lossy=lossy, share=share)
 
 
 def chain(

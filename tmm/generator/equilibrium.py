@@ -352,10 +352,8 @@ def on_board(base: Springs, device: Device, place: RestingPlace) -> Springs:
 
     Statics and undamped modes have the board at rest on its springs.
     """
-    board, guide = (
-        sprung_board(device, place.lift, place.contact_force),
-        lateral_guide(device).at_rest,
-    )
+    board = sprung_board(device, place.lift, place.contact_force)
+    guide = lateral_guide(device).at_rest
     if board is None:
         return base
 

@@ -31,7 +31,6 @@ from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.both_planes import turn_across
 from tactgen.tmm.generator.contact import (
-    RoughContact,
     Stops,
     lateral_guide,
     moving_rod,
@@ -159,13 +158,11 @@ def linearised(
 
 
 def _board(device: Device, place: RestingPlace) -> Callable[[Floats], Complex] | None:
-    sprung, law = (
-        sprung_board(device, place.lift, place.contact_force),
-        stops_of(device).holding(place.lift),
-    )
+    sprung = sprung_board(device, place.lift, place.contact_force)
     if sprung is None:
         return None
-    along = _along(law, place.contact_force)
+    law = stops_of(device).holding(place.lift)
+    along = float(law.tangential_stiffness(place.contact_force))
 
     def added(frequencies: Floats) -> Complex:
         rigid = along * (1.0 + 2j * np.pi * frequencies * law.relaxation_time)
@@ -256,7 +253,7 @@ def _contact(device: Device, place: RestingPlace, tilt: float) -> tuple[Floats, 
     beside = float(law.moment(approach, tilt)) / tilt if tilt else along
     height = -device.rod.head_thickness if below else 0.0
     lever = np.array([[1.0, -height, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, -height]])
-    stiffness = _along(law, place.contact_force) * (lever.T @ lever)
+    stiffness = float(law.tangential_stiffness(place.contact_force)) * (lever.T @ lever)
     stiffness[np.ix_(_TURNS, _TURNS)] += about_tilt(device, along, beside)
     stiffness[2, 2] += pressing
     # δ = u above and −u below
@@ -267,10 +264,6 @@ def _contact(device: Device, place: RestingPlace, tilt: float) -> tuple[Floats, 
 
 #: The turns of the head in both planes, among its motions.
 _TURNS = np.array([1, 4])
-
-
-def _along(law: RoughContact, load: float) -> float:
-    return float(law.tangential_stiffness(load))
 
 
 def _spring_and_guide(device: Device, tilt: float) -> Floats:
@@ -364,10 +357,8 @@ def rocking_head(
     bore = tilt_guide(device)
     mass = body.mass + bimorph_mass
 
-    board, guide = (
-        sprung_board(device, place.lift, place.contact_force),
-        lateral_guide(device).at_rest,
-    )
+    board = sprung_board(device, place.lift, place.contact_force)
+    guide = lateral_guide(device).at_rest
 
     def lateral(frequencies: Floats) -> Complex | float:
         return support.lateral_stiffness if board is None else board(frequencies) + guide

@@ -171,8 +171,7 @@ def _rescaled(oscillator: Oscillator, step: Step) -> Step:
     if (scales <= _GROWN * step.course.scales).all():
         return step
     course = replace(step.course, scales=scales)
-    weights = (c.weights(step.orbit.harmonics) for c in (step.course, course))
-    old, new = weights
+    old, new = (c.weights(step.orbit.harmonics) for c in (step.course, course))
     tangent = step.tangent * old / new
     return replace(step, course=course, tangent=tangent / np.linalg.norm(tangent))
 
@@ -324,23 +323,15 @@ _MOST = 300
 
 
 def steady_orbit(
-    oscillator: Oscillator,
-    omega: float,
-    level: float,
-    *,
-    guess: Orbit | None = None,
-    resolution: Resolution | None = None,
+    oscillator: Oscillator, omega: float, level: float, *, resolution: Resolution | None = None
 ) -> Orbit:
-    """Orbit at a frequency (rad/s) and a drive.
+    """Orbit at a frequency (rad/s) to which the drive leads when it is raised from rest.
 
-    That nearest to the guess; without one, that to which the drive leads when it is raised from
-    rest, round folds if there are any.  Where several orbits exist it is one of them.
+    Round folds if there are any; where several orbits exist it is one of them.
 
     Raises NoConvergence if none is found.
     """
     resolution = resolution or Resolution()
-    if guess is not None:
-        return resolved(oscillator, Orbit(omega, level, guess.spectrum), resolution)
     rest = Orbit(omega, 0.0, equilibrium(oscillator).spectrum).with_harmonics(resolution.least)
     try:
         return resolved(oscillator, Orbit(omega, level, rest.spectrum), resolution)

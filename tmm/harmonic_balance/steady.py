@@ -40,11 +40,6 @@ class Resolution:
         return min(self.most, harmonics + max(2, harmonics // 2))
 
 
-def unknown_scale(oscillator: Oscillator, harmonics: int) -> Floats:
-    """Size (m,) of each real unknown."""
-    return np.tile(oscillator.scales, 2 * harmonics + 1)
-
-
 def equilibrium(oscillator: Oscillator) -> Orbit:
     """State of rest under the static efforts alone, as an orbit at 0 rad/s.
 
@@ -72,7 +67,7 @@ def at_fixed_drive(oscillator: Oscillator, guess: Orbit) -> Orbit:
         found = balance(oscillator, Orbit(guess.omega, guess.level, spectrum))
         return found.residual, found.jacobian
 
-    scale = unknown_scale(oscillator, guess.harmonics)
+    scale = np.tile(oscillator.scales, 2 * guess.harmonics + 1)  # of each real unknown
     x, _, _ = converge(evaluate, real_vector(guess.spectrum), scale, _STEPS)
     return Orbit(guess.omega, guess.level, complex_spectrum(x, oscillator.size))
 
@@ -95,11 +90,7 @@ _NEWTON_STEPS = 40
 
 
 def free_oscillation(
-    oscillator: Oscillator,
-    turning_point: float,
-    guess: Orbit,
-    *,
-    resolution: Resolution | None = None,
+    oscillator: Oscillator, turning_point: float, guess: Orbit, *, resolution: Resolution
 ) -> Orbit:
     """Free oscillation that passes a turning point.
 
@@ -114,7 +105,6 @@ def free_oscillation(
 
     Raises NoConvergence if none is found, or its frequency is not positive.
     """
-    resolution = resolution or Resolution()
     orbit = guess.with_harmonics(max(guess.harmonics, resolution.least))
     while True:
         orbit = _solved(oscillator, turning_point, orbit)

@@ -199,7 +199,8 @@ def ends_of(support: Support, load: Load) -> Ends:
     if load.kind == "table":
         return Ends(base, measured_law(load))
     if load.kind == "pad":
-        return Ends(base, _pad(load))
+        sheet = load.pad_modulus, load.pad_loss_factor, load.pad_thickness, load.pad_radius
+        return Ends(base, SkinPad(*sheet, load.pad_weight, load.pad_backing))
     if load.kind == "mass":
         tip = TipLoad(mass=load.mass, offset=load.offset, inertia=load.rotational_inertia)
         return Ends(base, tip)
@@ -208,17 +209,6 @@ def ends_of(support: Support, load: Load) -> Ends:
     if load.kind == "spring_damper":
         return Ends(base, TipLoad(load.stiffness, load.damping))
     return Ends(base)
-
-
-def _pad(load: Load) -> SkinPad:
-    return SkinPad(
-        load.pad_modulus,
-        load.pad_loss_factor,
-        load.pad_thickness,
-        load.pad_radius,
-        load.pad_weight,
-        load.pad_backing,
-    )
 
 
 def base_stiffness(base: Springs, frequencies: Floats) -> tuple[Complex, Complex]:

@@ -168,12 +168,7 @@ def in_series(port: Multiport) -> Multiport:
     return replace(port, stiffness=port.stiffness * half[:, None] * half)
 
 
-def connect(
-    first: Multiport,
-    second: Multiport,
-    joints: Mapping[str, str],
-    prefixes: tuple[str, str] | None = None,
-) -> Multiport:
+def connect(first: Multiport, second: Multiport, joints: Mapping[str, str]) -> Multiport:
     """Two multiports joined: motions equal, efforts added.
 
     The joints stay ports under the first one's names, free or to be loaded further.
@@ -183,11 +178,9 @@ def connect(
     joints : mapping of str to str
         Ports of the first with the ports of the second that move with them; with none the two
         stand side by side.
-    prefixes : (str, str), optional
-        Put before names that both have, as in ``left.w_tip``.
 
     Raises InputError if a port is unknown or joined twice, two joined ports are of different kinds,
-    names clash without prefixes, or the frequencies differ.
+    two others have one name, or the frequencies differ.
     """
     if not np.array_equal(first.frequencies, second.frequencies):
         raise InputError("two multiports at different frequencies cannot be joined; use the same")
@@ -197,14 +190,6 @@ def connect(
     for mine, theirs in joints.items():
         _check_joint(first.ports[first.index(mine)], second.ports[second.index(theirs)])
     added = second.others(joints.values())
-    clash = [name for name in added if name in first.names]
-    if clash and prefixes is None:
-        raise InputError(f'both multiports have a port "{clash[0]}"; rename one or give prefixes')
-    if clash and prefixes is not None:
-        first_new, second_new = ({n: f"{p}.{n}" for n in clash} for p in prefixes)
-        first, second = first.renamed(first_new), second.renamed(second_new)
-        joints = {first_new.get(mine, mine): theirs for mine, theirs in joints.items()}
-        added = second.others(joints.values())
     ports = (*first.ports, *(second.ports[second.index(name)] for name in added))
     place = {theirs: first.index(mine) for mine, theirs in joints.items()}
     place |= {name: len(first.ports) + i for i, name in enumerate(added)}

@@ -114,28 +114,24 @@ class RefinementRow:
 def network_refinements(device: Device, current: float, gap: float) -> tuple[RefinementRow, ...]:
     """Contribution of each network refinement to force and flux linkage."""
     at = np.array([current]), np.array([gap])
-    rows: list[RefinementRow] = []
-    for step, stage in _stages():
-        found = network_samples(device, *at, stage)
-        force, linkage = float(found.force[0, 0]), float(found.flux_linkage[0, 0])
-        before = rows[-1].force if rows else force
-        rows.append(RefinementRow(step, force, linkage, force / before - 1.0))
-    return tuple(rows)
-
-
-def _stages() -> tuple[tuple[str, Refinements], ...]:
-    """Way from the one-gap formula to the full network, one switch at a time."""
+    # one switch at a time
     fringing = replace(ONE_GAP, fringing=True)
     parasitic = replace(fringing, parasitic_gap=True)
     leakage = replace(parasitic, leakage=True)
-    return (
+    rows: list[RefinementRow] = []
+    for step, stage in (
         ("one straight gap, perfect iron", ONE_GAP),
         ("fringing beside the pole faces", fringing),
         ("parasitic gap at the flange", parasitic),
         ("leakage across the coil", leakage),
         ("iron at its highest permeability", replace(leakage, iron="linear")),
         ("saturation", replace(leakage, iron="saturating")),
-    )
+    ):
+        found = network_samples(device, *at, stage)
+        force, linkage = float(found.force[0, 0]), float(found.flux_linkage[0, 0])
+        before = rows[-1].force if rows else force
+        rows.append(RefinementRow(step, force, linkage, force / before - 1.0))
+    return tuple(rows)
 
 
 #: Step of differences, relative; with those of order four they keep some eight digits.

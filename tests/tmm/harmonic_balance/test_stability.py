@@ -6,7 +6,12 @@ from scipy.integrate import solve_ivp
 
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.continuation import follow, steady_orbit
-from tactgen.tmm.harmonic_balance.steady import Resolution, equilibrium, unstable_exponents
+from tactgen.tmm.harmonic_balance.steady import (
+    Resolution,
+    equilibrium,
+    resolved,
+    unstable_exponents,
+)
 from tactgen.validation.evidence.cases import oscillators as cases
 
 FINE = Resolution(missing=1e-7, least=9, most=60)
@@ -83,7 +88,7 @@ UEDA = cases.one_mass(cases.cubic(1.0), damping=0.05)
 def test_uedas_oscillator():
     """x'' + 0.05 x' + x³ = B cos t: symmetry breaks while B grows from 1 to 6."""
     guess = Orbit(1.0, 1.0, np.array([[0.0], [1.5]]) + 0j)  # nothing holds it at rest
-    start = steady_orbit(UEDA, 1.0, 1.0, guess=guess, resolution=FINE)
+    start = resolved(UEDA, guess, FINE)
     branch = follow(UEDA, start, "level", 1.0, 6.0, resolution=FINE)
     assert not branch.ended
     counts = []
@@ -139,7 +144,7 @@ def test_a_quality_of_ten_thousand_is_not_overlooked():
     sharp = cases.one_mass(cases.cubic(0.1), damping=1e-4, stiffness=1.0, force=0.1)
     amplitude = np.sqrt((1.3**2 - 1.0) / 0.075) + 0.1 / (2.0 * (1.3**2 - 1.0))  # one harmonic
     guess = Orbit(1.3, 1.0, np.array([[0.0], [amplitude]]) + 0j)
-    above = steady_orbit(sharp, 1.3, 1.0, guess=guess, resolution=FINE)
+    above = resolved(sharp, guess, FINE)
     assert abs(cases.fundamental(above)) == pytest.approx(amplitude, rel=0.03)
     assert unstable_exponents(sharp, above) == 0
     branch = follow(sharp, above, "level", 0.0, 1.0, direction=-1, resolution=FINE)

@@ -261,13 +261,6 @@ class Structure(NamedTuple):
     noises: Lists
 
 
-def structure_of(stiffness: Floats, compliance: Floats) -> Structure:
-    """Structure from a stiffness (m, m) and its inverse."""
-    return Structure(
-        stiffness.tolist(), np.abs(stiffness).tolist(), (_NOISE * np.abs(compliance)).tolist()
-    )
-
-
 class Before(NamedTuple):
     """State at the start of a step, as laws and coil read it."""
 
@@ -590,13 +583,15 @@ class Stepper:
         matrix = (2.0 / h**2) * s.mass + s.damping / h + 0.5 * s.stiffness
         inverse = _inverted(matrix)
         compliance = inverse[np.ix_(at, at)]
+        stiffness = _inverted(compliance)
+        noises = _NOISE * np.abs(compliance)
         found = _Factors(
             inverse @ ((2.0 / h) * s.mass),
             -inverse @ s.stiffness,
             inverse @ s.load,
             inverse @ s.coupling,
             inverse[:, at],
-            structure_of(_inverted(compliance), compliance),
+            Structure(stiffness.tolist(), np.abs(stiffness).tolist(), noises.tolist()),
         )
         if len(self._factors) >= _KEPT:
             self._factors.clear()

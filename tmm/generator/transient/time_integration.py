@@ -523,12 +523,7 @@ def simulate(
     Raises InputError if a step does not settle however short, the run needs too many, or the coil's
     current or gap leaves what is known of it.
     """
-    n = system.mass.shape[0]
-    first = Stepper(system).start(
-        np.zeros(n) if position is None else position,
-        np.zeros(n) if velocity is None else velocity,
-        *_at_start(system, sources, until),
-    )
+    first = _at_start(system, sources, until, position, velocity)
     fastest = min(sources.bimorph.shortest, sources.coil.shortest)
     longest = min(longest, _PER_PERIOD * fastest, _PER_RUN * until)
     if until > MOST_STEPS * longest:
@@ -563,29 +558,26 @@ def simulate_steps(
     velocity: Floats | None = None,
 ) -> Run:
     """Run in equal steps, `steps` between every two breaks of the sources."""
-    n = system.mass.shape[0]
-    first = Stepper(system).start(
-        np.zeros(n) if position is None else position,
-        np.zeros(n) if velocity is None else velocity,
-        *_at_start(system, sources, until),
-    )
-    pieces = [
-        (
-            0.5 * (a + b),
-            a,
-            [(t, (b - a) / steps) for t in np.linspace(a, b, steps + 1)[1:].tolist()],
-        )
-        for a, b in between_breaks(sources, until)
-    ]
+    first = _at_start(system, sources, until, position, velocity)
+    pieces: list[Piece] = []
+    for a, b in between_breaks(sources, until):
+        ends = np.linspace(a, b, steps + 1)[1:].tolist()
+        pieces.append((0.5 * (a + b), a, [(t, (b - a) / steps) for t in ends]))
     return Marcher(system, sources, until, lambda _: None).follow(first, pieces, parts=1)[0]
 
 
-def _at_start(system: System, sources: Sources, until: float) -> tuple[float, float]:
-    """Voltage across the bimorph and the current just before the start."""
+def _at_start(
+    system: System, sources: Sources, until: float, position: Floats | None, velocity: Floats | None
+) -> State:
+    """State with the bimorph's voltage and the coil's current as they are just after the start."""
     by_current = system.coil is not None and system.coil.source == "current"
     inside = 0.5 * next(between_breaks(sources, until))[1]
     current = sources.coil.value(0.0, inside) if by_current else 0.0
-    return sources.bimorph.value(0.0, inside), current
+    still = np.zeros(system.mass.shape[0])
+    return Stepper(system).start(
+        still if position is None else position, still if velocity is None else velocity,
+        sources.bimorph.value(0.0, inside), current,
+    )  # fmt: skip
 
 
 def _read(row: Floats, run: Run) -> Floats:
