@@ -140,11 +140,10 @@ def stated_as(q: Quantity, way: str) -> Quantity:
 
 def quantity_json(q: Quantity) -> dict[str, Any]:
     """Quantity as plain JSON values; complex numbers as [re, im], no value as null."""
-    parts = np.stack([q.value.real, q.value.imag], axis=-1) if np.iscomplexobj(q.value) else q.value
     return {
         "name": q.name,
         "model": q.model,
-        "value": plain(parts),
+        "value": _real_parts(q.value),
         "unit": q.unit,
         "uncertainty": plain(q.error),
         "uncertainty_method": q.method,
@@ -161,43 +160,40 @@ def _modelling_json(q: Quantity) -> dict[str, Any] | None:
     """Value that the most detailed model is expected to give, its error and their origin."""
     if q.modelling is None:
         return None
-    value = np.asarray(q.modelling.expected)
-    parts = np.stack([value.real, value.imag], axis=-1) if np.iscomplexobj(value) else value
     return {
-        "expected": plain(parts),
+        "expected": _real_parts(np.asarray(q.modelling.expected)),
         "error": plain(np.asarray(q.modelling.error)),
         "method": q.modelling.method,
     }
 
 
-def _modelling_from_json(entry: Mapping[str, Any] | None) -> Modelling | None:
-    if entry is None:
-        return None
-    value, error = (np.array(entry[name], dtype=float) for name in ("expected", "error"))
-    if value.ndim == error.ndim + 1:
-        value = value[..., 0] + 1j * value[..., 1]
-    return Modelling(value, error, entry["method"])
+def _real_parts(value: Array) -> Any:
+    """Plain list of numbers; of complex ones [re, im]."""
+    return plain(np.stack([value.real, value.imag], -1) if np.iscomplexobj(value) else value)
+
+
+def _numbers(value: Any, error: Any) -> tuple[Array, Array]:
+    """Values that :func:`_real_parts` wrote and their errors, which are real."""
+    found, bar = np.array(value, dtype=float), np.array(error, dtype=float)
+    return (found[..., 0] + 1j * found[..., 1] if found.ndim == bar.ndim + 1 else found), bar
 
 
 def quantity_from_json(entry: Mapping[str, Any]) -> Quantity:
     """Quantity that :func:`quantity_json` wrote; null is nan."""
-    value, error = (np.array(entry[name], dtype=float) for name in ("value", "uncertainty"))
-    if value.ndim == error.ndim + 1:
-        value = value[..., 0] + 1j * value[..., 1]
+    value, error = _numbers(entry["value"], entry["uncertainty"])
     frequency, classes = entry.get("frequency"), entry.get("classes")
-    extreme = entry.get("extreme")
+    extreme, beside = entry.get("extreme"), entry.get("modelling")
+    sizes = {name: np.nan if size is None else size for name, size in (extreme or {}).items()}
     return Quantity(
         name=entry["name"], model=entry["model"], unit=entry["unit"], value=value, error=error,
         method=entry["uncertainty_method"], seconds=entry["seconds"],
         frequency=None if frequency is None else tuple(frequency),
         classes=None if classes is None else tuple(classes),
-        extreme=None if extreme is None else _extreme_from_json(extreme),
-        modelling=_modelling_from_json(entry.get("modelling")),
+        extreme=None if extreme is None else Extreme(**sizes),
+        modelling=beside and Modelling(
+            *_numbers(beside["expected"], beside["error"]), beside["method"]
+        ),
     )  # fmt: skip
-
-
-def _extreme_from_json(entry: Mapping[str, float | None]) -> Extreme:
-    return Extreme(**{name: np.nan if v is None else v for name, v in entry.items()})
 
 
 def answer_json(answer: Answer) -> dict[str, Any]:
@@ -266,13 +262,8 @@ def format_modelling(value: Any, expected: Any, error: float) -> str:
         return NONE
     if np.iscomplexobj(value) or np.iscomplexobj(expected):
         return f"± {share((abs(value - expected) + error) / size)}"
-    known = "" if value == expected else f"{_signed(float(value) / float(expected) - 1.0)} "
-    return f"{known}± {share(error / size)}"
-
-
-def _signed(fraction: float) -> str:
-    """Signed percent to two digits."""
-    return f"{100.0 * fraction:+.2g}"
+    percent = 100.0 * (float(value) / float(expected) - 1.0)
+    return f"{'' if value == expected else f'{percent:+.2g} '}± {share(error / size)}"
 
 
 def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str, str]]:

@@ -50,15 +50,13 @@ def extreme(row: QuantityRow, model: Model, around: float | None = None) -> Extr
     found = read(row, model.at(np.array([best]), judged=False))
     value, error = float(np.abs(found.value[0])), float(found.error[0])
     for n, (_, factor) in enumerate(model.at(np.array([best])).versions):
-        version = partial(_version, model, n)
+
+        def version(frequencies: Floats, n: int = n) -> BimorphModel:
+            return model.at(frequencies).versions[n][0]
+
         top = _top(sought, version, asked, best)
         error += factor * abs(value - abs(read(row, version(np.array([top]))).value[0]))
     return Extreme(best, value, float(error))
-
-
-def _version(model: BimorphModel, n: int, frequencies: Floats) -> BimorphModel:
-    """Model at other frequencies, by one of the results that judge its own."""
-    return model.at(frequencies).versions[n][0]
 
 
 def _top(

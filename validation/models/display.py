@@ -10,7 +10,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.checks import check_one_plane
-from tactgen.geometry.device.parameters import Device, Display
+from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.display.bill import bill_of_parts
 from tactgen.geometry.display.layout import drawn_units, unit_names
 from tactgen.geometry.errors import InputError
@@ -93,9 +93,8 @@ def by_field(scene: Scene) -> NeighbourField:
         value = 0.5 * sum(pair)
         return Estimate(value, width * abs(value))
 
-    alone = nine_forces(
-        scene.device, [{"middle": current}], scene.gap, scene.display.pitch
-    )[0]  # fmt: skip
+    driven = [{"middle": current}]
+    alone = nine_forces(scene.device, driven, scene.gap, scene.display.pitch)[0]
     return NeighbourField(
         current,
         judged(found.same),
@@ -192,7 +191,7 @@ class MechanicalCrosstalk:
     @cached_property
     def _levels(self) -> tuple[Complex, ...]:
         every = (self.ports.fine, *(coarser for coarser, _ in self.ports.coarser))
-        return tuple(self._solved(port)[1] for port in every)
+        return tuple(map(self._solved, every))
 
     @cached_property
     def _rounding(self) -> Floats:
@@ -205,16 +204,16 @@ class MechanicalCrosstalk:
         for _ in range(_DRAWS):
             signs = np.triu(chance.choice((-1.0, 1.0), fine.stiffness.shape[1:]))
             moved = 1.0 + _ROUNDING * (signs + np.triu(signs, 1).T)
-            _, ratios = self._solved(replace(fine, stiffness=fine.stiffness * moved))
+            ratios = self._solved(replace(fine, stiffness=fine.stiffness * moved))
             found = np.maximum(found, np.abs(ratios - self._levels[0]).max(axis=1))
         return found
 
-    def _solved(self, bimorph: Multiport) -> tuple[Multiport, Complex]:
+    def _solved(self, bimorph: Multiport) -> Complex:
         whole = display_ports(self.scene, bimorph, bare=self.bare)
         units = unit_names(self.scene.display)
         at = self._at(*self.driven)
         motions = tip_motions(whole, units[at], units)
-        return whole, motions / motions[:, at, None]
+        return np.asarray(motions / motions[:, at, None])
 
 
 def crosstalk(scene: Scene, ports: Refined[Multiport]) -> MechanicalCrosstalk:
@@ -273,9 +272,8 @@ class Spread:
     @property
     def as_drawn(self) -> Estimate:
         """Frequencies of all units as drawn."""
-        return self._listed(
-            [f.value for f in self.frequencies], [f.error for f in self.frequencies]
-        )
+        values, bars = ([getattr(f, of) for f in self.frequencies] for of in ("value", "error"))
+        return self._listed(values, bars)
 
     @property
     def screws(self) -> Estimate:
@@ -308,11 +306,6 @@ def _range(found: tuple[Estimate, ...]) -> Estimate:
     return Estimate(high.value - low.value, high.error + low.error)
 
 
-def screw_travel(display: Display) -> float:
-    """Travel of a grub screw within the ground plate (m)."""
-    return float(display.plate_thickness - display.screw_length)
-
-
 def first_frequency(modes: Refined[Modes]) -> Estimate:
     """First frequency of modes with the bar that they are judged by."""
     value = float(modes.fine.frequencies[0])
@@ -330,7 +323,8 @@ def spread(scene: Scene, of: FirstFrequency) -> Spread:
     """
     device, display = scene.device, scene.display
     rate, step = device.spring.stiffness, display.screw_pitch
-    travel = rate * screw_travel(display)
+    # of a grub screw within the ground plate, as a force
+    travel = rate * (display.plate_thickness - display.screw_length)
     if not rate > 0.0:
         raise InputError(
             "spring.stiffness = 0 N/m lets no screw change the preload; give the spring a stiffness"
@@ -352,10 +346,7 @@ def spread(scene: Scene, of: FirstFrequency) -> Spread:
     )
     widest = max(f.error / f.value for f in found)
     bar = (2.0 * widest + _CLOSE) / _EXPONENT * device.spring.preload / (rate * step)
-    return Spread(
-        unit_names(display), found, turns, bar, tuned, lowest, highest,
-        _METHOD,
-    )  # fmt: skip
+    return Spread(unit_names(display), found, turns, bar, tuned, lowest, highest, _METHOD)
 
 
 def with_device(scene: Scene, device: Device) -> Scene:

@@ -59,11 +59,12 @@ class MachineForce(Pull, Map, Protocol):
 
 @dataclass(frozen=True)
 class ScaledMap:
-    """A map with its force times a factor, and its flux linkage times another."""
+    """A map with its force times a factor and more by a constant, its linkage times another."""
 
     map: CoenergyMap
-    by: float
+    by: float = 1.0
     linkage_by: float = 1.0
+    more: float = 0.0  #: N
 
     @property
     def gap_limits(self) -> tuple[float, float]:
@@ -72,7 +73,7 @@ class ScaledMap:
 
     def force(self, current: Floats | float, gap: Floats | float) -> Floats:
         """Pull (N)."""
-        return self.by * self.map.force(current, gap)
+        return np.asarray(self.by * self.map.force(current, gap) + self.more)
 
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
         """∂F/∂g (N/m)."""
@@ -300,7 +301,10 @@ class SmallSignal:
     def _judged(self, of: Callable[[Multiport], Complex]) -> Estimate:
         """Quantity of the machine with errors from the ports and the map."""
         value = of(self._whole(self.ports.fine))
-        rounding = rounding_of_ports(self.ports, self._unreduced, ("voltage", "current"))
+        # the ports between the machine's parts included
+        parts = joined(self._wired(self.ports.fine), self.linear.fine)
+        unreduced = load_tip(parts, self._ends.tip)
+        rounding = rounding_of_ports(self.ports, unreduced, ("voltage", "current"))
         bar: Floats = np.abs(value) * (rounding + self.ports.rounding)
         for coarser, factor in self.ports.coarser:
             bar = bar + factor * np.abs(value - of(self._whole(coarser)))
@@ -314,23 +318,15 @@ class SmallSignal:
     def _ends(self) -> Ends:
         return self.scene.ends
 
-    @cached_property
-    def _unreduced(self) -> Multiport:
-        """The machine with the tip's load, the ports between its parts included."""
-        return self._loaded(joined(self._wired(self.ports.fine), self.linear.fine), self._ends)
-
     def _whole(
         self, bimorph: Multiport, ends: Ends | None = None, rod: Linearised | None = None
     ) -> Multiport:
         """Machine with the tip's load."""
         port = machine(self._wired(bimorph), rod or self.linear.fine)
-        return self._loaded(port, ends or self._ends)
+        return load_tip(port, (ends or self._ends).tip)
 
     def _wired(self, bimorph: Multiport) -> Multiport:
         return in_series(bimorph) if self.scene.bimorph.wiring == "series" else bimorph
-
-    def _loaded(self, port: Multiport, ends: Ends) -> Multiport:
-        return load_tip(port, ends.tip)
 
 
 @dataclass(frozen=True)

@@ -221,18 +221,13 @@ def adapted_pair(scene: Scene, accuracy: float, most_elements: int = 20_000) -> 
             allowed = accuracy / (SAFETY * last.error)
             solved.append(_finer(scene, mesher, last, allowed, most_elements))
             pair = _judged(scene.device, solved)
-            _drop_factors(solved, pair)
+            for one in solved:  # factors of meshes that are not judged by: each may be a gigabyte
+                if one is not pair.fine and one is not pair.coarse:
+                    one.system.drop_factor()
             enough = len(pair.fine.mesh.cells) > _ENOUGH * most_elements
             if pair.largest_bar <= accuracy or enough or pair.fine.error > _STUCK * last.error:
                 break
     return pair
-
-
-def _drop_factors(solved: list[Solved], pair: AdaptedPair) -> None:
-    """Give back the factors of meshes that are not judged by: each may be a gigabyte."""
-    for one in solved:
-        if one is not pair.fine and one is not pair.coarse:
-            one.system.drop_factor()
 
 
 def _import_solvers() -> None:

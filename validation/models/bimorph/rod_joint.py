@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -53,16 +54,11 @@ class SupportCompliance:
         return float(1.0 / self.matrix[1, 1])
 
 
-def _arm(length: float) -> Floats:
-    """Lever arm: motion of a point `length` (m) above [w, ψ]."""
-    return np.array([[1.0, -length], [0.0, 1.0]])
-
-
 def support_compliance(
     supported: Multiport, reference: Multiport, length: float
 ) -> SupportCompliance:
     """Compliance from D(0) of a supported and of a clamped bimorph of one length (m)."""
-    back = np.linalg.inv(_arm(length))
+    back = np.array([[1.0, length], [0.0, 1.0]])  # from the tip down to [w, ψ] at the root
     more = _tip_compliance(supported) - _tip_compliance(reference)
     return SupportCompliance(back @ more @ back.T)
 
@@ -83,7 +79,7 @@ def tab_by_beam(scene: Scene, length: float) -> SupportCompliance:
 
 
 def tab_by_bricks(
-    scene: Scene, lengths: Sequence[float], announce: Callable[[str], None], *, level: int = 1
+    scene: Scene, lengths: Sequence[float], announce: Callable[[str], None], *, level: int
 ) -> list[SupportCompliance]:
     """Compliance of the solid's tab of each free length (m), its lower section clamped.
 
@@ -98,22 +94,21 @@ def tab_by_bricks(
     tabs = []
     for length in lengths:
         announce(f"support: a tab of {1e3 * length:g} mm")
-        case = SolidCase(
-            clamped(alone, length), held="shim" if length == 0.0 else "layers", level=level
-        )
+        held: Literal["shim", "layers"] = "shim" if length == 0.0 else "layers"
+        case = SolidCase(clamped(alone, length), held=held, level=level)
         supported = static_multiport(case.assembled())
         tabs.append(support_compliance(supported, reference, root))
     return tabs
 
 
-def joint_by_beam(scene: Scene, glue_modulus: float, *, rod: bool = True) -> SupportCompliance:
+def joint_by_beam(scene: Scene, glue_modulus: float) -> SupportCompliance:
     """Compliance at the slot's mouth by beams: the tab in glue of a modulus (Pa), and the rod."""
     device = on_rod(scene)
     glue = device.glue.model_copy(update={"youngs_modulus": glue_modulus})
     device = device.model_copy(update={"glue": glue})
     row: list[Element] = []
     for piece in beam_pieces(device.device, device.support):
-        if piece.section == "bond" or (rod and piece.section == "cylinder"):
+        if piece.section in ("bond", "cylinder"):
             row += transfer_matrix.elements(
                 piece, device.device, device.beam, lossy=False, segments=1
             )
@@ -185,11 +180,13 @@ def choices(ceramic: Piezoceramic) -> Iterator[tuple[str, str, Piezoceramic]]:
             ceramic.with_values(**{**reduced, "eps33": eps33}),
         )
     yield "d33 = 0", "no constants but those that the paper gives", _with_d(ceramic, 0.0, 1.0)
-    yield "d31 x 2", "more coupling than there is field", _with_d31(ceramic, 2.0)
+    d = ceramic.d.copy()
+    d[2, :2] *= 2.0
+    yield "d31 x 2", "more coupling than there is field", replace(ceramic, d=d)
 
 
 def material_effects(
-    scene: Scene, announce: Callable[[str], None], *, level: int = 1
+    scene: Scene, announce: Callable[[str], None], *, level: int
 ) -> list[MaterialRow]:
     """Row per choice of the scene's tensor, solved on the scene's support."""
     rows = []
@@ -212,12 +209,6 @@ def _with_d(ceramic: Piezoceramic, d33: float, d15: float) -> Piezoceramic:
     d[2, 2] *= d33
     d[0, 4] *= d15
     d[1, 3] *= d15
-    return replace(ceramic, d=d)
-
-
-def _with_d31(ceramic: Piezoceramic, factor: float) -> Piezoceramic:
-    d = ceramic.d.copy()
-    d[2, :2] *= factor
     return replace(ceramic, d=d)
 
 

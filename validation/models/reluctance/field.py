@@ -133,17 +133,9 @@ class AxisymmetricModel(_FieldModel):
         def work() -> Samples:
             return self._samples(currents, gaps, field_rows(device, gaps, currents))
 
+        inputs = self._geometry(), currents.tolist(), gaps.tolist()
         code, announce = self.code(), self.stages.announce
-        return self._fitted(
-            cached_result(SAMPLES, self.samples_inputs(), code, work, announce=announce)
-        )
-
-    def samples_inputs(self) -> tuple[object, ...]:
-        """Inputs of the map's samples, for the store."""
-        from tactgen.tmm.reluctance.map_range import map_grid
-
-        currents, gaps = map_grid(self.scene.device, shared=True)
-        return self._geometry(), currents.tolist(), gaps.tolist()
+        return self._fitted(cached_result(SAMPLES, inputs, code, work, announce=announce))
 
 
 class Magnetic3dModel(_FieldModel):

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.generator.equilibrium import (
@@ -27,6 +26,7 @@ from tactgen.tmm.generator.equilibrium import (
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.switching import spring_force, switching
 from tactgen.validation.models.model import Estimate
+from tactgen.validation.models.small_signal import ScaledMap
 
 
 @storable
@@ -201,25 +201,6 @@ class RestingState:
     )
 
 
-@dataclass(frozen=True)
-class _Corrected:
-    """Scaled force of a map, shifted to a single point's value (N)."""
-
-    map: CoenergyMap
-    more: float = 0.0
-    times: float = 1.0
-
-    @property
-    def gap_limits(self) -> tuple[float, float]:
-        return self.map.gap_limits
-
-    def force(self, current: Floats | float, gap: Floats | float) -> Floats:
-        return np.asarray(self.times * self.map.force(current, gap) + self.more)
-
-    def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        return self.times * self.map.force_gradient(current, gap)
-
-
 def resting_state(
     device: Device,
     pull: CoenergyMap,
@@ -252,7 +233,7 @@ def resting_state(
         asked, gap = place, float(by_map.gap(place.lift))
         point = at(current, gap)
         more = point.force.value - float(pull.force(current, gap))
-        corrected = axial_forces(device, _Corrected(pull, more), pressed)
+        corrected = axial_forces(device, ScaledMap(pull, more=more), pressed)
         place = _taken(corrected, current, history, passed)
         if abs(place.lift - asked.lift) <= near:
             break
@@ -274,7 +255,7 @@ def _left_last(device: Device, pull: CoenergyMap, history: History, pressed: flo
     """Where the rod may rest yet as far as the map's error goes, before it moves on."""
     error = pull.interpolation_error.force
     times = 1.0 - error if history == "rising" else 1.0 + error
-    forces = axial_forces(device, _Corrected(pull, times=times), pressed)
+    forces = axial_forces(device, ScaledMap(pull, times), pressed)
     return resting_place(forces, abs(device.coil.current), history)
 
 
