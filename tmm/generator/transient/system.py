@@ -57,14 +57,9 @@ class Law(Protocol):
 
 @dataclass(frozen=True)
 class Stop:
-    """A spring that pushes only: stiffness k and damper c act while δ > 0, and never pull.
+    """A spring that pushes only: its stiffness k acts while δ > 0."""
 
-    A Kelvin-Voigt contact cut off where it would pull, so small motions in contact see k and c.
-    """
-
-    #: N/m and N s/m
-    stiffness: float
-    damping: float = 0.0
+    stiffness: float  #: N/m
 
     @property
     def apart(self) -> float:
@@ -77,35 +72,23 @@ class Stop:
 
     def force(self, deformation: Floats, rate: Floats) -> Floats:
         """Force (N) at a deformation (m) and its rate (m/s)."""
-        pressed = np.maximum(deformation, 0.0)
-        force = self.stiffness * pressed + self.damping * rate * (pressed > 0.0)
-        return np.asarray(np.maximum(force, 0.0))
+        return np.asarray(self.stiffness * np.maximum(deformation, 0.0))
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
         """Mean forces over a step."""
-        each = [self._mean(b, m, step) for b, m in zip(before, moved, strict=True)]
-        forces, slopes, elastic = zip(*each, strict=True)
-        return forces, slopes, elastic
-
-    def _mean(self, before: float, moved: float, step: float) -> tuple[float, float, float]:
-        after = before + moved
-        if before <= 0.0 and after <= 0.0:
-            return (0.0, 0.0, 0.0)
-        p0, p1 = max(before, 0.0), max(after, 0.0)
-        half, rate = 0.5 * self.stiffness * (p0 + p1), self.damping / step
-        now = 1.0 if p1 > 0.0 else 0.0
-        touching, bend = now, 0.0
-        if (p0 > 0.0) != (p1 > 0.0):
-            # share of the way that is gone in contact; `moved` is not 0 here
-            touching = (p1 - p0) / moved
-            bend = half * (now - touching) / moved
-        elastic = half * touching
-        # the way gone in contact without the difference of two deep places
-        gone = moved if p0 > 0.0 and p1 > 0.0 else p1 - p0
-        force = elastic + rate * gone
-        if force <= 0.0:
-            return (0.0, 0.0, elastic)
-        return (force, 0.5 * self.stiffness * now * touching + rate * now + bend, elastic)
+        forces, slopes = [], []
+        for b, m in zip(before, moved, strict=True):
+            p0, p1 = max(b, 0.0), max(b + m, 0.0)
+            half = 0.5 * self.stiffness * (p0 + p1)
+            now = 1.0 if p1 > 0.0 else 0.0
+            touching, bend = now, 0.0
+            if (p0 > 0.0) != (p1 > 0.0):
+                # share of the way that is gone in contact; `m` is not 0 here
+                touching = (p1 - p0) / m
+                bend = half * (now - touching) / m
+            forces.append(half * touching)
+            slopes.append(0.5 * self.stiffness * now * touching + bend)
+        return forces, slopes, forces
 
 
 @dataclass(frozen=True)

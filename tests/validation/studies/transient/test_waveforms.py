@@ -166,7 +166,7 @@ def test_any_drive_moves_a_mass_between_a_coil_and_a_stop(voltage, coil):
     gap = Coil(IdealGap(1e-6), -one[0], 1e-3, 1.0, "current", 1e-4, 2.0, (1e-4, 2e-3))
     system = System(
         1e-3 * one, 1e-3 * one, 100.0 * one, 0.0 * one[0], 1e-3 * one[0], 1e-9,
-        (Element("stop", Stop(1e4, 1e-2), one[0], -1e-4),), (), gap,
+        (Element("stop", Stop(1e4), one[0], -1e-4),), (), gap,
         {"x": Output(one[0], "m", 1e-4)},
     )  # fmt: skip
     moved_or_refused(system, np.zeros(1), voltage, coil)
