@@ -26,14 +26,7 @@ from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.ports.multiport import Multiport
-from tactgen.validation.models.difference import (
-    SolidCase,
-    Values,
-    beam_values,
-    clamped,
-    on_rod,
-    solid_values,
-)
+from tactgen.validation.models.difference import SolidCase, Values, clamped, on_rod, solid_values
 from tactgen.validation.scene.scene import Scene
 
 #: Free lengths of the tab (m) for which the bricks are solved.
@@ -131,77 +124,51 @@ def tab_for(tabs: Sequence[SupportCompliance], stiffness: float, joint: float = 
 _LOW_EPS33 = 3400.0
 
 
-@dataclass(frozen=True)
-class MaterialRow:
-    """One choice: the values of solid and beam, or why it is impossible."""
-
-    name: str
-    what: str
-    values: Values | None = None
-    beam: Values | None = None
-    refused: str = ""
-
-
 #: Soft ceramics that differ most in what the reduced constants do not fix.
 _REST = ("PZT-5H", "PZT-5A")
 
 
-def choices(ceramic: Piezoceramic) -> Iterator[tuple[str, str, Piezoceramic]]:
-    """Yield (name, why it could be so, full material), the assumed one first."""
-    yield "as it stands", ceramic.origin, ceramic
+def choices(ceramic: Piezoceramic) -> Iterator[tuple[str, Piezoceramic]]:
+    """Yield names and full materials, the assumed one first."""
+    yield "as it stands", ceramic
     reduced = ceramic.reduced()
-    # M1876 is PZT-5H by ratio already
+    # all that the reduced constants do not fix; M1876 is PZT-5H by ratio already
     same = {ceramic.name, "M1876", *(("PZT-5H",) if ceramic.name == "M1876" else ())}
     for name in _REST:
-        other = LIBRARY[name]
         if name not in same:
-            yield (
-                f"rest by ratio to {name}",
-                "all that the reduced constants do not fix",
-                other.with_values(**reduced),
-            )
-    for factor in (0.9, 1.1):
-        yield f"d33 x {factor:g}", "k33 of soft PZT: 0.68 to 0.78", _with_d(ceramic, factor, 1.0)
-    yield "d15 = 0", "no shear piezoelectricity: an extreme", _with_d(ceramic, 1.0, 0.0)
+            yield f"rest by ratio to {name}", LIBRARY[name].with_values(**reduced)
+    for factor in (0.9, 1.1):  # k33 of soft PZT: 0.68 to 0.78
+        yield f"d33 x {factor:g}", _with_d(ceramic, factor, 1.0)
+    yield "d15 = 0", _with_d(ceramic, 1.0, 0.0)  # no shear piezoelectricity: an extreme
+    # in the plane, where d31 = d32 acts; isotropic-like ceramics to PZT-4
     for ratio in (0.25, 0.40):
-        yield (
-            f"-s12/s11 = {ratio:g}",
-            "in the plane, where d31 = d32 acts; isotropic-like ceramics to PZT-4",
-            _with_s12(ceramic, ratio),
-        )
-    for factor in (0.9, 1.1):
-        yield f"s13 x {factor:g}", "thickness against length", _scaled(ceramic, (0, 2), factor)
-    yield "s33 x 1.1", "compliance through the thickness", _scaled(ceramic, (2, 2), 1.1)
+        yield f"-s12/s11 = {ratio:g}", _with_s12(ceramic, ratio)
+    for factor in (0.9, 1.1):  # thickness against length
+        yield f"s13 x {factor:g}", _scaled(ceramic, (0, 2), factor)
+    yield "s33 x 1.1", _scaled(ceramic, (2, 2), 1.1)  # compliance through the thickness
+    # permittivity, eps11 and d33 by ratio: here the reduced set itself changes
     spread = ceramic.spreads.get("eps33")
     for eps33 in (_LOW_EPS33, spread.low, spread.high) if spread else ():
-        yield (
-            f"eps33 = {eps33:g}",
-            "permittivity, eps11 and d33 by ratio: here the reduced set itself changes",
-            ceramic.with_values(**{**reduced, "eps33": eps33}),
-        )
-    yield "d33 = 0", "no constants but those that the paper gives", _with_d(ceramic, 0.0, 1.0)
+        yield f"eps33 = {eps33:g}", ceramic.with_values(**{**reduced, "eps33": eps33})
+    yield "d33 = 0", _with_d(ceramic, 0.0, 1.0)  # no constants but those that the paper gives
     d = ceramic.d.copy()
     d[2, :2] *= 2.0
-    yield "d31 x 2", "more coupling than there is field", replace(ceramic, d=d)
+    yield "d31 x 2", replace(ceramic, d=d)  # more coupling than there is field
 
 
 def material_effects(
     scene: Scene, announce: Callable[[str], None], *, level: int
-) -> list[MaterialRow]:
-    """Row per choice of the scene's tensor, solved on the scene's support."""
-    rows = []
-    for name, what, ceramic in choices(scene.piezo.ceramic()):
+) -> dict[str, Values]:
+    """Solid's values on the scene's support by choice of its tensor, the possible ones alone."""
+    found = {}
+    for name, ceramic in choices(scene.piezo.ceramic()):
         try:
             ceramic.check_admissible()
-        except InputError as error:
-            rows.append(MaterialRow(name, what, refused=str(error)))
+        except InputError:
             continue
         announce(f"material: {name}")
-        values = solid_values(SolidCase(scene, ceramic, level=level))
-        reduced = scene.piezo.model_copy(update=ceramic.reduced())
-        beam = beam_values(scene.model_copy(update={"piezo": reduced}))
-        rows.append(MaterialRow(name, what, values, beam))
-    return rows
+        found[name] = solid_values(SolidCase(scene, ceramic, level=level))
+    return found
 
 
 def _with_d(ceramic: Piezoceramic, d33: float, d15: float) -> Piezoceramic:
