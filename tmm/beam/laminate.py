@@ -7,13 +7,12 @@ leaves out: Poisson's effect, d32, and the field that follows the strain inside 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Numbers
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import Piece, StackLayer, bimorph_stack
-from tactgen.geometry.device.materials import Piezoceramic, lossy_coupling
+from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Beam, Device, Glue, Piezo, Shim
 from tactgen.tmm.beam.sections import Section, moduli, section
 
@@ -21,75 +20,51 @@ from tactgen.tmm.beam.sections import Section, moduli, section
 _STRAIN, _CURVATURE, _VOLTAGE = slice(0, 2), slice(2, 4), 4
 
 
-def laminate_section(
-    device: Device, beam: Beam, *, lossy: bool = False, **simplified: bool
-) -> Section:
+def laminate_section(device: Device, beam: Beam, **simplified: bool) -> Section:
     """Section constants of the plate, no force and no moment across; all else as the beam's.
 
-    Parameters
-    ----------
-    device : Device
-        Dimensions and materials; glue counts as one more layer that does not slide.
-    beam : Beam
-        Shear correction.
-    lossy : bool
-        Losses of all layers.
-    simplified : bool
-        What :func:`laminate_energy` leaves out.
+    Without losses.  Glue counts as one more layer that does not slide; `simplified` is what
+    :func:`laminate_energy` leaves out.
     """
-    energy, b = laminate_energy(device, lossy=lossy, **simplified), device.bimorph.width
+    energy, b = laminate_energy(device, **simplified), device.bimorph.width
     # what follows of itself: both strains, and the curvature across
     free, kept = [0, 1, 3], [2, 4]
     follows = np.linalg.solve(energy[np.ix_(free, free)], energy[np.ix_(free, kept)])
     (stiffness, coupling), (_, charge) = (
         energy[np.ix_(kept, kept)] - energy[np.ix_(kept, free)] @ follows
     )
-    own = section(Piece("bimorph", device.bimorph.length), device, beam, lossy=lossy)
+    own = section(Piece("bimorph", device.bimorph.length), device, beam, lossy=False)
     return replace(own, EI=b * stiffness, K=-b * coupling, C=-b * charge)
 
 
 def laminate_energy(
-    device: Device,
-    *,
-    poisson: bool = True,
-    d32: bool = True,
-    varying_field: bool = True,
-    lossy: bool = False,
-) -> Any:
+    device: Device, *, poisson: bool = True, d32: bool = True, varying_field: bool = True
+) -> Floats:
     """Quadratic form (5, 5) of strains, curvatures and voltage, per width, of the layers.
 
-    Parameters
-    ----------
-    poisson : bool
-        Poisson's effect.
-    d32 : bool
-        The piezoelectric effect across the width.
-    varying_field : bool
-        Let the field vary through each layer.  Without this and the two others the
-        constants are those of the beam models.
+    Without Poisson's effect, the piezoelectric effect across the width (d32) and the field's
+    variation through each layer the constants are those of the beam models.
     """
-    energy = np.zeros((5, 5), dtype=complex if lossy else float)
+    energy = np.zeros((5, 5))
     for layer in bimorph_stack(device):
-        _add(energy, layer, poisson=poisson, d32=d32, varying_field=varying_field, lossy=lossy)
+        _add(energy, layer, poisson=poisson, d32=d32, varying_field=varying_field)
     return energy
 
 
 def _add(
-    energy: Any, layer: StackLayer, *, poisson: bool, d32: bool, varying_field: bool, lossy: bool
+    energy: Floats, layer: StackLayer, *, poisson: bool, d32: bool, varying_field: bool
 ) -> None:
     """Add a layer to the quadratic form (5, 5) of strains, curvatures and voltage, per width."""
     of, t, middle = layer.material, layer.thickness, 0.5 * (layer.low + layer.high)
     own = t**3 / 12.0  # second moment about the layer's middle
     ceramic = of.ceramic() if isinstance(of, Piezo) else None
-    sheet = layer.share * _sheet(of, ceramic, poisson=poisson, lossy=lossy)
+    sheet = layer.share * _sheet(of, ceramic, poisson=poisson)
     _add_sheet(energy, sheet * t, middle, sheet * own)
     if not isinstance(of, Piezo) or ceramic is None:
         return
-    across = ceramic.d[2, 1] if d32 else 0.0
-    d = lossy_coupling(np.array([of.d31, across]), of.coupling_loss, lossy=lossy)
-    permittivity = ceramic.eps_t[2, 2] * (1.0 - 1j * of.loss_tangent if lossy else 1.0)
+    d = np.array([of.d31, ceramic.d[2, 1] if d32 else 0.0])
     stress = layer.poling * (sheet @ d)
-    clamped = layer.share * permittivity - d @ sheet @ d
+    clamped = layer.share * ceramic.eps_t[2, 2] - d @ sheet @ d
     # by the field that follows the strain at a constant charge; electrodes hold its mean
     stiffer = np.outer(stress, stress) / clamped
     mean = 0.0 * stiffer if layer.electrodes else stiffer * t
@@ -103,7 +78,7 @@ def _add(
         energy[_VOLTAGE, _VOLTAGE] -= layer.hot**2 * clamped / t
 
 
-def _add_sheet(energy: Any, mean: Numbers, middle: float, own: Numbers) -> None:
+def _add_sheet(energy: Floats, mean: Floats, middle: float, own: Floats) -> None:
     """Add a sheet that resists the strain at its middle, and curvature about that, both (2, 2)."""
     energy[_STRAIN, _STRAIN] += mean
     energy[_STRAIN, _CURVATURE] += mean * middle
@@ -111,11 +86,9 @@ def _add_sheet(energy: Any, mean: Numbers, middle: float, own: Numbers) -> None:
     energy[_CURVATURE, _CURVATURE] += mean * middle**2 + own
 
 
-def _sheet(
-    of: Piezo | Shim | Glue, ceramic: Piezoceramic | None, *, poisson: bool, lossy: bool
-) -> Numbers:
+def _sheet(of: Piezo | Shim | Glue, ceramic: Piezoceramic | None, *, poisson: bool) -> Floats:
     """(2, 2) stiffness (Pa) of a material without stress through the thickness."""
-    young, _ = moduli(of, lossy=lossy)
+    young, _ = moduli(of, lossy=False)
     if isinstance(of, Piezo):
         assert ceramic is not None
         s = ceramic.s
