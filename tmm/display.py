@@ -42,16 +42,8 @@ def unit_ports(
 ) -> Multiport:
     """One generator over its tip, its voltage and the board under its head.
 
-    Parameters
-    ----------
-    bimorph : Multiport
-        The five-port, wired as it is.
-    device : Device
-        Rod and coil are read for what moves with the base; the guide holds it to the sleeve.
-    place : RestingPlace
-        Where the rod rests: the stop there carries the head, with contact and guide as springs.
-    tip : TipLoad or Law
-        What loads the tip by itself.
+    Rod and coil move with the base of the bimorph, a five-port wired as it is.  The stop where the
+    rod rests carries the head, with the contact as springs; the guide holds it to the sleeve.
     """
     f, law = bimorph.frequencies, stops_of(device).holding(place.lift)
     held = pressed_support(device, law, place.contact_force, resting_tilt(device, place))
@@ -89,14 +81,8 @@ def joined(
 ) -> Multiport:
     """All generators as one, over each one's tip and voltage.
 
-    Parameters
-    ----------
-    units : dict of str to Multiport
-        As :func:`unit_ports`, by name.
-    board : Multiport or None
-        As :func:`board`; None holds every head's board still.
-    sheet : Multiport or None
-        As :func:`sheet`; None ties no tips.
+    `units` are as :func:`unit_ports`, by name.  No :func:`board` holds every head's board still, no
+    :func:`sheet` ties no tips.
     """
     whole: Multiport | None = board
     for name, unit in units.items():
@@ -183,14 +169,8 @@ def board(
 ) -> Multiport:
     """Upper board over ``w_board`` and a tilt ``psi_UNIT`` under each head.
 
-    Parameters
-    ----------
-    frequencies : (n,) array
-        Hz.
-    units : tuple of str
-        The generators' names, as :func:`geometry.display.layout.unit_names`.
-    mass : float
-        The board's (kg).
+    At frequencies (n,) in Hz; `units` are :func:`geometry.display.layout.unit_names`, `mass` is the
+    board's (kg).
     """
     f = np.asarray(frequencies, dtype=float)
     compliance = tilt_compliance(plate_waves(device, display), f, display.board_loss)

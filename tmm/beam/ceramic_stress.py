@@ -193,18 +193,10 @@ def _inertia(element: Section, length: float, omega: Floats) -> Complex:
 
 
 def _below(part: Complex, top: Complex, effort: Complex, own: Complex) -> tuple[Complex, Complex]:
-    """Motion below a part, and what the part exerts there on what is below it.
+    """Motion below a part, and what the part exerts there on what is below it, (n, 2) each.
 
-    Parameters
-    ----------
-    part : (n, 5, 5) complex
-        Dynamic stiffness of that part alone.
-    top : (n, 2) complex
-        w and ψ above it.
-    effort : (n, 2) complex
-        Force and moment that act on it there.
-    own : (n, 5) complex
-        Efforts that hold its ends at rest, by its voltage and its inertia.
+    From its dynamic stiffness (n, 5, 5), w and ψ (n, 2) at its `top`, force and moment (n, 2) that
+    act on it there, and what holds its ends at rest (n, 5), by its voltage and its inertia.
     """
     to_top, to_base = part[..., 2:4, 2:4], part[..., 2:4, 0:2]
     rest = effort - np.einsum("...ij,...j->...i", to_top, top) - own[..., 2:4]

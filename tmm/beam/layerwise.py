@@ -95,11 +95,8 @@ class LayerwiseBeam:
 def layerwise_beam(device: Device, *, varying_field: bool = False) -> LayerwiseBeam:
     """Modes of slip of the length that the ceramics cover.
 
-    Parameters
-    ----------
-    varying_field : bool
-        Let the field vary through each ceramic, its mean being that of the voltage: strain that
-        varies through the ceramic then meets its stiffness at constant charge.
+    With `varying_field` the field varies through each ceramic, its mean being that of the voltage:
+    strain that varies through the ceramic then meets its stiffness at constant charge.
     """
     thinnest = _THINNEST * device.bimorph.thickness
     layers = [layer for layer in bimorph_stack(device) if layer.thickness > thinnest]
@@ -180,12 +177,8 @@ class LayerwiseChange(NamedTuple):
 def layerwise_change(device: Device, plate: Section, root: float) -> LayerwiseChange:
     """Factors that give a section the statics and the frequencies of layerwise theory.
 
-    Parameters
-    ----------
-    plate : Section
-        Whose bending stiffness takes the place of the narrow beam's.
-    root : float
-        Length (m) of the zone next to the clamp that has factors of its own.
+    The bending stiffness of `plate` takes the place of the narrow beam's; the zone of the length
+    `root` (m) next to the clamp has factors of its own.
     """
     length, own = device.bimorph.length, layerwise_beam(device, varying_field=True)
     beam = own.beam_statics(length)  # without coupling 0 per voltage

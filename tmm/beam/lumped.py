@@ -122,12 +122,7 @@ def equivalent_circuit(
 def first_mode(row: Sequence[Element], ends: Ends, *, open_circuit: bool = False) -> Floats:
     """First mode's [w_base, ψ_base, w_tip, ψ_tip, U] per unit of w_tip, and its charge.
 
-    Parameters and remarks as of :func:`equivalent_circuit`.
-
-    Returns
-    -------
-    (6,) array
-        m, rad, V and C, each per m.
+    (6,) in m, rad, V and C, each per m.  Remarks as of :func:`equivalent_circuit`.
     """
     model = lumped_model(row)
     k, m, coupling, free = _attached(model, ends, open_circuit=open_circuit)

@@ -136,18 +136,10 @@ def mounted_response(
 def uniform_response(
     row: Sequence[Element], ends: Ends, frequencies: Floats, *, series: bool
 ) -> MountedResponse | None:
-    """Response of a row that is one uniform beam, None for any other row or a load that turns.
+    """Response (n,) of a row that is one uniform beam, None for any other or a load that turns.
 
-    Parameters
-    ----------
-    row : sequence of (Section or Joint, length)
-        Elements from base to tip.
-    ends : Ends
-        Support and load.
-    frequencies : (n,) array
-        Hz.
-    series : bool
-        Whether the layers share the volt and carry one charge, instead of each having a volt.
+    Frequencies (n,) are in Hz.  In `series` the layers share the volt and carry one charge,
+    instead of each having a volt.
     """
     (beam, length), *others = row
     turns = isinstance(ends.tip, TipLoad) and ends.tip.has_size

@@ -40,13 +40,8 @@ class PlateChange(NamedTuple):
 def plate_change(device: Device, root: float, lengthwise: int) -> PlateChange:
     """Factors that give a beam the statics of a plate, and ratios of frequencies.
 
-    Parameters
-    ----------
-    root : float
-        Length (m) of the zone next to the clamp that has factors of its own.
-    lengthwise : int
-        How many of the first modes surely bend along the length; the ratio of the last of these
-        goes on.
+    The zone of the length `root` (m) next to the clamp has factors of its own.  The first
+    `lengthwise` modes surely bend along the length; the ratio of the last of these goes on.
     """
     length, half = device.bimorph.length, 0.5 * device.bimorph.width
     bending, moment, capacitance, twist = _laminate(device)

@@ -54,11 +54,7 @@ def first_frequency(
     Newton's method on the eigenvalue of the symmetric port matrix that vanishes there.
     Eigenvalues fall with frequency and are finite up to the first mode with all ports
     held, so the one that is lowest at 0 Hz, rigid motions left out, belongs to mode one.
-
-    Parameters
-    ----------
-    start : (n,) array
-        First guess (Hz).
+    `start` (n,) is a first guess (Hz).
     """
 
     def reduced(frequencies: Floats, given: Values) -> Floats:
@@ -150,10 +146,7 @@ def driven_line(row: Row, ends: Ends, frequency: float, voltage: complex) -> Cen
 def static_line(row: Row, ports: Numbers, charge: complex, frequency: float) -> CentreLine:
     """Static line between ends that move as given: the lumped model's shape.
 
-    Parameters
-    ----------
-    ports : (5,) array
-        w_base, ψ_base, w_tip, ψ_tip (m, rad) and the voltage across each layer (V).
+    `ports` (5,) are w_base, ψ_base, w_tip, ψ_tip (m, rad) and the voltage across each layer (V).
     """
     parts = cut(row)
     matrix, coupling, _ = _assembled(parts, Ends(Springs(0.0, 0.0)), 0.0)

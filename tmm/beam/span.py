@@ -503,18 +503,13 @@ BLOCK = 4096
 def blocks(
     inputs: Sequence[Any], outputs: Sequence[Numbers], size: int = BLOCK
 ) -> Iterator[tuple[list[Complex], list[Numbers]]]:
-    """Yield matching flat pieces of all arrays: inputs to read, outputs to fill.
+    """Yield matching flat pieces of `size` points of all arrays: inputs to read, outputs to fill.
 
-    Parameters
-    ----------
-    inputs : sequence of array-like
-        Broadcast against each other, and converted to complex.
-    outputs : sequence of arrays
-        All of the common shape of the inputs.
-    size : int
-        Points in a block.
+    The inputs are broadcast to their common shape, which the outputs have, and made complex.
     """
-    _keep_freed_memory()
+    # Freeing one large array raises the GNU allocator's thresholds (mallopt(3), M_MMAP_THRESHOLD);
+    # without it every temporary is given back and faulted in anew, which halves the speed.
+    np.empty(1 << 20)
     uses: Any = [["readonly"]] * len(inputs) + [["writeonly"]] * len(outputs)
     types: Any = [complex] * len(inputs) + [out.dtype for out in outputs]
     pieces = np.nditer(
@@ -528,15 +523,6 @@ def blocks(
     with pieces:
         for piece in pieces:
             yield list(piece[: len(inputs)]), list(piece[len(inputs) :])
-
-
-def _keep_freed_memory() -> None:
-    """Let the GNU allocator keep freed blocks.
-
-    Freeing one large array raises its thresholds (mallopt(3), M_MMAP_THRESHOLD); without
-    it every temporary is given back and faulted in anew, which halves the speed.
-    """
-    np.empty(1 << 20)
 
 
 #: Rows, columns and signs of D that each of the six dimensionless entries fills.

@@ -28,14 +28,8 @@ def turn_across(
 ) -> Complex:
     """Turn of the head per moment (n,) in rad/(N m) in the plane across the width.
 
-    Parameters
-    ----------
-    tip : TipLoad or law
-        The load, taken alike in all lateral directions.
-    base : (n, 2, 2) array
-        Dynamic stiffness of rod, contact and guide over motion and turn of the head.
-    frequencies : (n,) array
-        Hz.
+    At frequencies (n,) in Hz, the load being alike in all lateral directions.  `base` (n, 2, 2) is
+    the dynamic stiffness of rod, contact and guide over motion and turn of the head.
     """
     row = sections(device, Support(kind="clamped"), beam, lossy=True, section_of=section_across)
     loaded = hold(load_tip(chain(row, frequencies), tip), "voltage")

@@ -142,16 +142,12 @@ class RoughContact:
         N R/2 of a ring and N R/4 of a disc: a measure of where softening counts, since rough
         surfaces unload gradually.
         """
-        return np.asarray(np.asarray(load) * self.radius * self._upright_bend)
+        upright_bend = 0.5 if self.shape == "ring" else 0.25  # S'' of the upright head
+        return np.asarray(np.asarray(load) * self.radius * upright_bend)
 
     def tipping_moment(self, load: Floats | float) -> Floats:
         """Moment (N m) at which the head stands on its edge, N R: the most it bears."""
         return np.asarray(np.asarray(load) * self.radius)
-
-    @property
-    def _upright_bend(self) -> float:
-        """S'' of the upright head."""
-        return 0.5 if self.shape == "ring" else 0.25
 
     def _relative(self, tilt: Floats | float) -> Floats:
         return np.asarray(self.radius * np.asarray(tilt, dtype=float) / self.decay_length)

@@ -50,7 +50,13 @@ class Pull(Protocol):
         """Pull (N) at a current (A) and gap (m)."""
 
     def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """Its slope with the gap at constant current (N/m)."""
+        """Its slope ∂F/∂g with the gap at constant current (N/m)."""
+
+    def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """∂λ/∂g (V s/m)."""
+
+    def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
+        """∂λ/∂i (H)."""
 
 
 @dataclass(frozen=True)

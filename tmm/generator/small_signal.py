@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -40,6 +39,7 @@ from tactgen.tmm.generator.contact import (
 )
 from tactgen.tmm.generator.equilibrium import (
     AxialForces,
+    Pull,
     RestingPlace,
     about_tilt,
     guide_stiffness,
@@ -79,19 +79,6 @@ MACHINE = ("w_tip", "psi_tip", "u", "voltage", "current")
 _FREE_TIP = TipLoad()
 
 
-class Map(Protocol):
-    """Slopes of the magnetic circuit, such as a CoenergyMap's: arrays of current and gap."""
-
-    def force_gradient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """∂F/∂g at constant current (N/m)."""
-
-    def motional_coefficient(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """∂λ/∂g (V s/m)."""
-
-    def incremental_inductance(self, current: Floats | float, gap: Floats | float) -> Floats:
-        """∂λ/∂i (H)."""
-
-
 @dataclass(frozen=True)
 class Linearised:
     """The rod with all that acts on it but the bimorph, about a resting place."""
@@ -114,7 +101,7 @@ def linearised(
     beam: Beam,
     place: RestingPlace,
     current: float,
-    magnetic: Map,
+    magnetic: Pull,
     tip: TipLoad | TipLaw = _FREE_TIP,
 ) -> Linearised:
     """Rod about the place where it rests at a current (A).

@@ -92,16 +92,10 @@ _NEWTON_STEPS = 40
 def free_oscillation(
     oscillator: Oscillator, turning_point: float, guess: Orbit, *, resolution: Resolution
 ) -> Orbit:
-    """Free oscillation that passes a turning point.
+    """Free oscillation that passes a turning point, from a guess of about its frequency and motion.
 
-    Parameters
-    ----------
-    oscillator : Oscillator
-        Without losses: what damps is an error of the answer, not noticed.
-    turning_point : float
-        Motion of the first coordinate at the instant at which all is at rest.
-    guess : Orbit
-        Of about that frequency and motion; only real parts are used.
+    That point is the motion of the first coordinate at the instant at which all is at rest.  Only
+    real parts of the guess are used, and what damps is an error of the answer, not noticed.
 
     Raises NoConvergence if none is found, or its frequency is not positive.
     """
@@ -150,12 +144,7 @@ _TURN, _CLOSEST = 0.7, 1e-9
 def unstable_exponents(oscillator: Oscillator, orbit: Orbit) -> int | None:
     """Number of Floquet exponents with a positive real part; None on the very edge.
 
-    Parameters
-    ----------
-    oscillator : Oscillator
-        With losses; its linear part, with the law's mean tangent, must be stable.
-    orbit : Orbit
-        A solved orbit.
+    Of a solved orbit with losses; the linear part, with the law's mean tangent, must be stable.
     """
     law = law_harmonics(oscillator, orbit)
     at = np.union1d(

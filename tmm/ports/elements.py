@@ -39,18 +39,10 @@ def spring(
     damping: float = 0.0,
     ends: tuple[str, str] = ("low", "high"),
 ) -> Multiport:
-    """Spring with a viscous damper between two motions of one kind.
+    """Spring with a viscous damper between two motions of one kind, at frequencies (n,) in Hz.
 
-    Parameters
-    ----------
-    frequencies : (n,) array
-        Hz.
-    pair : Pair
-        LATERAL, AXIAL or ROTATION.
-    stiffness, damping : float
-        Effort per motion, and per rate of motion: N/m and N s/m, or N m/rad and N m s/rad.
-    ends : (str, str)
-        Names of the two ports.
+    Stiffness and damping are efforts per motion, and per rate of motion: N/m and N s/m, or N m/rad
+    and N m s/rad.  `ends` are the names of the two ports.
     """
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     value = stiffness + 2j * np.pi * f * damping
@@ -154,22 +146,16 @@ def _of_fit(fit: PassiveFit, misfit: float) -> Chain:
     return Chain(mass, damping, stiffness, misfit=misfit)
 
 
-def known_range(load: Load) -> tuple[float, float] | None:
-    """Lowest and highest frequency (Hz) at which a load is known; None if at all.
+def outside_known_range(load: Load, frequencies: Floats) -> Bools:
+    """Mask (n,) of frequencies (Hz) that the load model does not cover.
 
     Raises InputError if it is a table that cannot be used.
     """
     if load.kind == "table":
-        return measured_law(load).table.band
-    return FINGER_RANGE if load.kind == "finger" else None
-
-
-def outside_known_range(load: Load, frequencies: Floats) -> Bools:
-    """Mask (n,) of frequencies that the load model does not cover."""
-    known = known_range(load)
-    if known is None:
-        return np.zeros(np.shape(frequencies), dtype=bool)
-    return outside(known, frequencies)
+        return outside(measured_law(load).table.band, frequencies)
+    if load.kind == "finger":
+        return outside(FINGER_RANGE, frequencies)
+    return np.zeros(np.shape(frequencies), dtype=bool)
 
 
 def ends_of(support: Support, load: Load) -> Ends:

@@ -90,12 +90,7 @@ def elastance(circuit: Circuit, frequencies: Floats) -> Complex:
 def inertia(port: Multiport, ends: Ends) -> Complex:
     """Efforts (n, k) at the ports per acceleration of the base, nan at 0 Hz.
 
-    Parameters
-    ----------
-    port : Multiport
-        The actuator as wired, without support and load.
-    ends : Ends
-        Support, which has no mass that translates, and load.
+    `port` is the actuator as wired, without support, which has no mass that translates, and load.
     """
     moved = np.array([p.pair == LATERAL for p in port.ports], dtype=float)
     omega = np.where(port.frequencies > 0.0, port.omega, np.nan)
@@ -120,16 +115,8 @@ def excited(
 ) -> Response:
     """Motions relative to the base, the electrodes' voltage among them, and efforts at held ports.
 
-    Parameters
-    ----------
-    port : Multiport
-        The actuator as wired, without support and load.
-    ends : Ends
-        Support and load.
-    excitation : Excitation
-        What drives it.
-    held : sequence of str
-        Ports held at rest, besides a clamped base.
+    `port` is the actuator as wired, without support and load; ports that are `held` are at rest,
+    besides a clamped base.
 
     Raises numpy.linalg.LinAlgError if nothing holds a port that is free.
     """
@@ -145,18 +132,10 @@ def excited(
 def superposed(
     per_volt: Response, frequencies: Floats, excitation: Excitation, alone: Response | None = None
 ) -> Response:
-    """Response with the circuit of an excitation.
+    """Response at frequencies (n,) in Hz with the circuit of an excitation.
 
-    Parameters
-    ----------
-    per_volt : Response
-        To 1 V at the electrodes.
-    frequencies : (n,) array
-        Hz.
-    excitation : Excitation
-        Circuit and source.
-    alone : Response, optional
-        To the mechanical excitation, electrodes in short circuit.
+    From those to 1 V at the electrodes and, `alone`, to the mechanical excitation with the
+    electrodes in short circuit.
     """
     own = per_volt.effort[ELECTRICAL]
     charge = np.zeros_like(own) if alone is None else alone.effort[ELECTRICAL]

@@ -146,10 +146,7 @@ def hold(port: Multiport, *names: str) -> Multiport:
 def terminate(port: Multiport, loads: Mapping[str, Any]) -> Multiport:
     """Multiport with something that answers at some ports, which stay ports.
 
-    Parameters
-    ----------
-    loads : mapping of str to number or (n,) complex array
-        Ports with the effort per motion of what is attached.
+    `loads` are ports with the effort per motion, a number or (n,) complex, of what is attached.
     """
     d = port.stiffness.copy()
     for name, stiffness in loads.items():
@@ -166,6 +163,11 @@ def in_series(port: Multiport) -> Multiport:
     """
     half = np.array([0.5 if p.pair == VOLTAGE else 1.0 for p in port.ports])
     return replace(port, stiffness=port.stiffness * half[:, None] * half)
+
+
+def wired(port: Multiport, wiring: str) -> Multiport:
+    """Port of a bimorph, of which both layers are in parallel, wired in ``series`` or as it is."""
+    return in_series(port) if wiring == "series" else port
 
 
 def connect(first: Multiport, second: Multiport, joints: Mapping[str, str]) -> Multiport:

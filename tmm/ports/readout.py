@@ -78,12 +78,9 @@ class Readout:
         voltage : number or (n,) array
             Amplitude of the drive (V), not looked at with `unit_voltage`.
         """
-        response = respond(port, self.drive(port, 1.0))
+        held = {name: 0.0 for name in self.held if name in port.names}
+        response = respond(port, {ELECTRICAL: 1.0} | held)
         return self.scaled(self.variable(response), voltage, port.frequencies)
-
-    def drive(self, port: Multiport, voltage: float) -> dict[str, float]:
-        """Prescribed motions: the voltage and held ports."""
-        return {ELECTRICAL: voltage} | {name: 0.0 for name in self.held if name in port.names}
 
     def variable(self, response: Response) -> Complex:
         """Port's variable (n,)."""

@@ -116,12 +116,7 @@ def resting_gaps(device: Device, pull: CoenergyMap, currents: Floats, *, rising:
     """Where the rod is (m) while the current rises slowly from 0, or falls from far above.
 
     Rising, it stays above every gap whose balance current is larger; falling, below every
-    gap whose balance current is smaller.
-
-    Parameters
-    ----------
-    currents : (c,) float
-        In the winding (A), 0 or more.
+    gap whose balance current is smaller.  Currents (c,) are in A, 0 or more.
     """
     gaps = between_stops(device, _CLOSE_POSITIONS)
     needed = balance_current(device, pull, gaps)

@@ -10,7 +10,7 @@ from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.generator.contact import stops_of
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.excitation import excitation_of, excited
-from tactgen.tmm.ports.multiport import in_series
+from tactgen.tmm.ports.multiport import wired
 from tactgen.validation.scene.scene import Scene
 
 
@@ -31,8 +31,7 @@ def base_moment(scene: Scene) -> BaseMoment:
     place, springs = scene.rest
     frequencies = np.asarray(scene.frequency, dtype=float)
     port = transfer_matrix.multiport(scene.device, scene.support, scene.beam, frequencies)
-    if scene.bimorph.wiring == "series":
-        port = in_series(port)
+    port = wired(port, scene.bimorph.wiring)
     tilt = excited(port, scene.ends, excitation_of(scene.circuit, scene.drive)).motion["psi_base"]
     omega = 2.0 * np.pi * frequencies
     borne = np.abs(tilt * (springs.rotational_stiffness + 1j * omega * springs.rotational_damping))

@@ -34,11 +34,8 @@ def extreme(row: QuantityRow, model: Model, around: float | None = None) -> Extr
     Or its size where another response is largest, if it counts there (`peak_of`).  None of what is
     no scalar response of the bimorph, and of fewer than eight frequencies.
 
-    Parameters
-    ----------
-    around : float, optional
-        Frequency (Hz) of another model's extreme, about which alone it is searched; at an end of
-        the band it is taken for that of this model.
+    It is searched about the frequency (Hz) of another model's extreme alone, if that is given
+    (`around`); at an end of the band that is taken for the one of this model.
     """
     asked = np.unique(np.asarray(model.scene.frequency, dtype=float))
     if not row.is_response or not isinstance(model, BimorphModel) or asked.size < _SWEEP:

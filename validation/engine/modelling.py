@@ -19,7 +19,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES, Need
 from tactgen.validation.engine.extremes import extreme
 from tactgen.validation.engine.readout import read
 from tactgen.validation.models.bimorph.calibrated import CalibratedModel
-from tactgen.validation.models.model import Estimate, Extreme, Model, Modelling, Quantity, Stages
+from tactgen.validation.models.model import Estimate, Model, Modelling, Quantity, Stages
 from tactgen.validation.scene.scene import Scene
 
 #: Analyses that the pull of the coil takes part in.
@@ -91,12 +91,8 @@ def _judged(q: Quantity, found: Estimate, judge: Model) -> Quantity:
         value, error = value[: q.value.size], error[: q.value.size]
     if value.shape != np.shape(q.value):  # such as poles of which another model has more
         return q
-    peak = q.extreme and _expected_extreme(q.name, q.extreme, judge)
+    peak = q.extreme
+    top = extreme(QUANTITIES[q.name], judge, peak.frequency) if peak else None
+    if peak and top:
+        peak = replace(peak, expected=top.value, expected_error=top.error)
     return replace(q, modelling=Modelling(value, error, found.method), extreme=peak)
-
-
-def _expected_extreme(name: str, known: Extreme, judge: Model) -> Extreme:
-    found = extreme(QUANTITIES[name], judge, known.frequency)
-    if found is None:
-        return known
-    return replace(known, expected=found.value, expected_error=found.error)

@@ -24,7 +24,7 @@ from tactgen.tmm.ports.excitation import (
     superposed,
 )
 from tactgen.tmm.ports.loads import OF_THE_TABLE, disturbed
-from tactgen.tmm.ports.multiport import BIMORPH, Multiport, Response, in_series, reduce
+from tactgen.tmm.ports.multiport import BIMORPH, Multiport, Response, reduce, wired
 from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
 from tactgen.validation.catalogue.quantities import (
     AnswerReadout,
@@ -107,11 +107,6 @@ def _judge(
     return Estimate(value, np.asarray(bar, dtype=float), refined.method)
 
 
-def _wired(scene: Scene, port: Multiport) -> Multiport:
-    """Port of a device as it is wired."""
-    return in_series(port) if scene.bimorph.wiring == "series" else port
-
-
 def _excitation(scene: Scene) -> Excitation:
     return excitation_of(scene.circuit, scene.drive)
 
@@ -121,7 +116,9 @@ def _matrix(model: Model, refined: Refined[Multiport], ends: Ends) -> Estimate:
     rounding = rounding_of_ports(refined, attach(refined.fine, ends))
 
     def of(port: Multiport) -> Array:
-        return reduce(_wired(model.scene, port), [port.name for port in BIMORPH]).stiffness
+        return reduce(
+            wired(port, model.scene.bimorph.wiring), [port.name for port in BIMORPH]
+        ).stiffness
 
     return _judge(refined, of, rounding[:, None, None], balanced_size)
 
@@ -157,7 +154,9 @@ def _of_circuit(
     excitation = _excitation(scene)
 
     def of_port(port: Multiport) -> Array:
-        return np.asarray(readout.of(electrical(_wired(scene, port), ends, excitation)))
+        return np.asarray(
+            readout.of(electrical(wired(port, scene.bimorph.wiring), ends, excitation))
+        )
 
     # power goes with the square of the motion
     return _judge(refined, of_port, 2.0 * _rounding(refined, ends, excitation))
@@ -221,7 +220,7 @@ def _of_response(
         )
 
     def of_port(port: Multiport) -> Array:
-        return of(excited(_wired(model.scene, port), ends, excitation, held))
+        return of(excited(wired(port, model.scene.bimorph.wiring), ends, excitation, held))
 
     by_ports = gain * _rounding(refined, ends, excitation) + rounding
     return _judge(refined, of_port, by_ports[0] if static else by_ports)

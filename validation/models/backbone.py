@@ -32,7 +32,7 @@ from tactgen.tmm.harmonic_balance.steady import (
     unstable_exponents,
 )
 from tactgen.tmm.ports.elements import ends_of
-from tactgen.tmm.ports.multiport import Multiport, in_series
+from tactgen.tmm.ports.multiport import Multiport, wired
 from tactgen.tmm.ports.readout import measured
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.scene.inputs import values_read
@@ -396,12 +396,7 @@ def rocking_states(
 ) -> tuple[RockingState, ...]:
     """Both states of a scene on the rod's contact, by the transfer-matrix model.
 
-    Kept in the store: each takes about half a minute.
-
-    Parameters
-    ----------
-    voltages : sequence of float
-        Of the free tip's curves (V).
+    Kept in the store: each takes about half a minute.  Voltages (V) are of the free tip's curves.
     """
     found = []
     for state in COILS:
@@ -459,9 +454,7 @@ def five_port(scene: Scene, model: str) -> FivePort:
     if model not in makers:
         raise InputError(f'model "{model}" has no ports; use one of {", ".join(makers)}')
     made = makers[model](scene, model)
-    if scene.bimorph.wiring == "series":
-        return lambda frequencies: in_series(made(frequencies))
-    return made
+    return lambda frequencies: wired(made(frequencies), scene.bimorph.wiring)
 
 
 def _row(scene: Scene, model: str) -> FivePort:

@@ -290,12 +290,8 @@ def beam_to_solid(
     """Steps from transfer matrices to the solid, on the scene's support (not a rod).
 
     A set of constants that no material could have is passed over: its assumption is given up
-    together with the next.  On coarse bricks the shares move by 0.1 % of the value at most.
-
-    Parameters
-    ----------
-    level : int
-        Index of the division into bricks, one for all steps.
+    together with the next.  `level` is the index of the division into bricks, one for all steps; on
+    coarse bricks the shares move by 0.1 % of the value at most.
     """
     factor = layerwise_beam(scene.device).shear_correction
     consistent = _with(scene, "beam", shear_correction=factor)

@@ -15,13 +15,10 @@ from tactgen.geometry.display.bill import bill_of_parts
 from tactgen.geometry.display.layout import drawn_units, unit_names
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.display import board, joined, sheet, tip_motions, unit_ports
-from tactgen.tmm.ports.multiport import Multiport, in_series
+from tactgen.tmm.display import NEIGHBOURS, board, joined, sheet, tip_motions, unit_ports
+from tactgen.tmm.ports.multiport import Multiport, wired
 from tactgen.validation.models.model import Estimate, Modes, Refined
 from tactgen.validation.scene.scene import Scene
-
-#: Nearest neighbours in a square array.
-_NEIGHBOURS = 4
 
 
 @storable
@@ -48,7 +45,7 @@ class NeighbourField:
         neighbour's current is 2 Q' i, an eighth of the difference over the current.  What farther
         units of the other colour add is counted to the nearest four.
         """
-        share = 2.0 * _NEIGHBOURS * self.current
+        share = 2.0 * NEIGHBOURS * self.current
         return Estimate(self.difference.value / share, self.difference.error / share)
 
 
@@ -101,7 +98,7 @@ def by_field(scene: Scene) -> NeighbourField:
         judged(found.alternating),
         Estimate(mean, max(0.5 * abs(difference[0] - difference[1]), width * abs(mean))),
         _of_nine(alone.middle, alone.unbalanced),
-        _of_nine(alone.beside, alone.unbalanced, _NEIGHBOURS),
+        _of_nine(alone.beside, alone.unbalanced, NEIGHBOURS),
         "half the difference of vector and scalar potential, of either polarity the larger; of one "
         "driven unit, among eight without current, at least what all forces lack to balance",
     )
@@ -230,8 +227,7 @@ def display_ports(scene: Scene, bimorph: Multiport, *, bare: bool = False) -> Mu
     """
     device, display, f = scene.device, scene.display, bimorph.frequencies
     check_one_plane(device, "display")
-    if scene.bimorph.wiring == "series":
-        bimorph = in_series(bimorph)
+    bimorph = wired(bimorph, scene.bimorph.wiring)
     assert scene.rest is not None, "units stand on their contacts"
     unit = unit_ports(bimorph, device, scene.rest[0], scene.ends.tip)
     units = unit_names(display)

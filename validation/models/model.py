@@ -184,14 +184,8 @@ def observed_factor(before: Floats, last: Floats, order: float) -> Floats:
     """Error of the finest of three meshes, elements halved, per difference from the next coarser.
 
     The error falls by what the two differences show: at most by what the order promises, at least
-    by :data:`LEAST_HALVED`.
-
-    Parameters
-    ----------
-    before, last : (...) array
-        Sizes of the difference of the coarser two meshes, and of the finer two.
-    order : float
-        Of the error in the size of elements.
+    by :data:`LEAST_HALVED`.  `before` and `last` (...) are the sizes of the difference of the
+    coarser two meshes, and of the finer two; `order` is that of the error in the elements' size.
     """
     shown = np.asarray(before) / np.maximum(last, np.finfo(float).tiny)
     return np.asarray(SAFETY / (np.clip(shown, LEAST_HALVED, 2.0**order) - 1.0))

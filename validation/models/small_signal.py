@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
@@ -22,18 +21,11 @@ from tactgen.tmm.generator.equilibrium import (
     resting_place,
     settled_place,
 )
-from tactgen.tmm.generator.small_signal import (
-    Linearised,
-    Map,
-    axial_poles,
-    joined,
-    linearised,
-    machine,
-)
+from tactgen.tmm.generator.small_signal import Linearised, axial_poles, joined, linearised, machine
 from tactgen.tmm.generator.transient.time_integration import error_bar
 from tactgen.tmm.ports.elements import load_tip
 from tactgen.tmm.ports.loads import disturbed
-from tactgen.tmm.ports.multiport import Multiport, in_series, respond
+from tactgen.tmm.ports.multiport import Multiport, respond, wired
 from tactgen.tmm.ports.readout import measured
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.coenergy_fit import thinned
@@ -51,10 +43,6 @@ _NETWORK, CELLS_AT_REST = "network", 2 * CELLS
 _SAFETY = 2.5
 #: Currents, and gaps, between which the slopes of two maps are compared around a place.
 _PLACES = 5
-
-
-class MachineForce(Pull, Map, Protocol):
-    """Magnetic force and its slopes at a current (A) and gap (m)."""
 
 
 @dataclass(frozen=True)
@@ -218,7 +206,7 @@ def of_rod(rod: RodWithError, of: Callable[[Linearised], float]) -> Estimate:
     return Estimate(of(rod.fine), float(rod.bar(of)))
 
 
-def rod_about(scene: Scene, pull: MachineForce) -> Linearised:
+def rod_about(scene: Scene, pull: Pull) -> Linearised:
     """Rod about the place where it rests, by a map and with nothing to judge it by.
 
     Raises InputError as :func:`machine_of`.
@@ -227,7 +215,7 @@ def rod_about(scene: Scene, pull: MachineForce) -> Linearised:
     return linearised(scene.device, scene.beam, _rest(scene, pull), current, pull, scene.ends.tip)
 
 
-def _rest(scene: Scene, pull: MachineForce) -> RestingPlace:
+def _rest(scene: Scene, pull: Pull) -> RestingPlace:
     forces = axial_forces(scene.device, pull, scene.load.normal_force)
     return resting_place(forces, abs(scene.coil.current), scene.coil.history)
 
@@ -302,7 +290,7 @@ class SmallSignal:
         """Quantity of the machine with errors from the ports and the map."""
         value = of(self._whole(self.ports.fine))
         # the ports between the machine's parts included
-        parts = joined(self._wired(self.ports.fine), self.linear.fine)
+        parts = joined(wired(self.ports.fine, self.scene.bimorph.wiring), self.linear.fine)
         unreduced = load_tip(parts, self._ends.tip)
         rounding = rounding_of_ports(self.ports, unreduced, ("voltage", "current"))
         bar: Floats = np.abs(value) * (rounding + self.ports.rounding)
@@ -322,11 +310,8 @@ class SmallSignal:
         self, bimorph: Multiport, ends: Ends | None = None, rod: Linearised | None = None
     ) -> Multiport:
         """Machine with the tip's load."""
-        port = machine(self._wired(bimorph), rod or self.linear.fine)
+        port = machine(wired(bimorph, self.scene.bimorph.wiring), rod or self.linear.fine)
         return load_tip(port, (ends or self._ends).tip)
-
-    def _wired(self, bimorph: Multiport) -> Multiport:
-        return in_series(bimorph) if self.scene.bimorph.wiring == "series" else bimorph
 
 
 @dataclass(frozen=True)

@@ -109,16 +109,9 @@ class Answers:
         current: float,
         h: float,
     ) -> Answer:
-        """Mean forces over a step of `h` seconds with change `y` (m,).
+        """Mean forces over a step of `h` seconds with change `y` (m,) and `current` (A) after it.
 
-        Parameters
-        ----------
-        before : tuple of lists
-            Deformations before the step.
-        start : (float, float, CoenergyPoint)
-            Current, gap and field before the step.
-        current : float
-            After it (A).
+        `before` are the deformations before the step, `start` current, gap and field.
         """
         forces = [0.0] * len(y)
         slope = [[0.0] * len(y) for _ in y]
@@ -168,10 +161,7 @@ def _pushed(
 ) -> tuple[float, list[float], float]:
     """Add an element's springs to forces and slope.
 
-    Returns
-    -------
-    tuple of float, (m,) list, float
-        Sum of the forces (N), its slope by the changes (N/m), what the springs take (J).
+    Returns the sum of the forces (N), its slope (m,) by the changes (N/m), what they take (J).
     """
     by_change = [0.0] * len(y)
     farthest = max(deformed) + _product(points.reach, map(abs, y))
@@ -283,15 +273,8 @@ def settled(
 ) -> tuple[Answer, float]:
     """Converged forces over a step of `h` seconds, and the current after it.
 
-    Parameters
-    ----------
-    free : (m,) list
-        Changes without laws and coil.
-    structure : Structure
-    first : (m,) list
-        A first guess of the changes.
-    source : (float, float)
-        What the coil's waveform says at both ends of the step (A, or V).
+    `free` (m,) are the changes without laws and coil, `first` (m,) is a first guess of them, and
+    `source` is what the coil's waveform says at both ends of the step (A, or V).
 
     Raises StepTooLongError if the iteration does not settle.
     """
@@ -528,12 +511,7 @@ class Stepper:
     ) -> tuple[State, Flow]:
         """State after a step of `h` seconds, and the exchanged energies.
 
-        Parameters
-        ----------
-        voltage : float
-            Across the bimorph at the end (V).
-        source : (float, float)
-            What the coil's waveform says at both ends of the step (A, or V).
+        `voltage` (V) is that across the bimorph at the end, `source` as of :func:`settled`.
 
         Raises StepTooLongError if the iteration does not settle.
         """

@@ -327,12 +327,8 @@ class Marcher:
     ) -> tuple[Run, Bools]:
         """Run with each given step cut in parts, and which times end a given step.
 
-        Parameters
-        ----------
-        share : (float, float)
-            Of the whole work, what is done before and afterwards.
-        rough : bool
-            Whether it may leave what is known of the coil: it only judges another run.
+        `share` is what is done of the whole work before and afterwards.  A `rough` run may leave
+        what is known of the coil: it only judges another run.
         """
         record, state, shared = Record(self._system), first, []
         done, all_done = share

@@ -335,10 +335,7 @@ class TwoMeshModel(BimorphModel):
 def least_at_rest(fine: Multiport, coarse: Multiport) -> Floats:
     """Relative difference (n,) that all at 0 Hz counts with at least.
 
-    Parameters
-    ----------
-    fine, coarse : Multiport
-        D(0) of n bimorphs without losses on the finer and on the coarser level.
+    From D(0) of n bimorphs without losses on the finer and on the coarser level.
     """
     return least_difference(_sizes(fine), _sizes(coarse))
 

@@ -243,9 +243,6 @@ class RowModel(BeamTheoryModel):
     def _ports_between(self, frequencies: Floats, *, judged: bool) -> Refined[Multiport]:
         return self._multiport(frequencies, lossy=True)
 
-    def _lossless_row(self, segments: int) -> list[Element]:
-        return self._row(lossy=False, segments=segments)
-
     def _row(self, *, lossy: bool, segments: int = transfer_matrix.SEGMENTS) -> list[Element]:
         s = self.scene
         return transfer_matrix.sections(s.device, s.support, s.beam, lossy=lossy, segments=segments)
@@ -309,17 +306,16 @@ class LumpedModel(RowModel):
         row = self._row(lossy=lossy)
         return shapes.static_line(row, np.array([*ports, voltage]), charge, frequency)
 
-    def circuit(self, *, open_circuit: bool = False) -> lumped.EquivalentCircuit:
+    def circuit(
+        self, segments: int = transfer_matrix.SEGMENTS, *, open_circuit: bool = False
+    ) -> lumped.EquivalentCircuit:
         """First mode as a one-mode circuit (parallel wiring)."""
-        return self._circuit(transfer_matrix.SEGMENTS, open_circuit=open_circuit)
-
-    def _circuit(self, segments: int, *, open_circuit: bool) -> lumped.EquivalentCircuit:
-        row = self._lossless_row(segments)
+        row = self._row(lossy=False, segments=segments)
         return lumped.equivalent_circuit(row, self.scene.ends, open_circuit=open_circuit)
 
     def _modes(self, *, open_circuit: bool) -> Refined[Modes]:
         def mode(segments: int) -> Modes:
-            circuit = self._circuit(segments, open_circuit=open_circuit)
+            circuit = self.circuit(segments, open_circuit=open_circuit)
             return Modes(np.array([circuit.short_circuit_frequency]), ("bending_x",))
 
         return self._judged(mode)
@@ -360,7 +356,7 @@ class TmmModel(RowModel):
         s = self.scene
 
         def found(segments: int) -> NaturalFrequencies:
-            row = self._lossless_row(segments)
+            row = self._row(lossy=False, segments=segments)
             return natural_frequencies(row, s.ends, s.modes, open_circuit=open_circuit)
 
         def modes(of: NaturalFrequencies) -> Modes:

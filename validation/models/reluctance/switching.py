@@ -202,22 +202,12 @@ class RestingState:
 
 
 def resting_state(
-    device: Device,
-    pull: CoenergyMap,
-    at: Callable[[float, float], MagneticPoint],
-    history: History,
-    pressed: float,
+    device: Device, pull: CoenergyMap, at: Solver, history: History, pressed: float
 ) -> RestingState:
-    """Where the rod rests by a model's map and one point of it.
+    """Where the rod rests by a model's map and one point of it, solved by `at`.
 
-    Parameters
-    ----------
-    at : callable
-        Solves one current (A) at one gap (m).
-    history : {"rising", "falling"}
-        How the current came to the coil's.
-    pressed : float
-        Force of a finger that presses the tip down (N).
+    `history` is how the current came to the coil's, `pressed` the force of a finger that presses
+    the tip down (N).
 
     Raises InputError if it rests nowhere.
     """
