@@ -11,7 +11,6 @@ from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, LITERATURE
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import as_json, solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.excitation_voltage import voltage_study
 
 
 def test_the_papers_points_are_joined_in_log_log():
@@ -108,56 +107,6 @@ def test_a_tip_that_does_not_respond_has_no_voltage():
     dead = scene.model_copy(update={"piezo": scene.piezo.model_copy(update={"d31": 0.0})})
     solution = solve(dead, ("tmm", "beam"), ("threshold_voltage",))
     assert all(q["value"] == [None, None] for q in as_json(solution)["quantities"])
-
-
-@pytest.fixture(scope="module")
-def study():
-    return voltage_study(load_scene("paper")[0])
-
-
-def test_study_agrees_with_the_quantity_and_holds_its_extremes(study):
-    """The voltages of `tactgen solve`, of which none between the study's lies beyond."""
-    drawn_at = study.frequencies[::40]
-    between = np.geomspace(20.0, 990.0, 400)  # the ends of the range, not extremes, left out
-    f = (*drawn_at.tolist(), *between.tolist())
-    for (wiring, load), drawn in study.voltages.items():
-        kind = "finger" if load == "loaded" else "none"
-        scene, _ = load_scene("paper", [f"bimorph.wiring={wiring}", f"load.kind={kind}"])
-        scene = scene.model_copy(update={"frequency": f})
-        found = solve(scene, ("tmm",), ("threshold_voltage",), modelling=False)
-        value, others = np.split(found.quantities[0].value, [drawn_at.size])
-        # two solvers of the same equations; condition numbers here stay below 1e4
-        assert drawn[::40] == pytest.approx(value, rel=1e-11)
-        assert others.max() <= drawn.max() * (1.0 + 1e-9)
-        assert others.min() >= drawn.min() * (1.0 - 1e-9)
-
-
-def test_load_factor_gives_the_papers_displacement(study):
-    """With the load multiplied by the stated factor, |w| per volt is the paper's."""
-    from tactgen.tmm.ports.loads import finger_spring_damper
-
-    for moved in study.moved:
-        c, d = (float(v[0]) for v in finger_spring_damper(np.array([moved.frequency])))
-        for wiring, factor in moved.load_factor.items():
-            if factor is None:
-                continue
-            scene, _ = load_scene(
-                "paper",
-                [f"bimorph.wiring={wiring}", f"frequency={moved.frequency!r}", "drive.voltage=1V",
-                 "load.kind=spring_damper", f"load.stiffness={factor * c!r}N/m",
-                 f"load.damping={factor * d!r}N*s/m"],
-            )  # fmt: skip
-            tip = np.abs(solve(scene, ("tmm",), ("tip_displacement",)).quantities[0].value[0])
-            assert tip == pytest.approx(np.sqrt(np.prod(moved.paper)), rel=1e-9)
-    assert [any(m.load_factor.values()) for m in study.moved] == [True, True, False]
-
-
-def test_no_wiring_reconciles_model_and_paper(study):
-    """Below the paper up to 250 Hz and above it beside the minimum, in either wiring."""
-    single, wide = study.stated[:-1], study.stated[-1]
-    for wiring in ("parallel", "series"):
-        assert all(s.ratio((wiring, "loaded")) < 1.0 for s in single)
-        assert wide.model[wiring, "loaded"][1] > wide.paper.voltages[1]
 
 
 @pytest.mark.parametrize(
