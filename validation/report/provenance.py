@@ -23,9 +23,8 @@ from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 
-#: Name of the file, and what its first line says it is.
-FILE = "report.json"
-FORMAT = "tactgen report 1"
+#: Name of the file, what its first line says it is, and name of the list of checksums.
+FILE, FORMAT, SUMS = "report.json", "tactgen report 1", "SHA256SUMS"
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ def recorded(solution: Solution) -> Record:
         dt.datetime.now(dt.UTC).isoformat(timespec="seconds"),
         values,
         {key: asdict(tolerance) for key, tolerance in solution.scene.tolerances.items()},
-        {name: _digest(Path(name)) for name in _files(values)},
+        {name: checksum(Path(name)) for name in _files(values)},
         tuple(quantity_json(q) for q in solution.quantities),
     )
 
@@ -100,7 +99,7 @@ def recorded_scene(record: Record) -> Scene:
         path = Path(name)
         if not path.is_file():
             raise InputError(f"{name}, which the report's scene reads, is gone; put it back there")
-        if _digest(path) != digest:
+        if checksum(path) != digest:
             raise InputError(
                 f"{name}, which the report's scene reads, has changed since; put back the file "
                 "that it was"
@@ -113,10 +112,6 @@ def _files(values: dict[str, Any]) -> Iterator[str]:
     for group in values.values():
         if isinstance(group, dict):
             yield from (v for v in group.values() if isinstance(v, str) and Path(v).is_file())
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def unseal(folder: Path) -> None:
@@ -132,23 +127,13 @@ def seal(folder: Path, made: Record, pages: Sequence[str]) -> None:
     Raises InputError if a file cannot be written.
     """
     write_text(folder / FILE, record_text(made))
-    names = (*pages, FILE)
-    write_checksums(folder, names)
-
-
-#: Name of the list.
-SUMS = "SHA256SUMS"
+    lines = [f"{checksum(folder / name)}  {name}\n" for name in (*pages, FILE)]
+    write_text(folder / SUMS, "".join(lines))
 
 
 def checksum(path: Path) -> str:
     """SHA-256 of a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def write_checksums(folder: Path, names: tuple[str, ...]) -> Path:
-    """Write the list of these files of a folder."""
-    lines = [f"{checksum(folder / name)}  {name}\n" for name in names]
-    return write_text(folder / SUMS, "".join(lines))
 
 
 def check(folder: Path) -> None:
@@ -212,12 +197,7 @@ class Reproduction:
 
 
 def reproduce(path: Path, announce: Callable[[str], None]) -> Reproduction:
-    """Compute the report at a path again, from nothing, and compare it.
-
-    Parameters
-    ----------
-    path : Path
-        The folder of a report, or a file in it.
+    """Compute a report (its folder, or a file in it) again, from nothing, and compare it.
 
     Raises InputError if there is no whole report, if it was altered, or if another version wrote
     it.

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from operator import itemgetter
-from typing import Any
 
 import numpy as np
 
@@ -19,59 +17,33 @@ from tactgen.validation.engine.comparison import ComparedRow
 from tactgen.validation.engine.warnings import accuracy_warnings
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections import gallery
+from tactgen.validation.report.sections.section import Context
 from tactgen.validation.scene.conditions import conditions
 
-
-@dataclass(frozen=True)
-class Headline:
-    """One result by the most detailed model that ran."""
-
-    label: str
-    value: str  #: With its numerical error
-    model: str
-    modelling: str  #: Difference of other theories, or its expected band
+#: One result by the most detailed model that ran: label, value with its numerical error, model, and
+#: the difference of other theories or the expected band of it.
+Headline = tuple[str, str, str, str]
 
 
-@dataclass(frozen=True)
-class Counts:
-    """Checks of a scene by result: a miss is a miss, whether a reason is stated or not."""
+def counted(study: Study) -> Context:
+    """Checks of this very scene by result, in words, and how many fail.
 
-    passed: int
-    missed: int
-    failed: int
-    consistent: int  #: Models whose ports are reciprocal and passive
-    inconsistent: int
-
-    @property
-    def sentence(self) -> str:
-        """Counts in words."""
-        total = self.passed + self.missed + self.failed
-        known = (
-            f"Of {total} known answers and measurements of this device {self.passed} are met, "
-            f"{self.missed} are missed for a stated reason and {self.failed} fail."
-            if total
-            else "No measurement or known answer of this device is in the program."
-        )
-        models = self.consistent + self.inconsistent
-        return known + (
-            f" Reciprocal and passive: {self.consistent} of {models} models." if models else ""
-        )
-
-
-def counted(study: Study) -> Counts:
-    """Results of the checks that are about this very scene."""
+    A miss is a miss, whether a reason is stated or not.
+    """
     found = [outcome.status for outcome in study.outcomes]
-    holds = [row["holds"] for row in study.invariants]
-    return Counts(
-        passed=found.count("pass"),
-        missed=found.count("explained"),
-        failed=found.count("fail"),
-        consistent=sum(holds),
-        inconsistent=len(holds) - sum(holds),
-    )
+    passed, missed, failed = (found.count(of) for of in ("pass", "explained", "fail"))
+    sentence = "No measurement or known answer of this device is in the program."
+    if found:
+        sentence = (
+            f"Of {len(found)} known answers and measurements of this device {passed} are met, "
+            f"{missed} are missed for a stated reason and {failed} fail."
+        )
+    if holds := [row["holds"] for row in study.invariants]:
+        sentence += f" Reciprocal and passive: {sum(holds)} of {len(holds)} models."
+    return {"sentence": sentence, "failed": failed}
 
 
-def summary(study: Study) -> dict[str, Any]:
+def summary(study: Study) -> Context:
     """Context of the first page."""
     uncertain = study.parameter_uncertainty if study.lateral else []
     figure, values = _figure(study)
@@ -101,12 +73,9 @@ def _numbers(study: Study) -> Iterator[Headline]:
             for c in row.cells[:-1]
             if MODELS[c.model].theory != MODELS[cell.model].theory and math.isfinite(c.difference)
         ]
-        yield Headline(
-            _label(study, row),
-            with_error(cell.value, cell.error, row.unit),
-            cell.model,
-            ", ".join(others) or _modelling(cell.model, cell.modelling),
-        )
+        value = with_error(cell.value, cell.error, row.unit)
+        modelling = ", ".join(others) or _modelling(cell.model, cell.modelling)
+        yield _label(study, row), value, cell.model, modelling
 
 
 def _modelling(model: str, error: str) -> str:
@@ -142,12 +111,9 @@ def _extremes(study: Study) -> Iterator[Headline]:
             if MODELS[m].theory != MODELS[model].theory and best.value
         ]
         where = "" if best.at is None else f" at {engineering(best.at, 'Hz', 4)}"
-        yield Headline(
-            f"{info.label}, {best.what}{where}",
-            with_error(best.value, best.error, best.unit),
-            model,
-            ", ".join(others) or _modelling(model, best.modelling),
-        )
+        value = with_error(best.value, best.error, best.unit)
+        modelling = ", ".join(others) or _modelling(model, best.modelling)
+        yield f"{info.label}, {best.what}{where}", value, model, modelling
 
 
 def _figure(study: Study) -> tuple[str, str]:

@@ -42,7 +42,7 @@ def test_the_section_in_words(study):
 def test_a_number_that_no_model_knows_has_no_row(study):
     """The network knows nothing of an undriven neighbour's pull, the others are its."""
     asked = [q for q in study.solution.quantities if q.name.startswith(("pull_", "passive"))]
-    assert [row.label for row in _numbers(asked)] == [
+    assert [row.label for row, _ in _numbers(asked)] == [
         "pull all driven", "pull alternating", "pull one driven",
     ]  # fmt: skip
     assert any(np.isnan(q.value) for q in asked)

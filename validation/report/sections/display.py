@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from tactgen.geometry.display.bill import bill_of_parts, total_mass, wiring
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import levels
-from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.quantities import QUANTITIES, QuantityRow
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
@@ -20,13 +19,7 @@ from tactgen.validation.show.page import inline
 
 
 def crosstalk_plot(found: Sequence[Quantity]) -> str:
-    """Plot ratios of tips' motions by the last model that gave them; nothing without any.
-
-    Returns
-    -------
-    str
-        An SVG element.
-    """
+    """Plot ratios of tips' motions by the last model that gave them; nothing without any."""
     shown = [q for q in found if q.model == found[-1].model and np.isfinite(q.value).any()]
     if not shown:
         return ""
@@ -44,15 +37,6 @@ def crosstalk_plot(found: Sequence[Quantity]) -> str:
 
 #: Clearances shown, the narrowest first.
 _NARROWEST = 10
-
-
-@dataclass(frozen=True)
-class Row:
-    """A number by all models that gave it."""
-
-    label: str
-    meaning: str
-    cells: tuple[Quantity, ...]
 
 
 def display_section(study: Study) -> Context:
@@ -85,18 +69,11 @@ def display_section(study: Study) -> Context:
     }
 
 
-def _numbers(asked: list[Quantity]) -> list[Row]:
-    """Scalars, one row each, of models that know a value."""
+def _numbers(asked: list[Quantity]) -> list[tuple[QuantityRow, list[Quantity]]]:
+    """Scalars, each with its answers by the models that know a value."""
     known = [q for q in asked if q.value.ndim == 0 and not np.isnan(q.value)]
     names = dict.fromkeys(q.name for q in known)
-    return [
-        Row(
-            QUANTITIES[name].label,
-            QUANTITIES[name].meaning,
-            tuple(q for q in known if q.name == name),
-        )
-        for name in names
-    ]
+    return [(QUANTITIES[name], [q for q in known if q.name == name]) for name in names]
 
 
 def _units(asked: list[Quantity]) -> dict[str, Any] | None:

@@ -48,6 +48,7 @@ def meshes(study: Study) -> list[dict[str, str]]:
     """Pictures of the solved meshes at their held end."""
     from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
     from tactgen.validation.models.bimorph.solid import cells_of
+    from tactgen.validation.show.pictures import mesh_picture
 
     found = []
     for name, model in study.solution.models_of("bimorph").items():
@@ -58,7 +59,7 @@ def meshes(study: Study) -> list[dict[str, str]]:
         assert solved is not None
         mesh = cells_of(solved)
         caption = f"mesh of {name}: {mesh.cells.shape[0]} {_kind(solved, mesh)}"
-        found.append({"caption": caption, "png": _close_up(mesh)})
+        found.append({"caption": caption, "png": inline(mesh_picture(mesh, close_up=True))})
     return found
 
 
@@ -71,13 +72,6 @@ def _normal(study: Study) -> dict[str, str]:
     solids = solids_picture(normal_actuator_solids(study.scene.device))
     caption = "reluctance actuator, coil and sleeve cut open"
     return {"caption": caption, "png": inline(solids)}
-
-
-def _close_up(mesh: Mesh) -> str:
-    """Picture of a mesh at its held end."""
-    from tactgen.validation.show.pictures import mesh_picture
-
-    return inline(mesh_picture(mesh, close_up=True))
 
 
 def moving(study: Study) -> dict[str, Any]:

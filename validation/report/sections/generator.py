@@ -7,7 +7,6 @@ it moves, by the map of the model that knows most of those asked for and by the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -42,11 +41,6 @@ def position_plot(loops: Sequence[RodLoop], current: float) -> str:
     """Plot all resting places over the coil's current, and the way there and back, by model.
 
     Arrows stand where the rod moves from stop to stop.
-
-    Returns
-    -------
-    str
-        An SVG element.
     """
     figure, axis = panels(8.0, 4.2)
     for found, line in zip(loops, _LINES, strict=False):
@@ -103,13 +97,7 @@ def _mark_switching(axis: Any, found: RodLoop) -> None:
 
 
 def transfer_plot(solution: Solution, units: Sequence[str]) -> str:
-    """Plot the magnitudes of the transfers that a solution holds, one panel for each unit.
-
-    Returns
-    -------
-    str
-        An SVG element.
-    """
+    """Plot the magnitudes of the transfers that a solution holds, one panel for each unit."""
     figure, axes = panels(10.0, 4.2, ncols=2)
     for axis, unit in zip(axes, units, strict=True):
         shown = [
@@ -141,32 +129,6 @@ TRANSFERS = ("m/V", "m/A")
 _PRELOADS = (0.5, 1.0, 2.0)
 
 
-@dataclass(frozen=True)
-class SupportRow:
-    """The support in one state, by its contact (SI)."""
-
-    state: str
-    place: RestingPlace
-    rotational_stiffness: float
-    rotational_damping: float
-    lateral_stiffness: float
-    first_frequency: float
-    uplift_moment: float
-    tipping_moment: float
-
-
-@dataclass(frozen=True)
-class MapRow:
-    """The rod in small motions by the map of one model, each number with the map's bar (SI)."""
-
-    model: str
-    axial_stiffness: Estimate
-    rocking_stiffness: Estimate
-    motional: Estimate
-    incremental_inductance: Estimate
-    frequency: Estimate
-
-
 def _positions(study: Study) -> Context | None:
     """Where the rod rests over the current; None where nothing magnetic is asked for."""
     scene = study.scene
@@ -193,7 +155,7 @@ def _support(study: Study) -> Context:
     """Contact as a support in several states, with its loads."""
     scene = study.scene
     return {
-        "rows": [_row(scene, state, made) for state, made in _states(scene, _is_magnetic(study))],
+        "rows": [_row(*state) for state in _states(scene, _is_magnetic(study))],
         "moment": base_moment(scene),
         "law": contact_of(scene.device, "upper"),
         "below": contact_of(scene.device, "lower"),
@@ -232,23 +194,23 @@ def _maps_asked(scene: Scene) -> list[str]:
     return asked if len(asked) > 1 else []
 
 
-def _on_map(scene: Scene, model: str) -> MapRow:
-    """Rod in small motions by one model's map, the supply holding the current."""
+def _on_map(scene: Scene, model: str) -> Context:
+    """Rod in small motions by one model's map, the supply holding the current (SI, with bars)."""
     made = scene.asking((model,))
     rod = machine_of(made, map_of(made))
     poles = measured_poles(_with(made, supply="current"), rod).listed
     first = int(np.argmax(poles.value.imag))
-    return MapRow(
-        model=model,
-        axial_stiffness=of_rod(rod, lambda r: float(r.stiffness[2, 2])),
-        rocking_stiffness=of_rod(rod, lambda r: float(r.stiffness[1, 1])),
-        motional=of_rod(rod, lambda r: -r.motional),
-        incremental_inductance=of_rod(rod, lambda r: r.inductance),
-        frequency=Estimate(
+    return {
+        "model": model,
+        "axial_stiffness": of_rod(rod, lambda r: float(r.stiffness[2, 2])),
+        "rocking_stiffness": of_rod(rod, lambda r: float(r.stiffness[1, 1])),
+        "motional": of_rod(rod, lambda r: -r.motional),
+        "incremental_inductance": of_rod(rod, lambda r: r.inductance),
+        "frequency": Estimate(
             float(abs(poles.value[first])) / (2.0 * np.pi),
             float(poles.error[first]) / (2.0 * np.pi),
         ),
-    )
+    }
 
 
 def _is_magnetic(study: Study) -> bool:
@@ -286,21 +248,20 @@ def _with(scene: Scene, **coil: Any) -> Scene:
     return scene.model_copy(update={"coil": scene.coil.model_copy(update=coil)})
 
 
-def _row(scene: Scene, state: str, made: Scene) -> SupportRow:
+def _row(state: str, made: Scene) -> Context:
+    """Support in one state, by its contact (SI)."""
     answer = solve(made, ["tmm"], [SHORT_CIRCUIT_FREQUENCIES.name]).quantities[0]
     assert made.rest is not None
     place, springs = made.rest
     law = stops_of(made.device).holding(place.lift)
-    return SupportRow(
-        state=state,
-        place=place,
-        rotational_stiffness=springs.rotational_stiffness,
-        rotational_damping=springs.rotational_damping,
-        lateral_stiffness=springs.lateral_stiffness,
-        first_frequency=float(answer.value[0]),
-        uplift_moment=float(law.uplift_moment(place.contact_force)),
-        tipping_moment=float(law.tipping_moment(place.contact_force)),
-    )
+    return {
+        "state": state,
+        "place": place,
+        "springs": springs,
+        "first_frequency": float(answer.value[0]),
+        "uplift_moment": float(law.uplift_moment(place.contact_force)),
+        "tipping_moment": float(law.tipping_moment(place.contact_force)),
+    }
 
 
 #: In the report's order; a section of which there is nothing to say is left out.

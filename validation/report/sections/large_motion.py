@@ -6,7 +6,6 @@ A quick report leaves the first out, says how to get it, and takes longer steps 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -126,18 +125,6 @@ _UNTIL = 12.5e-3
 _ACCURACY, _QUICK_ACCURACY = 0.05, 0.2
 
 
-@dataclass(frozen=True)
-class DeflectionRow:
-    """The deflection under load in one state (m, m/Hz)."""
-
-    state: str
-    least: float
-    largest: float
-    slope: float
-    linear: tuple[float, float]
-    ended: str
-
-
 def _amplitude(study: Study) -> Context | None:
     """Backbones and deflections of both states; only words if quick."""
     scene = study.scene
@@ -171,18 +158,19 @@ def _linear(study: Study) -> tuple[Floats, dict[str, Floats]]:
     return frequencies, found
 
 
-def _row(state: RockingState, linear: Floats) -> DeflectionRow:
+def _row(state: RockingState, linear: Floats) -> Context:
+    """Deflection under load in one state (m, m/Hz)."""
     found = state.deflection
     assert found is not None
     sizes = np.abs(found.displacement)
-    return DeflectionRow(
-        state=state.state,
-        least=float(sizes.min()),
-        largest=float(sizes.max()),
-        slope=found.fitted_slope,
-        linear=(float(np.nanmin(linear)), float(np.nanmax(linear))),
-        ended=found.ended,
-    )
+    return {
+        "state": state.state,
+        "least": float(sizes.min()),
+        "largest": float(sizes.max()),
+        "slope": found.fitted_slope,
+        "linear": (float(np.nanmin(linear)), float(np.nanmax(linear))),
+        "ended": found.ended,
+    }
 
 
 def run_in_time(study: Study) -> Simulation | str:

@@ -28,13 +28,7 @@ _MM = 1e3
 
 
 def field_plot(device: Device, points: Mapping[str, FieldPoint]) -> str:
-    """Plot the field of several points side by side.
-
-    Parameters
-    ----------
-    points : mapping of str to FieldPoint
-        By the title of their picture; their `solution` is drawn.
-    """
+    """Plot the field of several points, by the titles of their pictures, side by side."""
     figure = new_figure(4.3 * len(points) + 0.7, 8.0)
     figure.dpi = 170.0  # of the shading
     axes = figure.subplots(ncols=len(points), sharey=True, squeeze=False)[0]
@@ -108,7 +102,8 @@ def _patches(lines: Floats, across: int) -> Floats:
 def _flux_lines(axis: Any, solution: MagneticField) -> None:
     """Draw lines between which the same flux runs."""
     grid, psi = solution.discretisation.grid, solution.flux_function
-    levels = (np.arange(_LINES) + 0.5) / _LINES * float(np.max(np.abs(psi))) * _sign(psi)
+    largest = psi.flat[np.argmax(np.abs(psi))]  # with its sign
+    levels = (np.arange(_LINES) + 0.5) / _LINES * float(largest)
     axis.contour(
         grid.r * _MM,
         grid.z * _MM,
@@ -118,10 +113,6 @@ def _flux_lines(axis: Any, solution: MagneticField) -> None:
         linewidths=0.7,
         linestyles="solid",
     )
-
-
-def _sign(psi: Floats) -> float:
-    return float(np.sign(psi.flat[np.argmax(np.abs(psi))]))
 
 
 def _outline(axis: Any, regions: tuple[Region, ...]) -> None:

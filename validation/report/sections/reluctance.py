@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parts import below_head
+from tactgen.geometry.device.winding import winding
 from tactgen.geometry.formats import engineering
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
+from tactgen.tmm.reluctance.network import largest_rms_current, thermal_statement
 from tactgen.tmm.reluctance.switching import (
     balance_current,
     between_stops,
@@ -20,24 +24,13 @@ from tactgen.tmm.reluctance.switching import (
     resting_gaps,
     spring_force,
 )
-from tactgen.validation.models.reluctance.switching import SwitchingCurrents
-from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
-
-if TYPE_CHECKING:
-    from tactgen.fem.magnetics.axisymmetric import FieldPoint
-from collections.abc import Callable
-from itertools import pairwise
-
-from tactgen.geometry.device.parts import below_head
-from tactgen.geometry.device.winding import winding
-from tactgen.tmm.reluctance.network import largest_rms_current, thermal_statement
-from tactgen.tmm.reluctance.switching import Equilibrium
 from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE, QUANTITIES
-from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import NetworkModel
+from tactgen.validation.models.reluctance.switching import SwitchingCurrents
 from tactgen.validation.report.reluctance_data import NormalActuator
 from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
 from tactgen.validation.studies import reconstruction as stated
 
 if TYPE_CHECKING:
@@ -62,7 +55,7 @@ class Families:
     currents: Floats
     gaps: Floats
     #: Single solutions of the field, drawn as circles
-    points: Sequence[FieldPoint] = field(default=())
+    points: Sequence[FieldPoint]
 
 
 def force_families(shown: Families) -> str:
@@ -73,7 +66,8 @@ def force_families(shown: Families) -> str:
     for colour, current in zip(shades(shown.currents.size), shown.currents, strict=True):
         for name, pull in shown.maps.items():
             left.plot(gaps * 1e6, pull.force(current, gaps) * 1e3, color=colour, ls=_LINE[name])
-        _circles(left, colour, [(p.gap * 1e6, p.force * 1e3) for p in _at(shown, current=current)])
+        at = [p for p in shown.points if np.isclose(p.current, current, rtol=1e-6)]
+        _circles(left, colour, [(p.gap * 1e6, p.force * 1e3) for p in at])
         left.plot([], [], color=colour, label=engineering(current, "A", 4))
     left.plot(gaps * 1e6, spring_force(shown.device, gaps) * 1e3, color="black", label="spring")
     left.set(xlabel="working gap (µm)", ylabel="pull (mN)", yscale="log", title="force over gap")
@@ -208,10 +202,6 @@ def _over_current(axis: Any, shown: Families, read: Any, label: str) -> None:
     axis.set(xlabel="current (mA)", ylabel=label)
 
 
-def _at(shown: Families, current: float) -> list[FieldPoint]:
-    return [p for p in shown.points if np.isclose(p.current, current, rtol=1e-6)]
-
-
 def _circles_by_gap(axis: Any, shown: Families, read: Any) -> None:
     for colour, gap in zip(shades(shown.gaps.size), shown.gaps, strict=True):
         at = [p for p in shown.points if np.isclose(p.gap, gap, rtol=1e-6)]
@@ -318,18 +308,6 @@ def _shaft_density(point: FieldPoint, radius: float) -> float:
     return float(flux / (np.pi * radius**2))
 
 
-@dataclass(frozen=True)
-class ElectricalRow:
-    """The coil's inductances (H) and time constant (s) at one state."""
-
-    state: str
-    current: float
-    gap: float
-    apparent: Estimate
-    incremental: Estimate
-    time_constant: float
-
-
 def _characteristics(actuator: NormalActuator) -> Context:
     """Families, switching, finger force and the coil's electrical and thermal values."""
     device, current = actuator.device, actuator.current
@@ -379,7 +357,8 @@ def _finger(actuator: NormalActuator) -> list[dict[str, Any]]:
     return rows
 
 
-def _electrical_rows(actuator: NormalActuator, found: SwitchingCurrents) -> list[ElectricalRow]:
+def _electrical_rows(actuator: NormalActuator, found: SwitchingCurrents) -> list[Context]:
+    """Coil's inductances (H) and time constant (s) at several currents and gaps."""
     device = actuator.device
     resistance = winding(device.coil).resistance
     top, stop = device.gap, device.spring.stop_gap
@@ -395,10 +374,9 @@ def _electrical_rows(actuator: NormalActuator, found: SwitchingCurrents) -> list
             point = actuator.point_by_map_model(current, gap)
             slope = point.incremental_inductance
             rows.append(
-                ElectricalRow(
-                    state, current, gap, point.inductance, slope, slope.value / resistance
-                )
-            )
+                {"state": state, "current": current, "gap": gap, "apparent": point.inductance,
+                 "incremental": slope, "time_constant": slope.value / resistance}
+            )  # fmt: skip
     return rows
 
 
@@ -417,7 +395,8 @@ def _beside_the_paper(actuator: NormalActuator) -> Context | None:
         "preload_is_set": device.spring.preload == Device().spring.preload,
         "turns_are_set": actuator.turns_are_set,
         "held": any(place.kind == "lower stop" for place in places),
-        "held_up_to": _unstable(places),
+        # smallest gap (m) from which the spring takes over
+        "held_up_to": min((p.gap for p in places if p.kind == "unstable"), default=None),
         "found": actuator.switching[actuator.pull_model],
         "height_below_tip": stated.TOTAL_HEIGHT - below_head(device),
         "below_head": below_head(device),
@@ -430,11 +409,6 @@ def _beside_the_paper(actuator: NormalActuator) -> Context | None:
             "height": stated.TOTAL_HEIGHT,
         },
     }
-
-
-def _unstable(places: Sequence[Equilibrium]) -> float | None:
-    """Smallest gap (m) from which the spring takes over, None if there is none."""
-    return min((p.gap for p in places if p.kind == "unstable"), default=None)
 
 
 def _of(show: Callable[[NormalActuator], Context | None]) -> Callable[[Study], Context | None]:
