@@ -60,12 +60,6 @@ tactgen materials the library of materials.
 """
 
 
-def _is_scene_key(name: str) -> bool:
-    from tactgen.validation.scene.scene import is_scene_key
-
-    return is_scene_key(name)
-
-
 class _Parser(argparse.ArgumentParser):
     #: Makes description and epilog when help is asked for: what they list costs an import.
     listing: Callable[[], tuple[str, str]] | None = None
@@ -114,8 +108,11 @@ class _Parser(argparse.ArgumentParser):
             if option.startswith("--")
         ]  # fmt: skip
         key = unknown[1].replace("-", "_")
-        if "set" in options and _is_scene_key(key):
-            return f' (did you mean "--set {key}=…"?)'
+        if "set" in options:
+            from tactgen.validation.scene.scene import is_scene_key
+
+            if is_scene_key(key):
+                return f' (did you mean "--set {key}=…"?)'
         # their dashes would make all of them alike
         return nearest(unknown[1], options).replace('"', '"--', 1)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
-from tactgen.validation.command_line.streams import say
+from tactgen.validation.command_line.streams import announcer, say
 
 if TYPE_CHECKING:
     from tactgen.validation.engine.comparison import Choice
@@ -113,7 +113,6 @@ def under_accuracy(statement: Statement) -> tuple[Statement, Choice | None]:
     """Statement with the models that its accuracy chooses, if no model is named."""
     if not statement.by_accuracy:
         return statement, None
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.studies.whatif.defaults import under_contract
 
     with announcer() as announce:

@@ -6,37 +6,23 @@ whoever draws it needs neither the scene nor a model.
 
 from __future__ import annotations
 
+import math
+import re
 import tempfile
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.errors import InputError
-from tactgen.geometry.files import write_text, written_whole
-from tactgen.geometry.meshing.mesh import surface_of
-from tactgen.tmm.generator.transient.machine import LOWER, UPPER
-from tactgen.validation.models.transient import Simulation, phases
-from tactgen.validation.scene.conditions import answer_head
-from tactgen.validation.scene.files import leaves
-from tactgen.validation.show.figures import AMBER, BLUE, GREEN, GREY, ORANGE, SKY, panels, svg
-from tactgen.validation.show.gather import body_of
-from tactgen.validation.show.run import PHASES, Film, run_page
-
-if TYPE_CHECKING:
-    from scipy.io import netcdf_file
-
-    from tactgen.tmm.generator.transient.time_integration import Answer
-    from tactgen.validation.scene.scene import Scene
-import math
-import re
-from dataclasses import dataclass
-from typing import Literal
-
 from tactgen.geometry.csv_tables import read_columns
+from tactgen.geometry.errors import InputError
+from tactgen.geometry.files import written_whole
+from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.geometry.units import Unit, quoted
+from tactgen.tmm.generator.transient.machine import LOWER, UPPER
 from tactgen.tmm.generator.transient.waveform import (
     Chirp,
     Constant,
@@ -46,6 +32,18 @@ from tactgen.tmm.generator.transient.waveform import (
     Step,
     Waveform,
 )
+from tactgen.validation.models.transient import Simulation, phases
+from tactgen.validation.scene.conditions import answer_head
+from tactgen.validation.scene.files import leaves
+from tactgen.validation.show.figures import AMBER, BLUE, GREEN, GREY, ORANGE, SKY, panels, svg
+from tactgen.validation.show.gather import body_of
+from tactgen.validation.show.run import PHASES, Film
+
+if TYPE_CHECKING:
+    from scipy.io import netcdf_file
+
+    from tactgen.tmm.generator.transient.time_integration import Answer
+    from tactgen.validation.scene.scene import Scene
 
 #: What the global attribute `title` says.
 TITLE = "time simulation of a tactile generator"
@@ -150,12 +148,7 @@ def extremes(found: dict[str, tuple[Floats, str, str]]) -> dict[str, dict[str, A
 
 
 def write_run(path: str | Path, result: Simulation, drives: dict[str, str]) -> None:
-    """Write a run, with units, errors and where it comes from, whole or not at all.
-
-    Parameters
-    ----------
-    drives : dict of str to str
-        Text of the sources, by option.
+    """Write a run, with units, errors and its `drives` by option, whole or not at all.
 
     Raises InputError if the file cannot be written.
     """
@@ -221,14 +214,6 @@ def put_variable(
     variable[:] = values
     variable.long_name = meaning
     return variable
-
-
-def write_film_page(run: Path, page: Path) -> None:
-    """Write the page of a run's file, whole or not at all.
-
-    Raises InputError if the file is no run that holds its body, or the page cannot be written.
-    """
-    write_text(page, run_page(read_film(run)))
 
 
 def film_of(result: Simulation) -> Film:
@@ -368,14 +353,7 @@ class Written:
 
 
 def parsed(text: str, option: str, units: tuple[Unit, ...]) -> Written:
-    """Value of an option's text.
-
-    Parameters
-    ----------
-    option : str
-        What messages call it, such as ``--voltage``.
-    units : tuple of Unit
-        VOLTS, AMPERES or both: what the level may be.
+    """Value of an option's text, whose level may be in VOLTS, AMPERES or both.
 
     Raises InputError in one sentence with an example.
     """

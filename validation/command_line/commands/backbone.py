@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import (
     Commands,
+    check_svg,
     lateral_scene,
     low_high,
     scene_options,
     values_of,
     warn,
 )
-from tactgen.validation.command_line.streams import print_json
+from tactgen.validation.command_line.streams import announcer, print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.models.backbone import Backbone
@@ -51,7 +52,6 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.geometry.units import VOLTAGE
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.models.backbone import backbone, check_one_field, held_head
     from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.inputs import scene_warnings
@@ -61,10 +61,7 @@ def run(options: argparse.Namespace) -> int:
     if options.voltage:
         voltages = values_of(options.voltage, "--voltage", VOLTAGE, _EXAMPLE, _MOST)
     band = _band(options.frequency) if options.frequency else _scene_band(scene)
-    if options.plot and not options.plot.endswith(".svg"):
-        raise InputError(
-            f'--plot "{options.plot}" is not an SVG file; write for example --plot backbone.svg'
-        )
+    check_svg(options.plot, "backbone.svg")
     check_one_field(scene, voltages)
     warn(scene_warnings(scene, origins))
     with announcer() as announce:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.streams import say
+from tactgen.validation.command_line.streams import announcer, say
 
 if TYPE_CHECKING:
     from tactgen.geometry.units import Unit
@@ -127,6 +127,12 @@ def warn(warnings: Iterable[str]) -> None:
         say(f"warning: {warning}")
 
 
+def check_svg(plot: str | None, example: str) -> None:
+    """Refuse a plot that is no SVG file."""
+    if plot and not plot.endswith(".svg"):
+        raise InputError(f'--plot "{plot}" is not an SVG file; write for example --plot {example}')
+
+
 def low_high(text: str, option: str, example: str) -> tuple[str, str]:
     """Two ends of ``LOW:HIGH``."""
     low, colon, high = (part.strip() for part in text.partition(":"))
@@ -182,7 +188,6 @@ def under_contract(scene: Scene, origins: Mapping[str, str]) -> tuple[Scene, Cho
     """
     if "accuracy" not in origins or "models" in origins:
         return scene, None
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.comparison import choose
 
     with announcer() as announce:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from tactgen.validation.command_line.commands.common import Commands, asking_options, overrides_of
-from tactgen.validation.command_line.streams import name_files, print_json
+from tactgen.validation.command_line.streams import announcer, name_files, print_json
 
 
 def add(commands: Commands) -> None:
@@ -29,7 +29,6 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command; a difference is no error, so the exit code is 0."""
     from tactgen.geometry.files import writable_folder
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.show.export import scene_solids
     from tactgen.validation.studies.whatif.compare import (
         answer_differences,

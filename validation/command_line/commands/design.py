@@ -11,12 +11,13 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.validation.command_line.commands.common import (
     Commands,
+    check_svg,
     lateral_scene,
     low_high,
     scene_options,
     warn,
 )
-from tactgen.validation.command_line.streams import print_json
+from tactgen.validation.command_line.streams import announcer, print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.scene.scene import Scene
@@ -83,7 +84,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _search(options: argparse.Namespace) -> int:
     """Search the values of any keys."""
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.scene.scene import scene_values
     from tactgen.validation.studies.whatif.aim_evaluation import named_quantities, parse_aims
     from tactgen.validation.studies.whatif.defaults import chosen
@@ -121,7 +121,6 @@ def _length_design(options: argparse.Namespace) -> int:
     import numpy as np
 
     from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.warnings import field_warnings
     from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.studies.design import CURVES, design
@@ -130,10 +129,7 @@ def _length_design(options: argparse.Namespace) -> int:
 
     scene, origins = lateral_scene(options.scene, options.overrides, "design")
     aim = _aim(scene, options)
-    if options.plot and not options.plot.endswith(".svg"):
-        raise InputError(
-            f'--plot "{options.plot}" is not an SVG file; write for example --plot length.svg'
-        )
+    check_svg(options.plot, "length.svg")
     warn(scene_warnings(scene, origins))
     with announcer() as announce:
         announce("length design")
@@ -193,17 +189,19 @@ def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
 
 
 def _length(text: str) -> float:
-    from pydantic import TypeAdapter, ValidationError
-
-    from tactgen.geometry.units import Length, quoted
+    from tactgen.geometry.units import quoted
     from tactgen.validation.scene.files import one_line
+    from tactgen.validation.scene.scene import declaration
+    from tactgen.validation.scene.tolerances import unit_of
 
-    reader: TypeAdapter[float] = TypeAdapter(Length)
+    unit = unit_of(declaration("bimorph.length"))
+    assert unit is not None
     try:
-        return reader.validate_python(text, context={"units_required": True})
-    except ValidationError as error:
-        reason = error.errors()[0]["ctx"]["error"]
-        raise InputError(one_line(f"--lengths: {quoted(text)} {reason}")) from None
+        length = unit.parse(text)
+        unit.check(length)
+    except ValueError as error:
+        raise InputError(one_line(f"--lengths: {quoted(text)} {error}")) from None
+    return length
 
 
 def _print(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import secrets
 from collections.abc import Callable, Collection, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from tactgen.validation.command_line.commands.common import Commands
-from tactgen.validation.command_line.streams import name_files, print_json, say
+from tactgen.validation.command_line.streams import announcer, name_files, print_json, say
 from tactgen.validation.command_line.study_options import MOST_SEED, whole_number
 
 if TYPE_CHECKING:
@@ -22,16 +23,17 @@ _MOST = 999_999_999
 
 
 def _declare(
-    commands: Commands,
-    name: str,
-    words: str,
-    parts: Callable[[], Collection[str]],
-    run: Callable[[argparse.Namespace], int],
+    commands: Commands, name: str, words: str, parts: str, run: Callable[[argparse.Namespace], int]
 ) -> argparse.ArgumentParser:
-    """Parser of a command that runs parts; these are listed when help is asked for."""
+    """Parser of a command that runs parts, which "module.NAME" lists when help is asked for."""
     parser: argparse.ArgumentParser = commands.add_parser(name, help=words)
-    listed = words.capitalize() + ("" if words.endswith("?") else ".")
-    parser.listing = lambda: (listed, f"parts: {', '.join(parts())}")  # type: ignore[attr-defined]
+    module, _, name_of_parts = parts.partition(".")
+
+    def listing() -> tuple[str, str]:
+        home = import_module(f"tactgen.validation.evidence.{module}")
+        return f"{words.capitalize()}.", f"parts: {', '.join(getattr(home, name_of_parts))}"
+
+    parser.listing = listing  # type: ignore[attr-defined]
     only = "one of the parts below; may be repeated (default: all)"
     parser.add_argument("--only", action="append", metavar="PART", help=only)
     parser.add_argument(
@@ -55,7 +57,6 @@ def _run(
     Files come first: nobody may be there to read what is printed.
     """
     from tactgen.geometry.files import writable_folder
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.scene.files import choices
 
     names = choices(",".join(options.only or known), tuple(known), "part", "--only")
@@ -75,16 +76,12 @@ def _run(
 # ---- verify ----
 
 
-def _groups() -> Collection[str]:
-    from tactgen.validation.evidence.verification import GROUPS
-
-    return GROUPS
-
-
 def add_verify(commands: Commands) -> None:
     """Declare ``verify``."""
     words = "compare with known answers; --out writes the verification book"
-    extent = _declare(commands, "verify", words, _groups, _verify).add_mutually_exclusive_group()
+    extent = _declare(
+        commands, "verify", words, "verification.GROUPS", _verify
+    ).add_mutually_exclusive_group()
     extent.add_argument(
         "--quick", action="store_true", help="compute only the first row of each case"
     )
@@ -148,16 +145,10 @@ def _say_seed(seed: int) -> None:
     say(f"note: seed {seed}; a run that was stopped goes on with --seed {seed}")
 
 
-def _covered() -> Collection[str]:
-    from tactgen.validation.evidence.coverage import PARTS
-
-    return PARTS
-
-
 def add_coverage(commands: Commands) -> None:
     """Declare ``coverage``."""
     words = "check numerical errors on random devices"
-    parser = _declare(commands, "coverage", words, _covered, _coverage)
+    parser = _declare(commands, "coverage", words, "coverage.PARTS", _coverage)
     parser.add_argument("--devices", metavar="N", help="number of devices for each part")
     _add_seed(parser, "devices")
 
@@ -184,16 +175,10 @@ def _coverage(options: argparse.Namespace) -> int:
     return int(not all(part.holds for part in parts))
 
 
-def _calibrated() -> Collection[str]:
-    from tactgen.validation.evidence.calibration import PARTS
-
-    return PARTS
-
-
 def add_calibrate(commands: Commands) -> None:
     """Declare ``calibrate``."""
     words = "fit the modelling errors of the quick models anew, on random devices"
-    parser = _declare(commands, "calibrate", words, _calibrated, _calibrate)
+    parser = _declare(commands, "calibrate", words, "calibration.PARTS", _calibrate)
     parser.add_argument(
         "--install", action="store_true", help="use the new fits in this installation from now on"
     )
@@ -212,16 +197,10 @@ def _calibrate(options: argparse.Namespace) -> int:
     return 0
 
 
-def _stressed() -> Collection[str]:
-    from tactgen.validation.evidence.stress import PARTS
-
-    return PARTS
-
-
 def add_stress(commands: Commands) -> None:
     """Declare ``stress``."""
     words = "run all models to their extremes, and commands under faults"
-    parser = _declare(commands, "stress", words, _stressed, _stress)
+    parser = _declare(commands, "stress", words, "stress.PARTS", _stress)
     parser.add_argument("--quick", action="store_true", help="compute on a coarser grid")
     _add_seed(parser, "scenes")
 
@@ -249,16 +228,10 @@ def _stress(options: argparse.Namespace) -> int:
 # ---- bench ----
 
 
-def _benched() -> Collection[str]:
-    from tactgen.validation.evidence.bench import PARTS
-
-    return PARTS
-
-
 def add_bench(commands: Commands) -> None:
     """Declare ``bench``."""
     words = "measure run time and memory against error on one core"
-    parser = _declare(commands, "bench", words, _benched, _bench)
+    parser = _declare(commands, "bench", words, "bench.PARTS", _bench)
     parser.add_argument("--quick", action="store_true", help="compute fewer points")
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import Commands, scene_options, settle
+from tactgen.validation.command_line.streams import announcer
 
 
 def add(commands: Commands) -> None:
@@ -51,7 +52,6 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.scene.scene import load_scene
     from tactgen.validation.show.export import export
 

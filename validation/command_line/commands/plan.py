@@ -11,8 +11,9 @@ from tactgen.validation.command_line.commands.common import (
     asked_overrides,
     asking_options,
     scene_options,
+    under_contract,
 )
-from tactgen.validation.command_line.streams import print_json
+from tactgen.validation.command_line.streams import announcer, print_json
 from tactgen.validation.command_line.study_options import (
     AXES,
     axis_options,
@@ -44,8 +45,9 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     if options.vary or options.sample is not None:
         return _of_study(options)
-    _refuse_unused(options)
-    from tactgen.validation.command_line.commands.common import under_contract
+    if options.zip:
+        raise InputError("--zip combines axes, and none is stated; add --vary, or remove it")
+    check_seed(options.seed, samples=0)
     from tactgen.validation.engine.solve import make_plan, plan_json, stage_prospects
     from tactgen.validation.scene.scene import load_scene
 
@@ -85,16 +87,8 @@ def _print_plan(scene: str, plan: Plan, prospects: dict[str, Prospect]) -> None:
         print(f"  {stage:23} {reason}")
 
 
-def _refuse_unused(options: argparse.Namespace) -> None:
-    """Refuse options of axes where there is none."""
-    if options.zip:
-        raise InputError("--zip combines axes, and none is stated; add --vary, or remove it")
-    check_seed(options.seed, samples=0)
-
-
 def _of_study(options: argparse.Namespace) -> int:
     """Print each model's planned points: cached, interpolated or solved."""
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.studies.whatif.study import plan_study
 
     statement, choice = under_accuracy(stated(options))

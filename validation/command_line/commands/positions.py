@@ -15,7 +15,7 @@ from tactgen.validation.command_line.commands.common import (
     values_of,
     warn,
 )
-from tactgen.validation.command_line.streams import print_json
+from tactgen.validation.command_line.streams import announcer, print_json
 
 if TYPE_CHECKING:
     from tactgen.geometry.arrays import Floats
@@ -52,7 +52,6 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.solve import solve
     from tactgen.validation.models.reluctance.model import MagneticModel, rod_loop
     from tactgen.validation.scene.conditions import answer_head, conditions

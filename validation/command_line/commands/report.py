@@ -11,7 +11,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
-from tactgen.validation.command_line.streams import say
+from tactgen.validation.command_line.streams import announcer, say
 
 #: What is meant where nothing is said.
 _SCENE, _OUT = "paper", "report"
@@ -47,7 +47,6 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     if options.reproduce is not None:
         return _reproduce(options)
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.report.page import print_report, write_report
     from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.scene import load_scene
@@ -69,7 +68,6 @@ def run(options: argparse.Namespace) -> int:
 def _reproduce(options: argparse.Namespace) -> int:
     """Compute a report again; its own scene and models, whatever else is asked is refused."""
     from tactgen.geometry.errors import InputError
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.report.provenance import reproduce
 
     others = options.overrides or options.model or options.quick or options.pdf

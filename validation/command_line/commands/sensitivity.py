@@ -13,7 +13,7 @@ from tactgen.validation.command_line.commands.common import (
     scene_options,
     warn,
 )
-from tactgen.validation.command_line.streams import print_json, say
+from tactgen.validation.command_line.streams import announcer, print_json, say
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -74,7 +74,6 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.validation.catalogue.models import models_of
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.warnings import request_warnings
     from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.inputs import scene_warnings

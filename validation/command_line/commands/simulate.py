@@ -16,7 +16,7 @@ from tactgen.validation.command_line.commands.common import (
     voltage_driven,
     warn,
 )
-from tactgen.validation.command_line.streams import print_json
+from tactgen.validation.command_line.streams import announcer, print_json
 
 if TYPE_CHECKING:
     from tactgen.tmm.generator.transient.waveform import Waveform
@@ -65,7 +65,6 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.tmm.generator.transient.waveform import Sources
     from tactgen.tmm.reluctance.coenergy_fit import read_map
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.models.transient import run_scene
     from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.scene import load_scene
@@ -113,7 +112,6 @@ def _run_held(
 ) -> int:
     """Run a bimorph that its own support holds."""
     from tactgen.geometry.files import write_text
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.models.held_bimorph import run_held
     from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.studies import simulate_held as held

@@ -10,9 +10,10 @@ from tactgen.validation.command_line.commands.common import (
     asked_overrides,
     asking_options,
     scene_options,
+    under_contract,
     warn,
 )
-from tactgen.validation.command_line.streams import print_json, say
+from tactgen.validation.command_line.streams import announcer, print_json, say
 
 
 def add(commands: Commands) -> None:
@@ -42,8 +43,6 @@ def _listing() -> tuple[str, str]:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.command_line.commands.common import under_contract
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.engine.answers import screen_lines, stated_as
     from tactgen.validation.engine.solve import as_json, check_request, solve
     from tactgen.validation.scene.conditions import conditions

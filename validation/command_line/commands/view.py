@@ -14,6 +14,7 @@ from tactgen.validation.command_line.commands.common import (
     settle,
     warn,
 )
+from tactgen.validation.command_line.streams import announcer
 
 #: Options that ask something of a scene, which a run's file has answered.
 _OF_A_SCENE = ("scene", "model", "frequency", "lengths", "png", "gif", "mp4", "state", "field")
@@ -67,7 +68,6 @@ def run(options: argparse.Namespace) -> int:
         return _show_run(options)
     options.scene = PAPER if options.scene is None else options.scene
     _refuse_unused(options)
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.scene.conditions import beyond_voltage
     from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.scene import load_scene
@@ -113,8 +113,10 @@ def _refuse_unused(options: argparse.Namespace) -> None:
 
 def _show_run(options: argparse.Namespace) -> int:
     """Write the page of a run's file."""
+    from tactgen.geometry.files import write_text
     from tactgen.validation.show.export import check_place
-    from tactgen.validation.studies.simulate import write_film_page
+    from tactgen.validation.show.run import run_page
+    from tactgen.validation.studies.simulate import read_film
 
     given = {name: getattr(options, name) for name in _OF_A_SCENE}
     given["set"] = options.overrides
@@ -127,7 +129,7 @@ def _show_run(options: argparse.Namespace) -> int:
             )
     page = Path(options.out or "run.html")
     check_place("--out", page, (".html",))
-    write_film_page(Path(options.of_run), page)
+    write_text(page, run_page(read_film(Path(options.of_run))))
     print(page)
     if options.open:
         _open(page)

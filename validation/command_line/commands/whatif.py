@@ -12,10 +12,11 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import (
     Commands,
     asking_options,
+    check_svg,
     scene_options,
     warn,
 )
-from tactgen.validation.command_line.streams import print_json
+from tactgen.validation.command_line.streams import announcer, print_json
 from tactgen.validation.command_line.study_options import (
     AXES,
     axis_options,
@@ -88,7 +89,6 @@ example:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.geometry.files import writable_folder, write_text
-    from tactgen.validation.command_line.streams import announcer
     from tactgen.validation.studies.whatif.aim_evaluation import (
         named_quantities,
         parse_aims,
@@ -101,10 +101,7 @@ def run(options: argparse.Namespace) -> int:
     folder = Path(options.out) if options.out is not None else None
     processes = whole_number(options.jobs, "--jobs", 1, 512, "2") if options.jobs else 0
     scheduler = _scheduler(options)
-    if options.plot and not options.plot.endswith(".svg"):
-        raise InputError(
-            f'--plot "{options.plot}" is not an SVG file; write for example --plot study.svg'
-        )
+    check_svg(options.plot, "study.svg")
     aims = parse_aims(options.aim)
     statement = _with_quantities(_statement(options, folder), named_quantities(aims))
     _ = statement.size  # axes that cannot be used are refused before anything is written
