@@ -39,11 +39,6 @@ class Record:
     #: As :func:`validation.engine.answers.quantity_json`; no number is null
     quantities: tuple[dict[str, Any], ...]
 
-    @property
-    def name(self) -> str:
-        """Name of the scene."""
-        return str(self.scene["name"])
-
 
 def recorded(solution: Solution) -> Record:
     """Record of a solution."""
@@ -213,7 +208,7 @@ def reproduce(path: Path, announce: Callable[[str], None]) -> Reproduction:
     with _own_store():
         again = solve(scene, announce=announce)
     then = [quantity_from_json(plain) for plain in record.quantities]
-    return Reproduction(record.name, compared(then, again.quantities), _elsewhere(record, here))
+    return Reproduction(scene.name, compared(then, again.quantities), _elsewhere(record, here))
 
 
 def compared(then: Sequence[Quantity], now: Sequence[Quantity]) -> tuple[Compared, ...]:

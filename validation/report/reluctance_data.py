@@ -39,15 +39,9 @@ _GAPS = 4
 class NormalActuator:
     """The normal actuator of a study; everything is computed at most once.
 
-    Parameters
-    ----------
-    solution : Solution
-        With models of the normal actuator, at a current.  If it holds no quantity that needs a
-        map, maps come from the network, which costs nothing.
-    announce : callable
-        Told what is being done.
-    at_rest : bool
-        Whether a map made besides also tells where the rod rests.
+    The solution is by models of the normal actuator, at a current.  If it holds no quantity that
+    needs a map, maps come from the network, which costs nothing, and if `at_rest` also tell where
+    the rod rests.
     """
 
     def __init__(

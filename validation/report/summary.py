@@ -169,7 +169,9 @@ def _doubts(study: Study) -> Iterator[str]:
                 f"No detailed model was solved for {', '.join(estimated)}. The modelling errors "
                 f"are estimated from random devices; add --model {detailed}."
             )
-    yield from (f"{text[0].upper()}{text[1:]}." for text in _inaccurate(study))
+    for text in accuracy_warnings(scene, study.solution.quantities):
+        if text not in study.solution.warnings:  # they are given already
+            yield f"{text[0].upper()}{text[1:]}."
     if study.machine:
         yield (
             "This report is about the machine. The reports of its bimorph (support.kind = clamped) "
@@ -180,9 +182,3 @@ def _doubts(study: Study) -> Iterator[str]:
             "The support is linear. The scene generator has a head that rocks on its stop at "
             "larger drive."
         )
-
-
-def _inaccurate(study: Study) -> list[str]:
-    """Warnings of errors beyond the accuracy that the solution has not given already."""
-    found = accuracy_warnings(study.scene, study.solution.quantities)
-    return [text for text in found if text not in study.solution.warnings]

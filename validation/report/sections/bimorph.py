@@ -17,11 +17,11 @@ from tactgen.validation.engine.answers import representative
 from tactgen.validation.models.bimorph.model import LumpedModel
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections import gallery
-from tactgen.validation.report.sections import uncertainty as uncertainty_section
 from tactgen.validation.report.sections.bimorph_figures import difference_plot
 from tactgen.validation.report.sections.drive_limits import drive_limits_section
 from tactgen.validation.report.sections.model_differences import bridge_section
 from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.sections.uncertainty import uncertainty_section
 from tactgen.validation.scene.conditions import driven_in_words
 
 
@@ -72,15 +72,11 @@ def _response(study: Study) -> Context:
     }
 
 
-def _uncertainty(study: Study) -> Context:
-    return uncertainty_section.section(study.scene, study.solution, study.parameter_uncertainty)
-
-
 LATERAL: tuple[Section, ...] = (
     Section("models", "Models side by side", _models),
     Section("modes", "Natural modes", _modes),
     Section("response", "Frequency response", _response),
     Section("drive_limits", "Stress and voltage limits", drive_limits_section),
     Section("bridge", "From the beam to the solid", bridge_section),
-    Section("uncertainty", "Uncertainty of the parameters", _uncertainty),
+    Section("uncertainty", "Uncertainty of the parameters", uncertainty_section),
 )

@@ -32,15 +32,7 @@ UNITS = {"tip displacement": "m", "admittance": "S"}
 
 
 def magnitude_plot(frequencies: Array, curves: Curves) -> str:
-    """Plot the magnitude of each response, one panel a quantity.
-
-    Parameters
-    ----------
-    frequencies : (n,) array
-        Hz.
-    curves : mapping
-        (n,) complex curve by title of the quantity and by model (SI).
-    """
+    """Plot the magnitude of each response (SI) over frequencies (n,) in Hz, a panel a quantity."""
     figure, axes = panels(10.0, 3.4, ncols=len(curves), squeeze=False)
     for axis, (title, models) in zip(axes[0], curves.items(), strict=True):
         factor, unit = prefixed(max(_largest(v) for v in models.values()), UNITS[title])
@@ -117,14 +109,8 @@ def breakdown_plot(steps: Sequence[Step], titles: Mapping[str, str], reference: 
     """Plot steps between models as a waterfall, in percent of the last one.
 
     The first bar is the whole difference, each other one a step; a stroke stands where the closed
-    form or the simple model says that the step ends.
-
-    Parameters
-    ----------
-    titles : mapping
-        Title of each quantity to be shown.
-    reference : str
-        Name of the last step's model.
+    form or the simple model says that the step ends.  `titles` are by quantity, `reference` is the
+    last step's model.
     """
     from tactgen.validation.models.difference import remaining
 

@@ -19,7 +19,14 @@ def sections(study: Study) -> tuple[Section, ...]:
     if study.lateral:
         from tactgen.validation.report.sections.bimorph import LATERAL
 
-        found += _machine(LATERAL) if study.machine else LATERAL
+        found += LATERAL
+    if study.machine:  # its own sections first; the reports of each actuator alone have the rest
+        from tactgen.validation.report.sections import generator, large_motion
+
+        found = [
+            generator.POSITIONS, generator.SUPPORT, generator.MOTIONS, large_motion.AMPLITUDE,
+            large_motion.TIME, *(section for section in found if section.id != "bridge"),
+        ]  # fmt: skip
     if study.normal and not study.machine:
         from tactgen.validation.report.sections.reluctance import NORMAL
 
@@ -65,18 +72,6 @@ def work_ahead(study: Study) -> dict[str, tuple[Any, ...]]:
 
         found["measurements"] = (all_compared,)
     return found
-
-
-def _machine(lateral: tuple[Section, ...]) -> list[Section]:
-    """Machine's own sections, then those about its bimorph.
-
-    The reports of each actuator alone have the rest.
-    """
-    from tactgen.validation.report.sections.generator import MOTIONS, POSITIONS, SUPPORT
-    from tactgen.validation.report.sections.large_motion import AMPLITUDE, TIME
-
-    own = [section for section in lateral if section.id != "bridge"]
-    return [POSITIONS, SUPPORT, MOTIONS, AMPLITUDE, TIME, *own]
 
 
 def _checks(study: Study) -> Context:

@@ -75,7 +75,10 @@ def _normal(study: Study) -> dict[str, str]:
 
 
 def moving(study: Study) -> dict[str, Any]:
-    """Stills of the first solid modes, and the viewer in which modes and fields move."""
+    """Stills of the first solid modes, and the viewer in which modes and fields move.
+
+    Of the solid that is shown, with transfer matrices beside it.
+    """
     from tactgen.validation.catalogue.quantities import (
         OPEN_CIRCUIT_FREQUENCIES,
         SHORT_CIRCUIT_FREQUENCIES,
@@ -85,7 +88,9 @@ def moving(study: Study) -> dict[str, Any]:
     from tactgen.validation.show.moving import standing
     from tactgen.validation.show.viewer import payload
 
-    models = _moving_models(study)
+    asked = tuple(study.solution.models_of("bimorph"))
+    first = shown_model(study.scene) or asked[-1]
+    models = (first, "tmm") if "tmm" in asked and first != "tmm" else (first,)
     names = (SHORT_CIRCUIT_FREQUENCIES.name, OPEN_CIRCUIT_FREQUENCIES.name)
     solution = solve(study.scene, models, names, study.announce, reuse=study.solution)
     request = Request(None, "edges")
@@ -97,13 +102,6 @@ def moving(study: Study) -> dict[str, Any]:
         "stress": _stress_still(results[0], study.announce) if drawn else None,
         "viewer": fragment(payload(results), [], light=True),
     }
-
-
-def _moving_models(study: Study) -> tuple[str, ...]:
-    """Models to look at: the solid that is shown, and transfer matrices beside it."""
-    asked = tuple(study.solution.models_of("bimorph"))
-    first = shown_model(study.scene) or asked[-1]
-    return (first, "tmm") if "tmm" in asked and first != "tmm" else (first,)
 
 
 def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[dict[str, str]]:

@@ -96,12 +96,7 @@ def deflection_plot(
 ) -> str:
     """Plot the deflection under load over frequency, rocking and linear, in each state.
 
-    Parameters
-    ----------
-    frequencies : (n,) array
-        Hz.
-    linear : mapping of str to (n,) array
-        By state (m).
+    The linear ones (n,) in m, by state, are at frequencies (n,) in Hz.
     """
     figure, axes = panels(10.0, 4.4, ncols=len(states), sharey=True, squeeze=False)
     for axis, state in zip(axes[0], states, strict=True):

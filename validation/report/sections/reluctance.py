@@ -101,12 +101,7 @@ def flux_families(shown: Families) -> str:
 def switching_plot(shown: Families, pull: CoenergyMap, found: SwitchingCurrents) -> str:
     """Plot pull against spring with all places of rest, the loop of positions, the finger's force.
 
-    Parameters
-    ----------
-    pull : CoenergyMap
-        Of the model that is shown.
-    found : SwitchingCurrents
-        Its switching currents.
+    All by one model: its map and its switching currents.
     """
     figure, (forces, loop, finger) = panels(10.0, 4.3, ncols=3)
     _forces(forces, shown, pull)

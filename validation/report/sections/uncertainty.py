@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from tactgen.validation.catalogue.models import MODELS, gives, ranked
 from tactgen.validation.engine.comparison import compare
 from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.report.report_data import Study
+from tactgen.validation.report.sections.section import Context
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import GREY, SKY, panels, svg
 from tactgen.validation.studies.parameter_uncertainty import (
@@ -104,8 +105,9 @@ def _responses(
     return found
 
 
-def section(scene: Scene, solution: Solution, rows: Sequence[Uncertainty]) -> dict[str, Any]:
+def uncertainty_section(study: Study) -> Context:
     """Section on the headline numbers and their uncertainty."""
+    scene, solution, rows = study.scene, study.solution, study.parameter_uncertainty
     parameters = uncertain_parameters(scene)
     detailed = ranked(solution.models_of("bimorph"))[-1]
     omitted = left_out(scene)
