@@ -129,7 +129,8 @@ class Misfit:
         if self.noise == "stated":
             assert self.curve.error is not None
             return np.asarray(1.0 / self.curve.error)
-        return np.asarray(np.sqrt(self.curve.relative_weight) / self.unit_of_noise)
+        weight = self.curve.weight / self.curve.weight.mean()
+        return np.asarray(np.sqrt(weight) / self.unit_of_noise)
 
     @property
     def unit_of_noise(self) -> float:

@@ -24,15 +24,7 @@ _WIDE = 5.0
 
 
 def length_plot(study: LengthMap, found: Design) -> str:
-    """Plot deflection over frequency, margin over length, and the minimum over length.
-
-    Parameters
-    ----------
-    study : LengthMap
-        Curves of the upper plot and minima of the lower right one.
-    found : Design
-        Threshold and margin asked for.
-    """
+    """Plot deflection over frequency, margin over length, and the minimum over length."""
     layout: list[Any] = [[*6 * ["curves"], *2 * ["key"]], [*4 * ["margin"], *4 * ["minimum"]]]
     figure = new_figure(9.0, 7.4)
     axes = figure.subplot_mosaic(layout, height_ratios=(1.25, 1.0))

@@ -11,10 +11,8 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Annotated
 
 import numpy as np
-from pydantic import BeforeValidator, TypeAdapter, ValidationError
 
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.errors import InputError
@@ -141,12 +139,12 @@ def fit_parameter(scene: Scene, text: str) -> FitParameter:
 
 def _read(key: str, text: str, unit: Unit) -> float:
     """SI value as the scene would read it."""
-    reader: TypeAdapter[float] = TypeAdapter(Annotated[float, BeforeValidator(unit)])
     try:
-        return reader.validate_python(text, context={"units_required": True})
-    except ValidationError as error:
-        reason = error.errors()[0]["ctx"]["error"]
-        raise InputError(one_line(f"--fit: {key} = {quoted(text)} {reason}")) from None
+        value = unit.parse(text)
+        unit.check(value)
+    except ValueError as error:
+        raise InputError(one_line(f"--fit: {key} = {quoted(text)} {error}")) from None
+    return value
 
 
 def _unit_of_parameter(scene: Scene, key: str, name: str) -> Unit:
@@ -307,22 +305,14 @@ def identify(
 ) -> Identification:
     """Fit parameters of a scene to a measured curve with the transfer-matrix model.
 
-    Parameters
-    ----------
-    scene : Scene
-        What was measured; `drive.voltage` is the (peak) amplitude that the data belong to.
-    fit : sequence of str
-        ``NAME[=START][:LOW..HIGH]`` each, see :func:`fit_parameter`.
-    noise : str, optional
-        ``relative`` or ``constant``; by default the one under which the data are likelier.
-        Not used where the data state their uncertainty.
-    origins : mapping, optional
-        Where the scene's values come from, as :func:`validation.scene.scene.load_scene` returns
-        it; without it no assumptions are looked for.
+    The scene's `drive.voltage` is the (peak) amplitude that the data belong to; `fit` is read by
+    :func:`fit_parameter`.  `noise` is ``relative`` or ``constant``, by default the one under which
+    the data are likelier; not used where they state their uncertainty.  Without `origins`, as
+    :func:`validation.scene.scene.load_scene` returns them, no assumptions are looked for.
 
     Raises InputError if a parameter or the data cannot be used, in one sentence.
     """
-    curve = data.at(data.used)
+    curve = data.at(data.weight > 0.0)
     quantity = curve.quantity.name
     check_on_contact(scene, (quantity,))
     parameters = _parameters(scene.model_copy(update={"quantities": (quantity,)}), fit)

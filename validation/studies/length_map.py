@@ -162,21 +162,9 @@ def local_minima(
 ) -> tuple[Ints, Floats, Floats]:
     """Locate every minimum over the band, its ends included, by narrowing a bracket in ln f.
 
-    Parameters
-    ----------
-    frequencies : (n,) array
-        Grid (Hz), ascending.
-    values : (m, n) array
-        One function per row, on the grid.
-    evaluate : callable
-        Given row numbers (k,) and frequencies (k, p), returns the functions' values (k, p).
-
-    Returns
-    -------
-    rows : (k,) array of int
-        Which function each minimum belongs to.
-    where, lowest : (k,) arrays
-        Frequency (Hz), value.
+    Of m functions with `values` (m, n) on an ascending grid of frequencies (n,) in Hz; `evaluate`
+    gives values (k, p) from row numbers (k,) and frequencies (k, p).  Returns of each minimum its
+    row, its frequency (Hz) and its value, (k,) each.
     """
     # an end lower than its neighbour may hide a dip between the two
     walled = np.pad(values, ((0, 0), (1, 1)), constant_values=np.inf)

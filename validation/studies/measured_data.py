@@ -45,16 +45,6 @@ class MeasuredCurve:
         """Whether the values are complex."""
         return np.iscomplexobj(self.values)
 
-    @property
-    def used(self) -> Bools:
-        """Mask (n,) of the points used."""
-        return np.asarray(self.weight > 0.0)
-
-    @property
-    def relative_weight(self) -> Floats:
-        """Weights (n,) with a mean of 1."""
-        return np.asarray(self.weight / self.weight.mean())
-
     def at(self, points: Ints | Bools) -> MeasuredCurve:
         """Curve at some of its points."""
         return replace(

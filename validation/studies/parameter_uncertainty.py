@@ -268,11 +268,8 @@ def parameter_uncertainty(
 ) -> list[Uncertainty]:
     """Every headline number with its uncertainty.
 
-    Parameters
-    ----------
-    evaluations : int, optional
-        How often the model may be solved; the largest power of two of base samples that
-        this allows is taken.
+    `evaluations` is how often the model may be solved; the largest power of two of base samples
+    that this allows is taken.
     """
     from SALib.analyze import sobol
     from SALib.sample import sobol as saltelli

@@ -41,22 +41,17 @@ _SHOWN = 8
 
 @dataclass(frozen=True)
 class SensitivityColumn:
-    """One number with its derivatives; complex quantities by their magnitude.
-
-    Attributes
-    ----------
-    logarithmic, bars : dict of str to float
-        d ln q / d ln p by scene key, and its error.
-    """
+    """One number with its derivatives; complex quantities by their magnitude."""
 
     quantity: str
     unit: str
     frequency: float | None  #: In Hz, for quantities that depend on it
     value: float
     derivatives: dict[str, float]  #: dq/dp in SI units by scene key
+    #: d ln q / d ln p by scene key, and its error
     logarithmic: dict[str, float]
-    model: str
     bars: dict[str, float]
+    model: str
     method: str  #: How derivatives and errors come about
     #: Modelling error of the value, in words and absolute; nan where it is not known
     modelling: str
@@ -90,12 +85,7 @@ def all_columns(
 ) -> tuple[list[SensitivityColumn], list[str]]:
     """Sensitivities by all models of a scene, and which keys are left out, in words.
 
-    Parameters
-    ----------
-    changed : callable
-        See :func:`changed_scenes`.
-    keys : sequence of str, optional
-        Scene keys; by default all numbers that a model reads for these quantities.
+    `changed` is of :func:`changed_scenes`; without `keys` all numbers are taken that a model reads.
 
     Raises InputError for a quantity or key without derivative, a number that is zero, or a model
     that gives none of the quantities.

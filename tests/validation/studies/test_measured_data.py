@@ -59,8 +59,8 @@ def test_uncertainty_and_weight(tmp_path):
     np.testing.assert_allclose(read_measured(written(tmp_path, text)).error, [2e-5, 4e-5])
     text = "frequency (Hz),velocity (mm/s),weight\n10,1,0\n20,2,3\n"
     curve = read_measured(written(tmp_path, text))
-    assert curve.used.tolist() == [False, True]
-    assert curve.at(curve.used).frequencies.tolist() == [20.0]
+    assert curve.weight.tolist() == [0.0, 3.0]
+    assert curve.at(curve.weight > 0.0).frequencies.tolist() == [20.0]
 
 
 HEAD = "frequency (Hz),velocity (mm/s)\n"

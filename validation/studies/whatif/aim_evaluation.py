@@ -35,12 +35,9 @@ class Judged:
 
     @property
     def values(self) -> dict[str, Any]:
-        """Margins, bars and modelling errors as plain JSON values."""
+        """Margins, bars and modelling errors as JSON values; nan where one is not known."""
         found = {"margins": [m for m, _ in self.margins], "bars": [bar for _, bar in self.margins]}
-        if not self.modelling:
-            return found
-        known = [None if math.isnan(error) else error for error in self.modelling]
-        return {**found, "modelling_errors": known}
+        return {**found, "modelling_errors": list(self.modelling)} if self.modelling else found
 
     def near(self, n: int) -> bool:
         """Whether a margin is less than its modelling error, and more than its bar."""
@@ -144,17 +141,10 @@ def _felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
 def pareto(
     first: Sequence[tuple[float, float]], second: Sequence[tuple[float, float]]
 ) -> list[int]:
-    """Places of points that no other betters in both, more being better.
+    """Places of points that no other betters in both, in descending order of the first.
 
-    Parameters
-    ----------
-    first, second : sequence of (float, float)
-        Of each point the value and its error bar: in the second, a lead within the bars is none.
-
-    Returns
-    -------
-    list of int
-        In descending order of the first.
+    Of each point the value, more being better, and its error bar: in the second, a lead within the
+    bars is none.
     """
     order = sorted(range(len(first)), key=lambda n: (-first[n][0], -second[n][0]))
     found: list[int] = []

@@ -174,12 +174,7 @@ class Axis:
 
 
 def parse_axes(texts: Sequence[str], *, sampled: bool) -> tuple[Axis, ...]:
-    """Axes that ``--vary`` states, in order.
-
-    Parameters
-    ----------
-    sampled : bool
-        Whether a number of samples is stated, so that ranges without a count mean something.
+    """Axes that ``--vary`` states, in order; if `sampled`, ranges without a count are drawn from.
 
     Raises InputError in one sentence, for anything that cannot be an axis.
     """

@@ -297,11 +297,16 @@ def place(key: Key) -> str:
     return ", ".join(parts)
 
 
+def _key_of(heading: str) -> str:
+    """Scene key of an axis from the heading of its column."""
+    return heading.partition(" (")[0]
+
+
 def _axis_words(point: Iterable[tuple[str, str]]) -> list[str]:
     """Values of axes by the headings of their columns, as people read them."""
     found = []
     for heading, value in point:
-        key = heading.partition(" (")[0]
+        key = _key_of(heading)
         number = float(value) if scene_field(key).numeric else value
         found.append(f"{key} {shown_value(key, number)}")
     return found
@@ -325,7 +330,7 @@ def _shown(number: Number) -> str:
 def as_values(
     sides: tuple[Side, ...], inputs: list[tuple[str, str, str]], answers: list[AnswerDifference]
 ) -> dict[str, Any]:
-    """Comparison as plain JSON values, SI units."""
+    """Comparison as JSON values, SI units; those that are not finite are not known."""
     return {
         "a": sides[0].name, "b": sides[1].name,
         "inputs": [{"key": key, "a": a, "b": b} for key, a, b in inputs],
@@ -333,10 +338,9 @@ def as_values(
             {"quantity": d.quantity, "model": d.model, "values": d.count,
              "beyond_bars": d.beyond, "only": list(d.only), "at": place(d.key),
              "a": _pair(d.first.value), "b": _pair(d.second.value),
-             "uncertainty_a": _known(d.first.error), "uncertainty_b": _known(d.second.error),
-             "modelling_error_a": _known(d.first.modelling),
-             "modelling_error_b": _known(d.second.modelling),
-             "unit": d.first.unit, "change": _known(d.relative), "verdict": d.verdict}
+             "uncertainty_a": d.first.error, "uncertainty_b": d.second.error,
+             "modelling_error_a": d.first.modelling, "modelling_error_b": d.second.modelling,
+             "unit": d.first.unit, "change": d.relative, "verdict": d.verdict}
             for d in answers
         ],
         "missing": [side.missing for side in sides],
@@ -347,10 +351,6 @@ def _pair(value: complex) -> Any:
     if value != value:
         return None
     return value.real if value.imag == 0.0 else [value.real, value.imag]
-
-
-def _known(value: float) -> float | None:
-    return value if abs(value) < float("inf") else None
 
 
 # -- the page --------------------------------------------------------------------------------------
@@ -433,21 +433,13 @@ def _place(key: Key) -> tuple[str, float, str] | None:
     if key.frequency:
         along, x = "frequency (Hz)", float(key.frequency)
     else:
-        numeric = [heading for heading, value in key.point if _is_number(value)]
+        numeric = [heading for heading, _ in key.point if scene_field(_key_of(heading)).numeric]
         if not numeric:
             return None
         along = numeric[0]
         x = float(rest.pop(along))
     index = (f"no. {key.number}",) if key.number else ()
     return along, x, ", ".join((key.model, *index, *_axis_words(rest.items())))
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _devices(

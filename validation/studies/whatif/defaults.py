@@ -77,14 +77,8 @@ def with_tolerances(
 ) -> tuple[tuple[str, ...], list[str]]:
     """Axes with ranges written out where a key stands alone, and their sources.
 
-    Parameters
-    ----------
-    values : dict
-        The scene's values as they are written.
-    vary : sequence of str
-        The axes as they are written; none, and every key with a stated tolerance is one.
-    sampled : bool
-        Whether values are drawn.
+    Scene and axes are as they are written; of no axis, every key with a stated tolerance is one.
+    `sampled` tells whether values are drawn.
 
     Raises InputError if nothing is known of a key's range, or nothing is drawn.
     """

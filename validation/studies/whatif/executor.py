@@ -101,20 +101,11 @@ def execute(
 ) -> Iterator[tuple[int, Answer]]:
     """Yield the answer to every job by its number as it is there, kept.
 
-    Parameters
-    ----------
-    processes : int
-        How many work at a time; 0 is one for each processor if a model takes long, else this
-        one alone.
-    scheduler : str
-        Address of a Dask cluster whose workers solve instead.
-    retry : bool
-        Whether answers that are kept as failed give way.
+    `processes` work at a time (0: one for each processor if a model takes long, else this one
+    alone), or the workers of a Dask cluster whose address `scheduler` is.  With `retry` answers
+    that are kept as failed give way.
 
-    Raises
-    ------
-    InputError
-        If the cluster is of no use, or lost.  What came before is kept.
+    Raises InputError if the cluster is of no use, or lost.  What came before is kept.
     """
     if not jobs:
         return
@@ -158,10 +149,10 @@ def _pooled(batches: Sequence[Batch], pool: Any) -> Iterator[tuple[int, Answer]]
         ready = [place for place, batch in left.items() if batch.after <= done]
         for place in ready[: pool.most - len(running)]:
             batch = left.pop(place)
-            running[pool.submit(batch.jobs)] = place, batch.jobs
+            running[pool.begin(batch.jobs)] = place, batch.jobs
         if not running:
             job = suspects.pop()
-            running[pool.submit((job,))] = -1, (job,)
+            running[pool.begin((job,))] = -1, (job,)
         for future in pool.ended(running):
             place, jobs = running.pop(future)
             answers = pool.result(future)
@@ -177,7 +168,7 @@ def _pooled(batches: Sequence[Batch], pool: Any) -> Iterator[tuple[int, Answer]]
 # -- processes of this machine ------------------------------------------------------------------
 
 
-class _Processes:
+class _Processes(Processes):
     """Processes that keep their answers; when one dies the others are started anew."""
 
     death = (
@@ -186,22 +177,16 @@ class _Processes:
     )
 
     def __init__(self, processes: int, retry: bool) -> None:
-        self.most, self._retry, self._pool = 2 * processes, retry, Processes(processes)
+        super().__init__(processes)
+        self.most, self._retry = 2 * processes, retry
 
-    def __enter__(self) -> _Processes:
-        self._pool.__enter__()
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        self._pool.__exit__(kind)
-
-    def submit(self, jobs: Sequence[Job]) -> Future[list[Answer]]:
+    def begin(self, jobs: Sequence[Job]) -> Future[list[Answer]]:
         try:
-            return self._pool.submit(_in_process, jobs, self._retry)
+            return self.submit(_in_process, jobs, self._retry)
         except BrokenProcessPool:
             self.__exit__(None)
             self.__enter__()
-            return self._pool.submit(_in_process, jobs, self._retry)
+            return self.submit(_in_process, jobs, self._retry)
 
     def ended(self, running: Iterable[Future[list[Answer]]]) -> Iterable[Future[list[Answer]]]:
         return wait(running, return_when=FIRST_COMPLETED).done
@@ -303,7 +288,7 @@ class _Cluster:
     def __init__(self, client: Any, models: Sequence[str], own: Build) -> None:
         self._client, self._models, self._own = client, models, own
 
-    def submit(self, jobs: Sequence[Job]) -> Any:
+    def begin(self, jobs: Sequence[Job]) -> Any:
         return self._client.submit(_in_cluster, jobs, self._models, pure=False)
 
     def ended(self, running: Iterable[Any]) -> list[Any]:

@@ -109,8 +109,8 @@ class SearchResult:
     """Result of a search."""
 
     statement: Statement  #: What was asked, scene and models among it
-    ranges: tuple[Range, ...]  #:
-    aims: tuple[Aim, ...]  #:
+    ranges: tuple[Range, ...]
+    aims: tuple[Aim, ...]
     best: Tried  #: The best point, or, if none meets all conditions, the one that comes nearest
     met: bool  #: Whether it meets them
     present: Tried  #: The scene's own values, or their nearest within the ranges
@@ -182,7 +182,11 @@ class Points:
 
     def __post_init__(self) -> None:
         box = {r.key: (r.low, r.high) for r in self.ranges}
-        self.solver = StudySolver(self.statement, announce=self._announced, ranges=box)
+
+        def announced(text: str) -> None:
+            self.announce(f"{len(self.tried)} points tried: {text}")
+
+        self.solver = StudySolver(self.statement, announce=announced, ranges=box)
 
     def ask(self, shares: Floats) -> list[Tried]:
         """Results at points (n, ranges), solving the new ones."""
@@ -257,9 +261,6 @@ class Points:
         """Merit of a point: by the goal, or by its nearness to the scene's own."""
         goals = self._margins(found, "goal")
         return goals[0] if goals else -float(((np.array(place) - self.here) ** 2).sum())
-
-    def _announced(self, text: str) -> None:
-        self.announce(f"{len(self.tried)} points tried: {text}")
 
 
 def search(

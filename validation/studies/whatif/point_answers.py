@@ -72,13 +72,8 @@ def solved(
 ) -> Answer:
     """Answer, computed now and not kept.
 
-    Parameters
-    ----------
-    values : dict
-        The scene at the point, as :meth:`Statement.scene_at` gives it.
-    earlier : dict of str to Solution
-        By model the last solution of this process, whose stages are taken over where their
-        inputs are the same; brought up to date.
+    `values` are the scene's at the point; `earlier` holds by model the last solution of this
+    process, whose stages are taken over where their inputs are the same, and is brought up to date.
     """
     start = time.perf_counter()
     try:

@@ -52,20 +52,14 @@ def sample_statistics(study: Study) -> list[Statistics]:
             for values, places in groups.items():
                 own = [s for place in places if (s := shown[place]) and np.isfinite(s.value)]
                 if own:
-                    at = dict(zip(stepped, values, strict=True))
-                    sizes, first = [s.value for s in own], own[0]
-                    found.append(_statistics(at, name, first.what, model, first.unit, sizes))
+                    sizes = [s.value for s in own]
+                    found.append(Statistics(
+                        dict(zip(stepped, values, strict=True)), name, own[0].what, model,
+                        own[0].unit, len(sizes), float(np.mean(sizes)),
+                        float(np.std(sizes, ddof=1)) if len(sizes) > 1 else np.nan,
+                        tuple(map(float, np.percentile(sizes, PERCENTILES))),
+                    ))  # fmt: skip
     return found
-
-
-def _statistics(
-    at: dict[str, Any], quantity: str, what: str, model: str, unit: str, values: Sequence[float]
-) -> Statistics:
-    deviation = float(np.std(values, ddof=1)) if len(values) > 1 else np.nan
-    ends = tuple(map(float, np.percentile(values, PERCENTILES)))
-    return Statistics(
-        at, quantity, what, model, unit, len(values), float(np.mean(values)), deviation, ends
-    )
 
 
 def statistics_lines(study: Study, found: Sequence[Statistics]) -> list[str]:

@@ -135,12 +135,7 @@ def run_study(
 ) -> Study:
     """Study with every answer, failures among them.
 
-    Parameters
-    ----------
-    processes, scheduler : int, str
-        Who solves what is not kept, as of :func:`validation.studies.whatif.executor.execute`.
-    retry : bool
-        Whether questions that failed earlier are asked again.
+    Who solves, and what `retry` asks again: :func:`validation.studies.whatif.executor.execute`.
 
     Raises InputError if the axes cannot be used, no point of them makes a scene, or the cluster is
     of no use.
@@ -156,10 +151,7 @@ def run_study(
 class StudySolver:
     """Solver of a study's points by its models.
 
-    Parameters
-    ----------
-    ranges : dict of str to (float, float), optional
-        The range of the keys, if many more points of it will be asked.
+    `ranges` are those of the keys, if many more points of them will be asked.
     """
 
     def __init__(
