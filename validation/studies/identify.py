@@ -15,6 +15,7 @@ from itertools import combinations
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Numbers
+from tactgen.geometry.device.checks import check_bimorph
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import Unit, quoted
@@ -128,6 +129,8 @@ def fit_parameter(scene: Scene, text: str) -> FitParameter:
             math.copysign(min(max(abs(end), least), most), start)
             for end in (start / _REACH, start * _REACH)
         )
+        if key.endswith((".start", ".end")):  # of a listed layer
+            high = min(high, scene.bimorph.length)
     if low * start <= 0.0 or not abs(low) <= abs(start) <= abs(high) or abs(low) == abs(high):
         raise InputError(
             f"--fit {quoted(text)} starts {key} at {unit.show(start)}, outside its bounds "
@@ -325,6 +328,7 @@ def identify(
     at_data = scene.model_copy(update={"frequency": tuple(map(float, curve.frequencies))})
     warnings = list(load_warnings(at_data, (quantity,)))
     start = with_values(scene, {p.key: p.start for p in parameters})
+    check_bimorph(start.device, start.support)
     model = curve_model(start, quantity, curve.frequencies, [p.key for p in parameters])
     _check_effect(model, parameters, curve)
     scanned, best, values, edges = _best(model, curve, parameters, noise)

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
+from tactgen.geometry.device.ceramic_constants import Constants
+from tactgen.geometry.device.laminate import Laminate
 from tactgen.geometry.device.profile import Profile
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
@@ -22,7 +24,7 @@ from tactgen.geometry.units import quoted
 from tactgen.validation.scene.conditions import answer_head, conditions
 from tactgen.validation.scene.files import scene_name
 from tactgen.validation.scene.parameter_list import parameter_rows
-from tactgen.validation.scene.scene import FILE_KEYS
+from tactgen.validation.scene.scene import FILE_KEYS, read_as
 from tactgen.validation.scene.variation import value_of
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, svg
 from tactgen.validation.studies.curve_fit import curve_model
@@ -204,7 +206,9 @@ def write_scene(result: Identification, origins: Mapping[str, str], path: Path) 
     }
     lines = [f"{key} = {json.dumps(text, ensure_ascii=False)}" for key, text in head.items()]
     group = ""
-    rows = [r for r in parameter_rows(result.scene, {}) if r.key in {*origins, *estimates}]
+    rows = [
+        r for r in parameter_rows(result.scene, {}) if r.key in {*origins, *map(read_as, estimates)}
+    ]
     for row in sorted(rows, key=lambda r: "." in r.key):
         own, _, name = row.key.rpartition(".")
         if row.key in (*head, "name") or row.written == "derived":
@@ -212,8 +216,11 @@ def write_scene(result: Identification, origins: Mapping[str, str], path: Path) 
         if own != group:
             lines += ["", f"[{own}]"]
             group = own
-        if row.key in estimates:
-            lines.append(_interval_comment(estimates[row.key]))
+        lines += [
+            _interval_comment(e, "" if key == row.key else f"{key} ")
+            for key, e in estimates.items()
+            if read_as(key) == row.key
+        ]
         value, text = value_of(result.scene, row.key), row.written
         if row.key in FILE_KEYS:
             text = file_from(path.parent, value, FILE_KEYS[row.key])
@@ -228,16 +235,16 @@ def file_from(folder: Path, file: str, named: Callable[[str], bool]) -> str:
     return os.path.relpath(file, folder)
 
 
-def _interval_comment(e: FittedParameter) -> str:
+def _interval_comment(e: FittedParameter, name: str) -> str:
     low, high = (e.parameter.unit.show(float(f"{end:.{_digits(e)}g}")) for end in e.interval)
     opened = f", open: {' and '.join(e.opened)}" if e.opened else ""
-    return f"# fitted, 95 % interval {low} to {high}{opened}"
+    return f"# {name}fitted, 95 % interval {low} to {high}{opened}"
 
 
 def _toml(value: Any, text: str) -> str:
-    if isinstance(value, tuple) and not isinstance(value, Profile):
+    if isinstance(value, tuple) and not isinstance(value, Profile | Laminate | Constants):
         return json.dumps(list(value), ensure_ascii=False)
-    plain = text == str(value) and not isinstance(value, str | Profile)
+    plain = text == str(value) and not isinstance(value, str | tuple)
     return text if plain else json.dumps(text)
 
 

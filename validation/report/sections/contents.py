@@ -31,7 +31,7 @@ def sections(study: Study) -> tuple[Section, ...]:
         from tactgen.validation.report.sections.reluctance import NORMAL
 
         found += [s for s in NORMAL if not (study.lateral and s.id == "magnetic_field")]
-    if study.lateral:
+    if study.lateral and is_papers_generator(study.scene):
         from tactgen.validation.report.sections.published_measurements import MEASUREMENTS
 
         found.append(MEASUREMENTS)

@@ -8,7 +8,6 @@ import numpy as np
 
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.section import Context, Section
-from tactgen.validation.scene.variation import is_papers_generator
 from tactgen.validation.show.figures import BLUE, DARK, ORANGE, panels, svg
 from tactgen.validation.studies.published_measurements import (
     PRELOADS,
@@ -55,9 +54,7 @@ def _open(comparisons: Sequence[Comparison]) -> list[tuple[Unknown, str, float]]
     return sorted(found.values(), key=lambda entry: -entry[2])
 
 
-def _measurements(study: Study) -> Context | None:
-    if not is_papers_generator(study.scene):
-        return None
+def _measurements(study: Study) -> Context:
     if study.quick:
         return {"comparisons": ()}
     study.announce("the paper's measurements beside their predictions")

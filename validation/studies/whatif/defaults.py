@@ -96,6 +96,8 @@ def with_tolerances(
                 notes.append(f"{key} is not drawn: {refused}")
             else:
                 alone.append(key)
+        if notes and not alone:
+            raise InputError(f"--sample is given, but {notes[0]}")
         if not alone:
             raise InputError(
                 "--sample is given, but nothing is varied and the scene states no tolerance; write "
