@@ -5,6 +5,7 @@ import html
 import json
 import re
 import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -156,10 +157,12 @@ def browser():
 
 
 def selftest(browser, text, path):
-    """Return what the page's self-test wrote, and the browser's messages."""
-    path.write_text(text, encoding="utf-8")
+    """Return what the self-test wrote into the page, and the browser's messages."""
+    script = Path(__file__).with_name("selftest.js").read_text(encoding="utf-8")
+    head, body = text.split("</head>")
+    path.write_text(f"{head}<script>{script}</script></head>{body}", encoding="utf-8")
     done = run_browser(
-        browser, path.as_uri() + "#selftest", "--dump-dom", "--virtual-time-budget=20000",
+        browser, path.as_uri(), "--dump-dom", "--virtual-time-budget=20000",
         "--window-size=1000,700", "--enable-logging=stderr",
     )  # fmt: skip
     found = re.search(r'<pre id="selftest">(.*?)</pre>', done.stdout, flags=re.DOTALL)
