@@ -129,11 +129,6 @@ def _without_row_sums(stiffness: Floats, moved: Bools) -> Floats:
 def line_weights(axis: Axis, first: int = 0, last: int | None = None) -> tuple[Floats, Floats]:
     """∫ N_i and ∫ s N_i (n_nodes,) along an axis s, over the intervals first … last − 1."""
     matrices = line_matrices(axis, first, last)
-    mass = matrices.integrals[0, 0]
-    n = axis.nodes.size
-    plain, levered = (mass * of[matrices.columns] for of in (axis.one, axis.position))
-    return _row_sums(matrices.rows, plain, n), _row_sums(matrices.rows, levered, n)
-
-
-def _row_sums(rows: Ints, values: Floats, n: int) -> Floats:
-    return np.asarray(np.bincount(rows, values, minlength=n), dtype=float)
+    products = (matrices.integrals[0, 0] * of[matrices.columns] for of in (axis.one, axis.position))
+    plain, levered = (np.bincount(matrices.rows, each).astype(float) for each in products)
+    return plain, levered

@@ -72,18 +72,14 @@ class Pattern:
         """Pattern of some of the cells alone, cached."""
         key = cells.tobytes()
         if key not in self._parts:
-            self._parts[key] = self._part(cells)
+            slot = np.full((*self._dofs.shape, self._dofs.shape[1]), -1)
+            slot.ravel()[self._kept] = self._slot
+            chosen = slot[cells].ravel()
+            self._parts[key] = part = copy(self)
+            part._dofs = self._dofs[cells]
+            part._kept = np.flatnonzero(chosen >= 0)
+            part._slot = chosen[part._kept]
         return self._parts[key]
-
-    def _part(self, cells: Ints) -> Pattern:
-        slot = np.full((*self._dofs.shape, self._dofs.shape[1]), -1)
-        slot.ravel()[self._kept] = self._slot
-        chosen = slot[cells].ravel()
-        part = copy(self)
-        part._dofs = self._dofs[cells]
-        part._kept = np.flatnonzero(chosen >= 0)
-        part._slot = chosen[part._kept]
-        return part
 
 
 class FieldKernel:

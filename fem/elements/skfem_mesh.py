@@ -118,7 +118,7 @@ def tet_rule() -> tuple[Floats, Floats]:
 
 
 #: ∇λ on the reference tetrahedron, one row per corner.
-_SLOPES = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+SLOPES = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 class ElementTetEdge2(ElementHcurl):  # type: ignore[misc]
@@ -148,7 +148,7 @@ class ElementTetEdge2(ElementHcurl):  # type: ignore[misc]
         a, b, c = RefTet.facets[(i - 6) // 2]
         factor, edge = (c, (a, b)) if i % 2 == 0 else (a, (b, c))
         value, curl = _whitney(X, *edge)
-        slope = _SLOPES[factor].reshape((3,) + (1,) * (X.ndim - 1))
+        slope = SLOPES[factor].reshape((3,) + (1,) * (X.ndim - 1))
         lam = _barycentric(X, factor)
         return lam * value, lam * curl + np.cross(slope, value, axis=0)
 
@@ -178,6 +178,6 @@ def _barycentric(X: Floats, corner: int) -> Floats:
 def _whitney(X: Floats, i: int, j: int) -> tuple[Floats, Floats]:
     """Λi ∇λj − λj ∇λi and its curl 2 ∇λi × ∇λj."""
     shape = (3,) + (1,) * (X.ndim - 1)
-    a, b = _SLOPES[i].reshape(shape), _SLOPES[j].reshape(shape)
+    a, b = SLOPES[i].reshape(shape), SLOPES[j].reshape(shape)
     value = _barycentric(X, i) * b - _barycentric(X, j) * a
     return value, np.broadcast_to(2.0 * np.cross(a, b, axis=0), X.shape)

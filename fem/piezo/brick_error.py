@@ -38,11 +38,6 @@ class MotionEstimator:
     #: place of measurement, if there is one
     seen: Floats
 
-    @property
-    def tip(self) -> Floats:
-        """What they add to the tip's displacement and rotation (w, 2)."""
-        return self.seen[:, :2]
-
     def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
         """K x and M x (w, k) of states (m + 3, k); the residual is f − K x + Ω² M x.
 

@@ -21,17 +21,13 @@ from tactgen.fem.elements.line_basis import (
     values_at,
 )
 from tactgen.fem.piezo.modal_model import Motion
-from tactgen.fem.piezo.symmetry import SIGNS, Expansion, Unknowns, mirror_signs
+from tactgen.fem.piezo.symmetry import OTHERS, SIGNS, Expansion, Unknowns, mirror_signs
 from tactgen.fem.piezo.system import Material, SolidSystem, materials, volts_per_unit
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
 from tactgen.geometry.bimorph.bricks import Bricks, Slab, mirrored_axis
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
 
-#: Classes of motion in which the ports take no part: the same on any support and circuit.  Of half
-#: a body bending in x includes axial motion, and bending in y torsion.
-_OTHERS: tuple[Motion, ...] = ("bending_y", "torsion", "axial")
-_OTHERS_OF_HALF: tuple[Motion, ...] = ("bending_y",)
 #: Of the nine pairs of axes, one in which nothing is differentiated along x.
 _PLAIN = 4
 
@@ -63,24 +59,25 @@ def brick_matrices(
     pairs = _Pairs(products, products if tested is None else tested, *lines)
     layers = [_Layer.of(bricks, slab, known[slab.region], unit) for slab in bricks.slabs]
     dtype = np.result_type(*(layer.weights.dtype for layer in layers))
-    values = np.empty((4 * pairs.count, 4), dtype=dtype)
-    columns = np.empty((4 * pairs.count, 4), dtype=np.int32)
-    inertia = np.empty(3 * pairs.count)
-    moved = np.empty(3 * pairs.count, dtype=np.int32)
+    counts = pairs.row_counts.ravel()
+    count = int(counts.sum())
+    values = np.empty((4 * count, 4), dtype=dtype)
+    columns = np.empty((4 * count, 4), dtype=np.int32)
+    inertia = np.empty(3 * count)
+    moved = np.empty(3 * count, dtype=np.int32)
     component = np.arange(4, dtype=np.int32)
     for across, alike in pairs.groups:
         here = [layer.of_pairs(across.at) for layer in layers]
         for pair in alike:
-            start, count, within, column = pairs.places(pair, across)
-            at = (4 * start + within)[:, None] + count[:, None] * component
+            start, length, within, column = pairs.places(pair, across)
+            at = (4 * start + within)[:, None] + length[:, None] * component
             columns[at] = (4 * column[:, None] + component)[:, None, :]
-            light = (3 * start + within)[:, None] + count[:, None] * component[:3]
+            light = (3 * start + within)[:, None] + length[:, None] * component[:3]
             moved[light] = 4 * column[:, None] + component[:3]
             there = [layer for layer in here if layer.reaches(pair)]
             values[at] = sum(layer.blocks(pair) for layer in there)
             inertia[light] = sum(layer.inertia(pair)[:, None] for layer in there)
-    n = 4 * pairs.row_counts.size
-    counts = pairs.row_counts.ravel()
+    n = 4 * counts.size
     stiff = _starts(counts[:, None] * np.array([4, 4, 4, 4]))
     heavy = _starts(counts[:, None] * np.array([1, 1, 1, 0]))
     return (
@@ -168,11 +165,6 @@ class _Pairs:
         return self._before[0]
 
     @cached_property
-    def count(self) -> int:
-        """Number of pairs."""
-        return int(self.row_counts.sum())
-
-    @cached_property
     def _row_starts(self) -> Ints:
         flat = self.row_counts.ravel()
         return (np.cumsum(flat) - flat).reshape(self.row_counts.shape)
@@ -214,7 +206,7 @@ class _Layer:
         return cls(
             along_x=np.array([x.integrals[int(a == 0), int(b == 0)] for a, b in axes]),
             gram=np.column_stack([product(a, b) for a, b in axes]),
-            weights=bricks.copies * _weights(material, unit),
+            weights=bricks.copies * material.flux_tensor(unit).transpose(1, 3, 0, 2).reshape(9, 16),
             areas=bricks.copies * material.density * product(0, 0),
         )
 
@@ -236,11 +228,6 @@ class _Layer:
     def inertia(self, pair: int) -> Floats:
         """Mass (m,) of one pair along x with those over y and z."""
         return np.asarray(self.along_x[_PLAIN, pair] * self.areas)
-
-
-def _weights(material: Material, unit: float) -> Numbers:
-    """Weights (9, 16) of each Gram matrix in each block over (u_x, u_y, u_z, φ)."""
-    return material.flux_tensor(unit).transpose(1, 3, 0, 2).reshape(9, 16).copy()
 
 
 def elimination_order(bricks: Bricks) -> Ints:
@@ -292,16 +279,10 @@ def assemble_bricks(
 
     Parameters
     ----------
-    device : Device
-        Materials and poling.
-    lossy : bool
-        Take the ceramic's Q and tan δ into account (complex matrices).
-    ceramic : Piezoceramic, optional
-        Full material to use instead of the device's own, for studies of the tensor.
     motion : {"bending_x", "bending_y", "torsion", "axial"}
         Only the first takes part in what the ports do.
-    uniform_field : bool
-        Let the potential be linear through each layer, as beam theories have it.
+
+    The others are those of :func:`fem.piezo.solid.assemble`.
     """
     known = materials(device, bricks.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)
@@ -356,7 +337,7 @@ class _Quarter:
             volts_per_unit=unit,
             motion=motion,
             related=self.system,
-            others=_OTHERS if bricks.mirrored_x else _OTHERS_OF_HALF,
+            others=OTHERS[2 if bricks.mirrored_x else 1],
             elimination=np.argsort(4 * place[unknowns.index // 4] + unknowns.index % 4),
             translation=unknowns.translation(bricks.one().ravel()),
         )
@@ -463,7 +444,7 @@ def whole_nodes(
     if any(axis.hierarchic for axis in bricks.axes):
         at_x, at_y, at_z = (nodal_values(axis) for axis in bricks.axes)
         lines = at_x, at_y, at_z
-    return nodes, unknowns.expansion(source, sign, lines), nodal[source] / copies[source]
+    return nodes, Expansion(unknowns, source, sign, lines), nodal[source] / copies[source]
 
 
 def nodal_mass(bricks: Bricks, known: dict[str, Material]) -> Floats:

@@ -15,10 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.fem.piezo.port_model import PortModel, extremes, motions, standard_ends, undamped_modes
+from tactgen.fem.piezo.ports import SEEN, SOURCE
 from tactgen.fem.piezo.symmetry import PORTS
 from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
-from tactgen.fem.solvers.linear_solver import Factor, factorise, wide_product
-from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Numbers, Sparse
+from tactgen.fem.solvers.linear_solver import Factor, wide_product
+from tactgen.geometry.arrays import Bools, Complex, Floats, Numbers, Sparse
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport, reduce
 
@@ -89,16 +90,11 @@ def project(system: SolidSystem, chains: list[list[Complex]]) -> Projection:
         return model, change @ np.vstack([graded, held @ graded])
 
     (fine, parts_of_fine), (coarse, _) = kept(k, p.shape[1]), kept(few_u, few_p)
-    return Projection(fine, coarse, _spread(u, p) @ parts_of_fine)
-
-
-def _spread(u: Floats, p: Floats) -> Floats:
-    """Y (n + 3, ·) per displacement of the basis, port, and potential of the basis."""
-    n, k = u.shape
-    spread = np.zeros((n + PORTS, k + PORTS + p.shape[1]))
-    spread[:n, :k], spread[:n, k + PORTS :] = u, p
-    spread[n:, k : k + PORTS] = np.eye(PORTS)
-    return spread
+    # y per displacement of the basis, port, and potential of the basis
+    spread = np.zeros((system.size, whole.shape[0]))
+    spread[:-PORTS, :k], spread[:-PORTS, s:] = u, p
+    spread[-PORTS:, k:s] = np.eye(PORTS)
+    return Projection(fine, coarse, spread @ parts_of_fine)
 
 
 def _narrow(left: Floats, parts: list[Sparse], right: Floats) -> Wide:
@@ -164,23 +160,17 @@ def _basis(blocks: list[Complex], last: list[Complex], chosen: Bools) -> tuple[F
 
 def _extended(basis: Floats, block: Complex) -> Floats:
     """Extend a real orthonormal basis by the real and imaginary parts of a block."""
+    from scipy.linalg import qr
+
     new = np.hstack([block.real, block.imag])
     new = new / np.maximum(np.linalg.norm(new, axis=0), 1e-300)
     for _ in range(2):  # twice is enough (Kahan, Parlett)
         new = new - basis @ (basis.T @ new)
-    q, r, _ = _pivoted_qr(new)
+    q, r, _ = qr(new, mode="economic", pivoting=True)
     kept = np.abs(np.diag(r)) > _NOISE
     return np.hstack([basis, q[:, kept]])
 
 
-def _pivoted_qr(matrix: Floats) -> tuple[Floats, Floats, Ints]:
-    from scipy.linalg import qr
-
-    return qr(matrix, mode="economic", pivoting=True)  # type: ignore[no-any-return]
-
-
-#: Rows of D that are given as motions, and those that are efforts on what is seen.
-_SOURCE, _SEEN = [0, 1, 4], [2, 3, 5]
 #: Sign of each row of D in the symmetric system, one being minus the charge; the stiffness of
 #: potentials has the other.
 _SIGNS = np.array([1.0, 1.0, 1.0, 1.0, -1.0, 1.0])
@@ -215,8 +205,8 @@ def richer_multiports(
     """
     own = model.multiport(frequencies)
     held, size = np.zeros_like(own.stiffness), len(own.ports)
-    held[:, :3] = np.eye(size)[_SOURCE]
-    held[:, 3:] = own.stiffness[:, _SEEN[: size - 3]]
+    held[:, :3] = np.eye(size)[SOURCE]
+    held[:, 3:] = own.stiffness[:, SEEN[: size - 3]]
     x = model.states(frequencies) @ held
     omega2 = (2.0 * np.pi * own.frequencies)[:, None, None] ** 2
     r = np.concatenate([-x, omega2 * x, held[:, 3:]], axis=1)
@@ -258,10 +248,6 @@ class ReducedSolid:
         """D(Ω) (n, 5, 5)."""
         return self.fine.multiport(frequencies)
 
-    def coarser_multiport(self, frequencies: Floats) -> Multiport:
-        """D(Ω) of the coarser basis, for the error estimate."""
-        return self.coarse.multiport(frequencies)
-
     def richer_multiports(self, frequencies: Floats) -> tuple[Multiport, Multiport]:
         """D(Ω) with displacements that the solid lacks; with potentials that it lacks."""
         assert self.missing is not None
@@ -274,16 +260,15 @@ class ReducedSolid:
         where there are losses, that of tip displacement, tip rotation and charge per volt
         of the clamped and the sprung actuator, each against itself, so that dips count.
         """
-        fine, coarse = self.multiport(frequencies), self.coarser_multiport(frequencies)
+        fine, coarse = self.multiport(frequencies), self.coarse.multiport(frequencies)
         # a place close to the tip is tied to it stiffly, and what that stiffness is off by moves
         # nothing
         error = port_error(*(reduce(of, [p.name for p in BIMORPH]) for of in (fine, coarse)))
         if np.any(self.fine.stiffness.imag):
             for end in standard_ends(self.fine):
                 exact, poorer = motions(fine, end), motions(coarse, end)
-                size = np.where(
-                    exact == 0.0, 1.0, np.abs(exact)
-                )  # moved by nothing, off by nothing
+                # moved by nothing, off by nothing
+                size = np.where(exact == 0.0, 1.0, np.abs(exact))
                 error = np.maximum(error, (np.abs(exact - poorer) / size).max(axis=0))
         return error
 
@@ -351,12 +336,11 @@ class _Chain:
     """The blocks (n, p) of one shift: responses to the ports, then their moments."""
 
     def __init__(self, system: SolidSystem, centre: float, length: int) -> None:
-        stiffness, self._mass = system.stiffness, system.mass
+        self._mass = system.mass
         shift = (2.0 * np.pi * centre) ** 2 * (1.0 + 1.0j)
-        self._factor: Factor | None = factorise(
-            stiffness.inner - shift * self._mass.inner, order=system.elimination
-        )
-        loads = np.hstack([shift * self._mass.border - stiffness.border, system.seen[:-PORTS]])
+        self._factor: Factor | None = system.dynamic_factor(shift)
+        border = shift * system.mass.border - system.stiffness.border
+        loads = np.hstack([border, system.seen[:-PORTS]])
         self.blocks: list[Complex] = [self._factor.solve(loads)]
         self.lengthen(length)
 

@@ -91,8 +91,10 @@ def _alone(system: SolidSystem, charge: Numbers) -> tuple[Floats, Floats]:
         order = system.elimination
         if order is not None:
             order = (np.cumsum(free) - 1)[order[free[order]]]
-        field[free] = factorise(-system.held[free][:, free], order=order).solve(-charge[free])
-    forces = charge - system.held @ field
+        field[free] = factorise(-system.stiffness.inner[free][:, free], order=order).solve(
+            -charge[free]
+        )
+    forces = charge - system.stiffness.inner @ field
     forces[free] = 0.0
     return field, forces
 
@@ -105,7 +107,7 @@ def _lacking(surplus: EstimatorSpace, shapes: Floats, field: Floats) -> Floats:
     states[: field.size, -1] = field
     stiffness, mass = surplus.residuals(states)
     # at 1 V the lacking functions see minus the charge, as all others do
-    each = [stiffness[:, :-1], mass[:, :-1], -stiffness[:, -1:], surplus.tip]
+    each = [stiffness[:, :-1], mass[:, :-1], -stiffness[:, -1:], surplus.seen[:, :2]]
     return np.stack(surplus.products(np.hstack(each)))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,24 +16,6 @@ from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
 
 #: Residual of a mode against its inverse eigenvalue; the frequency's error is its square.
 _RESIDUAL = 1e-9
-
-
-@dataclass(frozen=True)
-class SolidMode:
-    """A natural mode."""
-
-    frequency: float  #: Natural frequency (Hz)
-    kind: ModeClass  #: Class, by the motion that holds most of the kinetic energy
-    share: float  #: Share of the class in the kinetic energy
-    displacement: Floats  #: (n_nodes, 3) Nodal displacements, largest component 1
-
-
-def natural_modes(
-    system: SolidSystem, ends: Ends, count: int, *, open_circuit: bool = False
-) -> list[SolidMode]:
-    """Lowest `count` modes of a lossless system, ascending."""
-    pairs = eigenpairs(system, ends, count, open_circuit=open_circuit)
-    return [solid_mode(system, value, vector) for value, vector in zip(*pairs, strict=True)]
 
 
 def eigenpairs(
@@ -146,14 +128,6 @@ def _updated(
     return solve
 
 
-def solid_mode(system: SolidSystem, value: float, vector: Floats) -> SolidMode:
-    """Mode of an eigenpair of :func:`eigenpairs`."""
-    nodal = system.nodal_displacement(vector[:, None])[:, :, 0]
-    nodal = nodal / np.abs(nodal).max()
-    kind, share = classify(system.nodes, system.node_mass, nodal)
-    return SolidMode(float(np.sqrt(value) / (2.0 * np.pi)), kind, share, nodal)
-
-
 @dataclass(frozen=True)
 class SolidState:
     """One state of motion of the solid, lossless modes real and driven states complex."""
@@ -167,20 +141,22 @@ class SolidState:
 
     def scaled(self, factor: float) -> SolidState:
         """State times a real factor."""
-        return SolidState(
-            self.frequency, factor * self.values, factor * self.tip, factor * self.charge, self.kind
-        )
+        tip, charge = factor * self.tip, factor * self.charge
+        return replace(self, values=factor * self.values, tip=tip, charge=charge)
 
 
-def mode_states(
+def natural_modes(
     system: SolidSystem, ends: Ends, count: int, *, open_circuit: bool = False
 ) -> list[SolidState]:
     """Lowest `count` modes of a lossless system, ascending, of unit modal mass."""
     pairs = zip(*eigenpairs(system, ends, count, open_circuit=open_circuit), strict=True)
-    return [_mode(system, value, vector, open_circuit=open_circuit) for value, vector in pairs]
+    return [mode_state(system, *pair, open_circuit=open_circuit) for pair in pairs]
 
 
-def _mode(system: SolidSystem, value: float, vector: Numbers, *, open_circuit: bool) -> SolidState:
+def mode_state(
+    system: SolidSystem, value: float, vector: Numbers, *, open_circuit: bool = False
+) -> SolidState:
+    """Mode of an eigenpair of :func:`eigenpairs`."""
     y = np.zeros(system.size)
     y[: vector.size] = vector
     charges = system.stiffness.border[:, -1], system.stiffness.corner[:, -1]
@@ -190,7 +166,7 @@ def _mode(system: SolidSystem, value: float, vector: Numbers, *, open_circuit: b
         y[-1] = -(minus_charge[:-1] @ y[:-1]) / minus_charge[-1]
     state = _state(system, float(np.sqrt(value)) / (2.0 * np.pi), y, -complex(minus_charge @ y))
     kind, _ = classify(system.nodes, system.node_mass, state.values[:, :3].real)
-    return SolidState(state.frequency, state.values, state.tip, state.charge, kind)
+    return replace(state, kind=kind)
 
 
 def driven_state(system: SolidSystem, ends: Ends, frequency: float, voltage: complex) -> SolidState:
@@ -209,16 +185,11 @@ def driven_state(system: SolidSystem, ends: Ends, frequency: float, voltage: com
     """
     omega2 = (2.0 * np.pi * frequency) ** 2
     n, at = system.inner, np.array([frequency])
-    if omega2 == 0.0:
-        factor = system.held_factor
-    else:
-        inner = system.stiffness.inner - omega2 * system.mass.inner
-        factor = factorise(inner, order=system.elimination)
     ports = system.stiffness.border - omega2 * system.mass.border
     # columns: w_base, ψ_base, U, F_tip, M_tip
     x = np.zeros((system.size, 5), dtype=np.result_type(ports, system.stiffness.inner.dtype))
     x[n:, :3] = np.eye(3)
-    x[:n] = -factor.solve(np.hstack([ports, -system.tip[:n]]))
+    x[:n] = -system.dynamic_factor(omega2).solve(np.hstack([ports, -system.tip[:n]]))
     reaction = (system.stiffness @ x - omega2 * (system.mass @ x))[n:]
     reaction[:, 3:] -= system.tip[n:]  # what acts on the tip there is no reaction
     seen = system.tip.T @ x

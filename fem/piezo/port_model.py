@@ -18,7 +18,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tactgen.fem.piezo.ports import over_ports, ports_from_blocks
+from tactgen.fem.piezo.ports import ports_from_blocks
 from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.geometry.store.values import storable
@@ -48,7 +48,7 @@ class PortModel:
         held = p.static - o2 * p.inertia - o2**2 * g[:, :3, :3]
         through = p.carried - o2 * g[:, :3, 3:]
         follows = -through.transpose(0, 2, 1)
-        return over_ports(f, ports_from_blocks(held, through, follows, g[:, 3:, 3:]))
+        return ports_from_blocks(f, held, through, follows, g[:, 3:, 3:])
 
     def states(self, frequencies: Floats) -> Complex:
         """Unknowns (n, k + 3, p) per unit w_base, ψ_base, U, and forces on what is seen.

@@ -12,7 +12,6 @@ from typing import TypeAlias
 import numpy as np
 
 from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
-from tactgen.fem.solvers.linear_solver import Factor, factorise
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.tmm.ports.multiport import BIMORPH, MEASURED, Multiport
 
@@ -31,13 +30,7 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
     for frequency in frequencies:
         omega2 = (2.0 * np.pi * frequency) ** 2
         found.append(_blocks(system, omega2, _states(system, omega2)))
-    return over_ports(frequencies, _stiffness(found))
-
-
-def over_ports(frequencies: Floats, stiffness: Complex) -> Multiport:
-    """D(Ω) (n, p, p) of a solid, the place of measurement being a sixth port."""
-    ports = (*BIMORPH, MEASURED)
-    return Multiport(frequencies, stiffness, ports[: stiffness.shape[-1]])
+    return _multiport(frequencies, found)
 
 
 def static_multiports(
@@ -47,8 +40,11 @@ def static_multiports(
 
     Of these those of displacement alone, and those of potential alone.
     """
-    blocks, moved, charged = _judged(system, surplus)
-    held, through, follows, compliance = blocks
+    x = _states(system, 0.0)
+    residuals = -surplus.residuals(x.astype(float))[0]
+    residuals[:, 3:] += surplus.seen
+    moved, charged = surplus.products(residuals)
+    blocks = held, through, follows, compliance = _blocks(system, 0.0, x)
     richer = [
         (
             held - more[:3, :3],
@@ -58,22 +54,14 @@ def static_multiports(
         )
         for more in (moved, -charged)
     ]
-    fine, *better = (over_ports(np.zeros(1), _stiffness([of])) for of in (blocks, *richer))
+    fine, *better = (_multiport(np.zeros(1), [of]) for of in (blocks, *richer))
     return fine, better[0], better[1]
-
-
-def _judged(system: SolidSystem, surplus: EstimatorSpace) -> tuple[Blocks, Numbers, Numbers]:
-    """Mixed form at rest, with its hierarchical error (p, p)."""
-    x = _states(system, 0.0)
-    residuals = -surplus.residuals(x.astype(float))[0]
-    residuals[:, 3:] += surplus.seen
-    return _blocks(system, 0.0, x), *surplus.products(residuals)
 
 
 def _states(system: SolidSystem, omega2: float) -> Numbers:
     """Y (n + 3, p) in long double: per unit w_base, ψ_base, U, and forces on what is seen."""
     wide, plain = (np.clongdouble, complex) if system.lossy else (np.longdouble, float)
-    n, factor, seen = system.inner, _factor(system, omega2), system.seen
+    n, factor, seen = system.inner, system.dynamic_factor(omega2), system.seen
     x = np.zeros((system.size, 3 + seen.shape[1]), dtype=wide)
     x[n:, :3] = np.eye(3)
     last: Floats = np.zeros(x.shape[1])
@@ -96,9 +84,9 @@ def _blocks(system: SolidSystem, omega2: float, x: Numbers) -> Blocks:
     return force[:, :3], force[:, 3:], seen[:, :3], seen[:, 3:]
 
 
-def _stiffness(blocks: Sequence[Blocks]) -> Complex:
+def _multiport(frequencies: Floats, blocks: Sequence[Blocks]) -> Multiport:
     stacked = (np.array(part, dtype=complex) for part in zip(*blocks, strict=True))
-    return ports_from_blocks(*stacked)
+    return ports_from_blocks(frequencies, *stacked)
 
 
 def _norms(columns: Numbers) -> Floats:
@@ -111,25 +99,20 @@ def _force(system: SolidSystem, omega2: float, x: Numbers) -> Numbers:
     return stiff if omega2 == 0.0 else stiff - omega2 * system.mass.wide_product(x)
 
 
-def _factor(system: SolidSystem, omega2: float) -> Factor:
-    if omega2 == 0.0:
-        return system.held_factor
-    dynamic = system.stiffness.inner - omega2 * system.mass.inner
-    return factorise(dynamic, order=system.elimination)
-
-
 def static_multiport(system: SolidSystem) -> Multiport:
     """D(0) of a lossless system by one real factorisation."""
     return direct_multiport(system, np.zeros(1))
 
 
 def ports_from_blocks(
-    held: Complex, through: Complex, follows: Complex, compliance: Complex
-) -> Complex:
-    """Assemble D from its mixed form.
+    frequencies: Floats, held: Complex, through: Complex, follows: Complex, compliance: Complex
+) -> Multiport:
+    """D(Ω) (n, p, p) from its mixed form, the place of measurement being a sixth port.
 
     Parameters
     ----------
+    frequencies : (n,) array
+        Hz.
     held : (n, 3, 3) array
         Base force, base moment and −charge per unit (w_base, ψ_base, U), tip free.
     through : (n, 3, t) array
@@ -141,19 +124,15 @@ def ports_from_blocks(
         Motion seen per unit force on it.
     """
     stiff, t = np.linalg.inv(compliance), compliance.shape[-1]
-    seen = np.array(_SEEN[:t])
+    source, seen = np.array(SOURCE), np.array(SEEN[:t])
     s = np.zeros((held.shape[0], 3 + t, 3 + t), dtype=complex)
-    s[:, seen[:, None], seen] = stiff
-    tip_by_source = -stiff @ follows
     source_by_tip = through @ stiff
-    source = held - source_by_tip @ follows
-    for i, at in enumerate(_SOURCE):
-        s[:, seen, at] = tip_by_source[:, :, i]
-        s[:, at, seen] = source_by_tip[:, i]
-        for j, other in enumerate(_SOURCE):
-            s[:, at, other] = source[:, i, j]
+    s[:, seen[:, None], seen] = stiff
+    s[:, seen[:, None], source] = -stiff @ follows
+    s[:, source[:, None], seen] = source_by_tip
+    s[:, source[:, None], source] = held - source_by_tip @ follows
     s[:, 4] *= -1.0  # the symmetric system's last row is minus the charge
-    return s
+    return Multiport(frequencies, s, (*BIMORPH, MEASURED)[: 3 + t])
 
 
 #: Most steps of iterative refinement; each gains as many digits as the last one: some seven,
@@ -161,5 +140,5 @@ def ports_from_blocks(
 _REFINEMENTS = 8
 #: A step of this size, relative to the solution, is rounding.
 _ROUNDING = 1e-13
-#: Positions in D of (w_base, ψ_base, U), and of what is seen.
-_SOURCE, _SEEN = (0, 1, 4), (2, 3, 5)
+#: Positions in D of (w_base, ψ_base, U), which are given as motions, and of what is seen.
+SOURCE, SEEN = [0, 1, 4], [2, 3, 5]

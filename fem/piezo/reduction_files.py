@@ -47,12 +47,12 @@ def write_ports(path: str | Path, reduced: ReducedSolid, *, made_from: str) -> N
     with written_whole(path) as temporary:
         np.savez_compressed(
             temporary,
-            title=np.array(TITLE),
-            conventions=np.array(_CONVENTIONS),
-            made_from=np.array(made_from),
-            range=np.array(reduced.range),
-            error=np.array(reduced.error),
-            unknowns=np.array(reduced.unknowns),
+            title=TITLE,
+            conventions=_CONVENTIONS,
+            made_from=made_from,
+            range=reduced.range,
+            error=reduced.error,
+            unknowns=reduced.unknowns,
             **arrays,
         )
 

@@ -7,7 +7,6 @@ Motions are even or odd at each plane; what is odd vanishes there.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
@@ -63,9 +62,6 @@ class Bordered:
         return np.asarray(border.T @ y[:-PORTS] + corner @ y[-PORTS:])
 
 
-#: Matrices along x, y and z.
-Lines: TypeAlias = tuple[Floats, Floats, Floats]
-
 #: Signs of (u_x, u_y, u_z, φ) under the reflections at x = 0 and at y = 0.
 SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {
     "bending_x": ((1, -1, -1, 1), (1, -1, 1, 1)),
@@ -73,6 +69,10 @@ SIGNS: dict[Motion, tuple[tuple[int, ...], tuple[int, ...]]] = {
     "torsion": ((1, -1, -1, 1), (-1, 1, -1, -1)),
     "axial": ((-1, 1, 1, -1), (1, -1, 1, 1)),
 }
+#: Classes of motion in which the ports take no part, the same on any support and circuit, by how
+#: many planes of symmetry there are.  Of half a body bending in x includes axial motion, and
+#: bending in y torsion.
+OTHERS: tuple[tuple[Motion, ...], ...] = ((), ("bending_y",), ("bending_y", "torsion", "axial"))
 
 
 @dataclass(frozen=True)
@@ -108,29 +108,17 @@ class Unknowns:
         moved[:, 0] = one
         return np.concatenate([moved.ravel()[self.index], [1.0, 0.0, 0.0]])
 
-    def expansion(self, source: Ints, sign: Floats, lines: Lines | None = None) -> Expansion:
-        """Expansion of the unknowns to (u_x, u_y, u_z, φ) at all nodes.
-
-        Parameters
-        ----------
-        source : (n_whole,) int array
-            The node that each node of the whole body is or mirrors.
-        sign : (n_whole, 4) array
-            Factor of each value there.
-        lines : tuple of (nodes, functions) array, optional
-            Values of functions along x, y, z at the nodes, where these are not nodal values.
-        """
-        return Expansion(self, source, sign, lines)
-
 
 @dataclass(frozen=True)
 class Expansion:
-    """Values at the nodes of the whole body from unknowns, by :meth:`Unknowns.expansion`."""
+    """(u_x, u_y, u_z, φ) at the nodes of the whole body from unknowns."""
 
     unknowns: Unknowns
-    source: Ints
-    sign: Floats
-    lines: Lines | None
+    source: Ints  #: (n_whole,) The node that each node of the whole body is or mirrors
+    sign: Floats  #: (n_whole, 4) Factor of each value there
+    #: (nodes, functions) each: values of functions along x, y, z at the nodes, where the unknowns
+    #: are not nodal values
+    lines: tuple[Floats, Floats, Floats] | None = None
 
     def __matmul__(self, y: Numbers) -> Numbers:
         """(u_x, u_y, u_z, φ) by component, (4 n_whole, …), of unknowns y (n_free + 3, …)."""

@@ -13,9 +13,9 @@ from typing import Protocol
 import numpy as np
 
 from tactgen.fem.piezo.modal_model import Motion
-from tactgen.fem.piezo.symmetry import PORTS, Bordered
+from tactgen.fem.piezo.symmetry import PORTS, Bordered, Expansion
 from tactgen.fem.solvers.linear_solver import Factor, factorise
-from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse
+from tactgen.geometry.arrays import Floats, Ints, Numbers
 from tactgen.geometry.bimorph.segments import material_of
 from tactgen.geometry.device.materials import (
     Piezoceramic,
@@ -32,25 +32,12 @@ VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 _FACTOR = "_held_factor"
 
 
-class Expanding(Protocol):
-    """Matrix that expands unknowns to all nodal values."""
-
-    def __matmul__(self, y: Numbers, /) -> Numbers:
-        """Values (4 n_nodes, …) of unknowns (n, …)."""
-        ...
-
-
 class EstimatorSpace(Protocol):
     """Estimator space of w functions for the hierarchical error of a system."""
 
     @property
-    def tip(self) -> Floats:
-        """Contribution to the tip's displacement and rotation (w, 2)."""
-        ...
-
-    @property
     def seen(self) -> Floats:
-        """The same, and to the displacement at the place of measurement, if there is one (w, t)."""
+        """What they add (w, t) to tip displacement, tip rotation, and where motion is measured."""
         ...
 
     def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
@@ -76,7 +63,7 @@ class SolidSystem:
     tip: Floats
     #: ``expand @ y`` are (u_x, u_y, u_z, φ) at the nodes (4 * n_nodes, …), component by component,
     #: in metres and volts
-    expand: Expanding
+    expand: Expansion
     nodes: Floats  #: (n_nodes, 3) Where the nodes are (m)
     node_mass: Floats  #: (n_nodes,) Lumped mass (kg), for weighing modes
     potentials: int  #: Number of free potential unknowns
@@ -143,20 +130,22 @@ class SolidSystem:
         return np.asarray(nodal.reshape(4, -1, columns.shape[1])[:3].transpose(1, 0, 2))
 
     @property
-    def held(self) -> Sparse:
-        """The stiffness with base and electrodes held: all but the last three unknowns."""
-        return self.stiffness.inner
-
-    @property
     def held_factor(self) -> Factor:
-        """The factor of :attr:`held`: statics and all modes come from this one.
+        """The factor of K with base and electrodes held: statics and all modes come from this one.
 
         No cached_property: in Python 3.11 that lets one thread at a time factorise.
         """
         if _FACTOR not in self.__dict__:
-            self.__dict__[_FACTOR] = factorise(self.held, order=self.elimination)
+            self.__dict__[_FACTOR] = factorise(self.stiffness.inner, order=self.elimination)
         found: Factor = self.__dict__[_FACTOR]
         return found
+
+    def dynamic_factor(self, omega2: complex) -> Factor:
+        """The factor of K − Ω² M with base and electrodes held, Ω² in rad²/s²."""
+        if omega2 == 0.0:
+            return self.held_factor
+        dynamic = self.stiffness.inner - omega2 * self.mass.inner
+        return factorise(dynamic, order=self.elimination)
 
     def drop_factor(self) -> None:
         """Give back the memory of the factor; who asks for it again has it made again."""

@@ -16,7 +16,7 @@ from scipy import sparse
 from tactgen.fem.elements.pattern import BlockPattern
 from tactgen.fem.elements.skfem_mesh import to_skfem
 from tactgen.fem.piezo.modal_model import Motion
-from tactgen.fem.piezo.symmetry import SIGNS, Unknowns, lumped, mirror_signs
+from tactgen.fem.piezo.symmetry import OTHERS, SIGNS, Expansion, Unknowns, lumped, mirror_signs
 from tactgen.fem.piezo.system import Material, SolidSystem
 from tactgen.fem.solvers.pardiso import nested_dissection
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
@@ -29,11 +29,6 @@ _CHUNK = 4000
 #: Points along each side of the section over which a mean displacement is taken: Gauss's, more
 #: than the cells are across.
 _POINTS = 12
-
-
-#: Classes of motion in which the ports take no part, by how many planes of symmetry there are.  Of
-#: half a body bending in x includes axial motion, and bending in y torsion.
-_OTHERS: tuple[tuple[Motion, ...], ...] = ((), ("bending_y",), ("bending_y", "torsion", "axial"))
 
 
 @dataclass(frozen=True)
@@ -144,6 +139,7 @@ class SkfemBody:
         """System of one class of motion, of the whole body."""
         stiffness, mass = self.matrices
         unknowns = self._unknowns(motion)
+        turns, place = self.turns, unknowns.index // 4
         nodal, scale = lumped(mass), np.array([1.0, 1.0, 1.0, self.unit])
         nodes: Floats = self.basis.doflocs.T
         source: Ints = np.arange(len(nodes))
@@ -156,24 +152,17 @@ class SkfemBody:
             mass=unknowns.bordered(mass),
             tip=unknowns.seen(self._tip_functionals()),
             measured=unknowns.seen(self._measured_functional()) if self.below_tip else None,
-            expand=unknowns.expansion(source, sign * scale),
+            expand=Expansion(unknowns, source, sign * scale),
             nodes=nodes,
             node_mass=nodal[source] / np.bincount(source)[source],
             potentials=int(unknowns.free[:, 3].sum()),
             volts_per_unit=self.unit,
             motion=motion,
             related=None if motion == "all" else self.system,
-            others=_OTHERS[len(mirror_axes(self.mesh))],
-            elimination=self._elimination(unknowns),
+            others=OTHERS[len(mirror_axes(self.mesh))],
+            elimination=None if turns is None else np.argsort(turns[place], kind="stable"),
             translation=unknowns.translation(np.ones(len(nodal))),
         )
-
-    def _elimination(self, unknowns: Unknowns) -> Ints | None:
-        """Order in which the free unknowns are eliminated, node by node."""
-        if self.turns is None:
-            return None
-        nodes = unknowns.index // unknowns.free.shape[1]
-        return np.argsort(self.turns[nodes], kind="stable")
 
     def _unknowns(self, motion: Motion) -> Unknowns:
         """Free unknowns, and those prescribed by base and electrodes."""

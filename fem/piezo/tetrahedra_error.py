@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.fem.elements.skfem_mesh import tet_rule, to_skfem
+from tactgen.fem.elements.skfem_mesh import SLOPES, tet_rule, to_skfem
 from tactgen.fem.piezo.symmetry import SIGNS
 from tactgen.fem.piezo.system import Material, SolidSystem, materials
 from tactgen.fem.solvers.linear_solver import refined_solution
@@ -25,9 +25,6 @@ from tactgen.geometry.meshing.structured_tets import MIRRORS, mirror_axes
 
 #: Elements worked on at a time: bounds the memory.
 _CHUNK = 4000
-
-#: Gradients of the barycentric coordinates on the reference tetrahedron.
-_SLOPES = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 @dataclass(frozen=True)
@@ -144,7 +141,7 @@ def _cubics(at: Floats, edges: Any, facets: Any) -> tuple[Floats, Floats]:
     for i, j, k in facets:
         values.append(b[i] * b[j] * b[k])
         by_coordinate.append({i: b[j] * b[k], j: b[i] * b[k], k: b[i] * b[j]})
-    slopes = [sum(np.outer(_SLOPES[i], d) for i, d in each.items()) for each in by_coordinate]
+    slopes = [sum(np.outer(SLOPES[i], d) for i, d in each.items()) for each in by_coordinate]
     return np.array(values), np.array(slopes)
 
 
@@ -271,7 +268,7 @@ def _goal(value: float, shares: Floats, sign: float) -> GoalError:
 def _static_responses(system: SolidSystem) -> tuple[Floats, Floats]:
     """Y per volt and y per newton of lateral tip force, the base held."""
     loads = np.column_stack([-system.stiffness.border[:, -1], system.tip[:-3, 0]])
-    x = refined_solution(system.held, system.held_factor, loads)
+    x = refined_solution(system.stiffness.inner, system.held_factor, loads)
     return np.append(x[:, 0], [0.0, 0.0, 1.0]), np.append(x[:, 1], [0.0, 0.0, 0.0])
 
 
@@ -295,7 +292,7 @@ def _bending(system: SolidSystem, voltage: Floats, force: Floats) -> tuple[Float
     # one more inverse iteration also gives the potential that belongs to each mode
     shapes = factor.solve(mass @ (basis @ vectors[:, chosen]))
     shapes = shapes / np.sqrt(np.einsum("ij,ij->j", shapes, mass @ shapes))
-    return shapes, np.einsum("ij,ij->j", shapes, system.held @ shapes)
+    return shapes, np.einsum("ij,ij->j", shapes, system.stiffness.inner @ shapes)
 
 
 def _mass_orthonormal(basis: Floats, block: Floats, mass: Sparse) -> Floats:

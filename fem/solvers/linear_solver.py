@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -202,21 +202,6 @@ def available_solver() -> str:
     return "SuperLU (SciPy)" if mkl() is None else "Pardiso (MKL)"
 
 
-class _Method(Protocol):
-    """One library, set up for one pattern."""
-
-    negative_pivots: int | None
-    perturbed_pivots: int
-
-    def factorise(self, data: Array) -> None:
-        """Factorise the matrix whose upper triangle has these entries."""
-        ...
-
-    def solve(self, right: Array) -> Array:
-        """A⁻¹ right (n, k)."""
-        ...
-
-
 class _Pattern:
     """Where the entries of a matrix are; `starts`, `columns` are those of its upper triangle."""
 
@@ -244,7 +229,7 @@ class _Pattern:
 
 def _attempts(
     pattern: _Pattern, complex_numbers: bool, definite: bool, solver: str, order: Ints | None
-) -> Iterator[_Method]:
+) -> Iterator[Pardiso | _SuperLU]:
     """Yield the methods to try, the cheapest first.
 
     Knows nothing of the factor that asks: a generator that did would be held by it and hold it,

@@ -24,7 +24,7 @@ from tactgen.tmm.beam.dimensionless_groups import laminate
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
 from tactgen.tmm.ports.elements import attach, base_stiffness
-from tactgen.tmm.ports.multiport import BIMORPH, Multiport, respond
+from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate
 from tactgen.validation.evidence.cases import exact_beam as exact
@@ -349,7 +349,7 @@ def _at_rest(system: SolidSystem) -> Multiport:
     force, seen = stiffness @ x, system.tip.T @ x
     blocks = (force[n:, :3], force[n:, 3:], seen[:, :3], seen[:, 3:])
     stacked = (np.array([part], dtype=complex) for part in blocks)
-    return Multiport(np.zeros(1), ports_from_blocks(*stacked), BIMORPH)
+    return ports_from_blocks(np.zeros(1), *stacked)
 
 
 #: Where the response of a surrogate is judged, per first resonance; how far its lengths reach.

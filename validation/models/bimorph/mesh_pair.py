@@ -181,7 +181,7 @@ class TwoMeshModel(BimorphModel):
         else:
             judges = (self._reduction(1).multiport(frequencies),)
         coarser = tuple((judge, pair.static_factor) for judge in judges)
-        coarser += ((fine.coarser_multiport(frequencies), SAFETY),)
+        coarser += ((fine.coarse.multiport(frequencies), SAFETY),)
         # a peak magnifies what the stiffness is off by Q
         rounding = self._rounding(fine.multiport(np.zeros(1)))
         rounding = self.scene.piezo.quality_factor * rounding + pair.static_share

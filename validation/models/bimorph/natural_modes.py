@@ -180,12 +180,12 @@ def _other(
     estimate: Estimate | None,
 ) -> list[tuple[BareMode, ...]]:
     """Modes of a class of motion, with hierarchical errors of displacement and potential."""
-    from tactgen.fem.piezo.modes import eigenpairs, solid_mode
+    from tactgen.fem.piezo.modes import eigenpairs, mode_state
 
     assert system.related is not None
     body = system.related(motion)
     values, vectors = eigenpairs(body, Ends(), count)
-    found = [solid_mode(body, *pair) for pair in zip(values, vectors, strict=True)]
+    found = [mode_state(body, *pair) for pair in zip(values, vectors, strict=True)]
     missing: Floats = np.zeros((3, len(found)))
     off: Floats = np.zeros(len(found))
     if estimate is not None:
