@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric import FieldErrors
+from tactgen.fem.magnetics.axisymmetric_space import share_beyond_table
 from tactgen.fem.magnetics.force_3d import MotionWeight, eggshell_force, harmonic_weight
 from tactgen.fem.magnetics.problem_3d import (
     MagneticField,
@@ -69,15 +70,7 @@ class SolidValues:
 @storable
 @dataclass(frozen=True)
 class SolidPoint:
-    """The actuator at one current and gap.
-
-    Parameters
-    ----------
-    current, gap : float
-        A, m.
-    vector, scalar : SolidValues
-        By each potential.
-    """
+    """The actuator at one current (A) and gap (m), by each potential."""
 
     current: float
     gap: float
@@ -162,22 +155,8 @@ def winding_source(device: Device, gap: float) -> SourceField:
     return source
 
 
-def solve_solid(
-    device: Device,
-    current: float | None = None,
-    gap: float | None = None,
-    sector: Sector | None = None,
-) -> SolidPoint:
-    """Solve the actuator's field in 3D at one current and gap.
-
-    Parameters
-    ----------
-    device : Device
-        What is built; its own current and gap by default.
-    current, gap : float, optional
-        Others (A, m).
-    sector : Sector, optional
-        Another mesh than the default.
+def solve_solid(device: Device, current: float, gap: float, sector: Sector) -> SolidPoint:
+    """Solve the actuator's field in 3D at one current (A) and gap (m).
 
     Raises
     ------
@@ -186,19 +165,11 @@ def solve_solid(
     SolverError
         If a field does not converge.
     """
-    current = device.coil.current if current is None else current
-    gap = device.gap if gap is None else gap
-    sector = sector or Sector()
     problem = actuator_problem(device, gap, sector_mesh(device, gap, sector), sector.copies)
     return solve_problem(problem, current, gap, device.coil.turns)
 
 
-def solve_cad(
-    device: Device,
-    current: float | None = None,
-    gap: float | None = None,
-    meshing: ActuatorMeshing | None = None,
-) -> SolidPoint:
+def solve_cad(device: Device, current: float, gap: float, meshing: ActuatorMeshing) -> SolidPoint:
     """Solve the same on the CAD solids in a box of air, meshed by fTetWild, slot and all.
 
     Not in the bars is where the air ends: at the default third of the axisymmetric
@@ -213,10 +184,8 @@ def solve_cad(
     SolverError
         If a field does not converge.
     """
-    current = device.coil.current if current is None else current
-    gap = device.gap if gap is None else gap
     actuator_regions(device, gap)  # refuses before anything is built
-    mesh = actuator_tets(device, gap, meshing or ActuatorMeshing())
+    mesh = actuator_tets(device, gap, meshing)
     return solve_problem(actuator_problem(device, gap, mesh, 4), current, gap, device.coil.turns)
 
 
@@ -265,6 +234,7 @@ def _values(
     weights: tuple[MotionWeight, ...],
     turns: float,
 ) -> SolidValues:
+    solid = field.solid
     return SolidValues(
         flux_linkage=turns * field.flux_linkage,
         coenergy=field.coenergy,
@@ -272,19 +242,8 @@ def _values(
         incremental_inductance=turns**2 * _flux_per_current(potential, field),
         unknowns=potential.size,
         iterations=field.iterations,
-        beyond_table=_beyond_table(field),
+        beyond_table=share_beyond_table(solid.iron, field.flux_density, solid.weights),
     )
-
-
-def _beyond_table(field: MagneticField) -> float:
-    """Share of the iron's volume beyond the end of a curve that ends early."""
-    solid = field.solid
-    size = np.linalg.norm(field.flux_density, axis=-1)
-    beyond = total = 0.0
-    for cells, curve in solid.iron:
-        beyond += curve.volume_beyond(size[cells], solid.weights[cells])
-        total += float(solid.weights[cells].sum())
-    return beyond / total
 
 
 def _flux_per_current(potential: VectorPotential | ScalarPotential, field: MagneticField) -> float:

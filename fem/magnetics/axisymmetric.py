@@ -16,7 +16,7 @@ import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric_field import MagneticField, truncation_error
 from tactgen.fem.magnetics.axisymmetric_force import eggshell_force, stress_size, virtual_work_force
-from tactgen.fem.magnetics.axisymmetric_space import size_of
+from tactgen.fem.magnetics.axisymmetric_space import share_beyond_table
 from tactgen.fem.magnetics.error_estimate import (
     Pair,
     Start,
@@ -28,7 +28,7 @@ from tactgen.fem.magnetics.error_estimate import (
 )
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import CoarseGridError, InputError
+from tactgen.geometry.errors import CoarseGridError
 from tactgen.geometry.reluctance.section_grid import actuator_regions
 
 #: Polynomial order that gives the accuracy wanted in the least time on this device.
@@ -61,47 +61,24 @@ class FieldErrors:
 
 @dataclass(frozen=True)
 class FieldPoint:
-    """The actuator at one current and gap.
+    """The actuator at one current and gap."""
 
-    Parameters
-    ----------
-    current, gap : float
-        A, m.
-    flux_linkage : float
-        λ (Wb).
-    coenergy : float
-        W' = iλ − W (J).
-    force : float
-        Pull −∂W'/∂g (N); positive closes the gap.  By virtual work, which converges
-        fastest and is the derivative of `coenergy`.
-    force_eggshell : float
-        The same from the stress in the air (N).
-    incremental_inductance : float
-        ∂λ/∂i (H).
-    errors : FieldErrors
-        How far the values may be from the exact field of the same model.
-    iterations, unknowns : int
-        Newton steps at the final order, and its size.
-    beyond_table : float
-        Share of the iron's volume beyond the end of a magnetisation curve that ends early.
-    coarser : dict of str to float
-        The values by the lower order.
-    solution : MagneticField or None
-        The field itself; None in a map.
-    """
-
-    current: float
-    gap: float
-    flux_linkage: float
-    coenergy: float
+    current: float  #: A
+    gap: float  #: m
+    flux_linkage: float  #: λ (Wb)
+    coenergy: float  #: W' = iλ − W (J)
+    #: Pull −∂W'/∂g (N); positive closes the gap.  By virtual work, which converges fastest and is
+    #: the derivative of `coenergy`
     force: float
-    force_eggshell: float
-    incremental_inductance: float
-    errors: FieldErrors
-    iterations: int
+    force_eggshell: float  #: The same from the stress in the air (N)
+    incremental_inductance: float  #: ∂λ/∂i (H)
+    errors: FieldErrors  #: How far the values may be from the exact field of the same model
+    iterations: int  #: Newton steps at the final order
     unknowns: int
-    beyond_table: float
+    beyond_table: float  #: Share of the iron's volume beyond a magnetisation curve that ends early
+    #: The values by the lower order
     coarser: dict[str, float] = field(default_factory=dict, repr=False, compare=False)
+    #: The field itself; None in a map
     solution: MagneticField | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -158,7 +135,6 @@ def solve_map(
     *,
     order: int = ORDER,
     refinement: float = 1.0,
-    outer_radius: float | None = None,
     any_grid: bool = False,
 ) -> tuple[tuple[FieldPoint, ...], ...]:
     """Solve the actuator's field for all gaps (m) and currents (A); rows are gaps, as given.
@@ -174,7 +150,7 @@ def solve_map(
     for gap in sorted(set(gaps), reverse=True):
         model = home and fitted(home, device, gap)
         if model is None:
-            model = home = two_orders(device, gap, order, refinement, outer_radius)
+            model = home = two_orders(device, gap, order, refinement)
             last = None
         found, first = {}, None
         for current in sorted(set(currents), key=abs):
@@ -194,7 +170,7 @@ def field_point(
 
     Raises CoarseGridError if the grid is too coarse for error bars, unless `any_grid`.
     """
-    fine = pair.fine
+    fine, d = pair.fine, model.fine
     values, lower = _values(model, fine), _values(model, pair.coarse)
     errors = _errors(fine, values, lower, stress_size(fine, model.weight))
     if errors.coenergy > _TOO_COARSE * abs(values["coenergy"]) and not any_grid:
@@ -211,21 +187,11 @@ def field_point(
         **values,
         errors=errors,
         iterations=fine.iterations,
-        unknowns=model.fine.free.size,
-        beyond_table=_beyond_table(fine),
+        unknowns=d.free.size,
+        beyond_table=share_beyond_table(d.iron, fine.flux_density, d.volumes),
         coarser=lower,
         solution=fine if keep else None,
     )
-
-
-def _beyond_table(field: MagneticField) -> float:
-    """Share of the iron's volume beyond the end of a curve that ends early."""
-    d, size = field.discretisation, size_of(field.flux_density)
-    beyond = total = 0.0
-    for cells, curve in d.iron:
-        beyond += curve.volume_beyond(size[cells], d.volumes[cells])
-        total += float(d.volumes[cells].sum())
-    return beyond / total
 
 
 def _errors(
@@ -287,58 +253,33 @@ class FieldPath:
     ----------
     device, gap
         Whose grid it is (m).
-    order, refinement, outer_radius
+    order, refinement
         As of :func:`fem.magnetics.axisymmetric.solve_point`.
 
     Raises InputError as there.
     """
 
     def __init__(
-        self,
-        device: Device,
-        gap: float,
-        *,
-        order: int = ORDER,
-        refinement: float = 1.0,
-        outer_radius: float | None = None,
+        self, device: Device, gap: float, *, order: int = ORDER, refinement: float
     ) -> None:
-        self._home = two_orders(device, gap, order, refinement, outer_radius)
+        self._home = two_orders(device, gap, order, refinement)
         self._places: list[Floats] = []
         self._solved: list[Start] = []  # potentials alone: the tables of a field are large
-
-    def reaches(self, device: Device, gap: float) -> bool:
-        """Whether the grid fits another device or gap."""
-        return self.fitted(device, gap) is not None
 
     def fitted(self, device: Device, gap: float) -> TwoOrders | None:
         """Device at a gap (m) on the grid; None if that does not reach."""
         return fitted(self._home, device, gap)
 
-    def at(self, device: Device, current: float, gap: float, place: Floats) -> FieldPoint:
-        """Point of a device at a current (A) and gap (m).
+    def solved(self, model: TwoOrders, current: float, place: Floats) -> FieldPoint:
+        """Field point at a current (A) on a fitted grid.
 
         Parameters
         ----------
         place : (k,) float
             What varies, each about from −1 to 1: fields nearby in it make the start.
 
-        Raises
-        ------
-        InputError
-            If the grid does not reach so far, or is too coarse there.
-        SolverError
-            If the field does not converge.
+        Raises CoarseGridError if the grid is too coarse, SolverError where nothing converges.
         """
-        model = self.fitted(device, gap)
-        if model is None:
-            raise InputError(
-                f"the grid made for gap = {self._home.gap * 1e3:g} mm does not fit "
-                f"gap = {gap * 1e3:g} mm and the sizes there; make the range smaller"
-            )
-        return self.solved(model, current, place)
-
-    def solved(self, model: TwoOrders, current: float, place: Floats) -> FieldPoint:
-        """Field point on a fitted grid; as :meth:`at`."""
         pair = solve_pair(model, current, self._start(place))
         del self._places[:-_HELD], self._solved[:-_HELD]
         self._places.append(np.asarray(place, dtype=float))
@@ -447,5 +388,8 @@ class FieldContinuation:
             if model is not None:
                 return path.solved(model, current, place)
         del paths[: -_MOST + 1]
-        paths.append(FieldPath(device, gap, refinement=self._refinements[level]))
-        return paths[-1].at(device, current, gap, place)
+        path = FieldPath(device, gap, refinement=self._refinements[level])
+        paths.append(path)
+        model = path.fitted(device, gap)
+        assert model is not None  # a grid fits what it was made for
+        return path.solved(model, current, place)

@@ -35,25 +35,13 @@ from tactgen.geometry.device.magnetisation import MU0
 
 @dataclass(frozen=True)
 class MagneticField:
-    """A converged field.
-
-    Parameters
-    ----------
-    discretisation, currents
-        What was solved; currents (n_coils,) in A.
-    potential : (n_dofs,) float
-        Coefficients of u = A_φ / r (T).
-    tangent : (n_dofs, n_coils) float
-        Derivative of `potential` by each current (T/A).
-    iterations : int
-        Newton steps taken.
-    """
+    """A converged field."""
 
     discretisation: Discretisation
-    currents: Floats
-    potential: Floats
-    tangent: Floats
-    iterations: int
+    currents: Floats  #: (n_coils,) A
+    potential: Floats  #: (n_dofs,) Coefficients of u = A_φ / r (T)
+    tangent: Floats  #: (n_dofs, n_coils) Derivative of `potential` by each current (T/A)
+    iterations: int  #: Newton steps taken
 
     @cached_property
     def flux_density(self) -> Floats:

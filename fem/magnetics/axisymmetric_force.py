@@ -78,11 +78,6 @@ class Eggshell:
         return EggshellWeight(of_cells @ slope_r.T / columns, of_cells @ slope_z.T / heights)
 
 
-def eggshell_weight(discretisation: Discretisation) -> EggshellWeight:
-    """Harmonic weight on one grid."""
-    return Eggshell(discretisation).weight(discretisation)
-
-
 def _rigid(grid: Grid) -> Floats:
     """1 for cells that move, 0 for those at rest, nan in the air between, (n_e,)."""
     state = np.full(grid.labels.shape, np.nan)

@@ -88,6 +88,18 @@ def permeability_tensor(iron: Iron, field_strength: Floats) -> Floats:
     return tensor
 
 
+def share_beyond_table(iron: Iron, flux_density: Floats, volumes: Floats) -> float:
+    """Share of the iron's volume beyond the end of a curve that ends early, from B in T.
+
+    B is (n_cells, n_points, 3) or 2, volumes (n_cells, n_points) in m³.
+    """
+    beyond = total = 0.0
+    for cells, curve in iron:
+        beyond += curve.volume_beyond(size_of(flux_density[cells]), volumes[cells])
+        total += float(volumes[cells].sum())
+    return beyond / total
+
+
 def _isotropic(vector: Floats, along: Floats, across: Floats) -> Floats:
     """Tensor (..., k, k) that is `along` in the vector's direction, else `across`."""
     size = size_of(vector)[..., None]
@@ -101,19 +113,13 @@ def _isotropic(vector: Floats, along: Floats, across: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class ReferenceCell:
-    """Shape functions on a cell of width and height 1, the same for all cells of a grid.
+    """Shape functions on a cell of width and height 1, the same for all cells of a grid."""
 
-    Parameters
-    ----------
-    across, levels, weights : (n_q,) float
-        Quadrature points along r and z, from 0 to 1, and their weights, which sum to 1.
-    shape, slope_r, slope_z : (n_q, n_b) float
-        Functions and their slopes along both sides.
-    """
-
+    #: (n_q,) Quadrature points along r and z, from 0 to 1, and their weights, which sum to 1
     across: Floats
     levels: Floats
     weights: Floats
+    #: (n_q, n_b) Functions and their slopes along both sides
     shape: Floats
     slope_r: Floats
     slope_z: Floats
@@ -143,34 +149,17 @@ class Discretisation:
     """Shape functions of one order on one grid, as tables at the quadrature points.
 
     Shapes: n_e cells (r slow, z fast), n_q points per cell, n_b functions per cell.
-
-    Parameters
-    ----------
-    grid, order, reference
-        What it was made from.
-    cell_dofs : (n_e, n_b) int
-        Unknown of each function.
-    volumes : (n_e, n_q) float
-        2π r × quadrature weight (m³).
-    radii : (n_e, n_q) float
-        Distance of the points from the axis (m).
-    loads : (n_coils, n_e, n_b) float
-        Flux linkage of each function of each cell.
-    free : (n_free,) int
-        Unknowns not held at 0 by the boundary.
-    pattern : Pattern
-        Where the cells' matrices go.
     """
 
     grid: Grid
     order: int
     reference: ReferenceCell
-    cell_dofs: Ints
-    volumes: Floats
-    radii: Floats
-    loads: Floats
-    free: Ints
-    pattern: Pattern
+    cell_dofs: Ints  #: (n_e, n_b) Unknown of each function
+    volumes: Floats  #: (n_e, n_q) 2π r × quadrature weight (m³)
+    radii: Floats  #: (n_e, n_q) Distance of the points from the axis (m)
+    loads: Floats  #: (n_coils, n_e, n_b) Flux linkage of each function of each cell
+    free: Ints  #: (n_free,) Unknowns not held at 0 by the boundary
+    pattern: Pattern  #: Where the cells' matrices go
 
     @property
     def size(self) -> int:

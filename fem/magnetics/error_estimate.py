@@ -58,7 +58,7 @@ class Start(NamedTuple):
 
 
 def two_orders(
-    device: Device, gap: float, order: int, refinement: float, outer_radius: float | None
+    device: Device, gap: float, order: int, refinement: float, outer_radius: float | None = None
 ) -> TwoOrders:
     """Actuator at a gap (m) on a grid of its own.
 

@@ -1,4 +1,4 @@
-"""Force on a body in a static magnetic field, by stress and by virtual work.
+"""Force on a body in a static magnetic field, by stress.
 
 Let g be 1 on the body and 0 on everything else that is iron or carries current, and
 harmonic in the air between, the shell.  Maxwell's stress T = µ0 (H Hᵀ − H²/2) is free
@@ -6,28 +6,18 @@ of divergence there, so
 
     F = ∮ T·n dS = −∫ T·grad g dV                                    (eggshell)
 
-over any surface in the shell: an average over all of them.  Moving the body by δ, and the
-nodes of the shell by g δ, changes the co-energy at constant current by
-
-    F = dW'/dδ                                                       (virtual work)
-
-The eggshell uses the fields of one solution, the virtual work only the energies of two
-others.  What separates them is discretisation error, but not all of it: on curved cells,
-whose nodes follow g exactly, both are the same derivative of the vector potential's
-co-energy, and only the other potential tells how far off it is.
+over any surface in the shell: an average over all of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from tactgen.fem.magnetics.problem_3d import (
     MagneticField,
-    MagneticSolid,
     SampledSolid,
     gradient_kernel,
     with_sorted_corners,
@@ -147,38 +137,3 @@ def eggshell_force(field: MagneticField, weight: MotionWeight, direction: Floats
     stress = (h @ along) * np.einsum("cqa,cqa->cq", h, slope)
     stress -= 0.5 * np.einsum("cqa,cqa->cq", h, h) * (slope @ along)
     return -MU0 * field.solid.integral(stress)
-
-
-def moved(problem: MagneticSolid, weight: MotionWeight, shift: Floats) -> MagneticSolid:
-    """Problem with the body displaced by `shift` (3,) in m, the shell deformed.
-
-    The source stays where it is.  A jump of T0 on the mesh's planes would be torn off
-    them, so in body and shell T0 must be smooth; zero is.
-    """
-    mesh = problem.mesh
-    points = mesh.points + weight.nodal[:, None] * np.asarray(shift, dtype=float)
-    return replace(problem, mesh=replace(mesh, points=points))
-
-
-def virtual_work_force(
-    problem: MagneticSolid,
-    weight: MotionWeight,
-    direction: Floats,
-    step: float,
-    coenergy: Callable[[MagneticSolid], float],
-) -> float:
-    """Force (N) along `direction` (3,) from two co-energies.
-
-    Parameters
-    ----------
-    problem, weight, direction
-        As for :func:`eggshell_force`.
-    step : float
-        How far the body is moved either way (m): a small part of the narrowest gap.
-    coenergy : callable
-        Solves a problem and returns its co-energy (J), at the same current each time.
-    """
-    shift = step * np.asarray(direction, dtype=float)
-    ahead = coenergy(moved(problem, weight, shift))
-    behind = coenergy(moved(problem, weight, -shift))
-    return (ahead - behind) / (2.0 * step)

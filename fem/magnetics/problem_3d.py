@@ -8,10 +8,6 @@ exactly.  The outer boundary and symmetry planes are of two kinds:
 
     flux-parallel (the rule)   B·n = 0
     flux-normal (by name)      (H − T0)×n = 0
-
-Only what is known beforehand is here: quadrature points, T0 at them, materials.  The
-potentials are in :mod:`fem.magnetics.problem_3d` and
-:mod:`fem.magnetics.problem_3d`.
 """
 
 from __future__ import annotations
@@ -24,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from tactgen.fem.elements.pattern import FieldKernel, Pattern
-from tactgen.fem.elements.skfem_mesh import tet_rule, to_skfem
+from tactgen.fem.elements.skfem_mesh import ElementTetEdge2, tet_rule, to_skfem
 from tactgen.fem.magnetics.axisymmetric_space import (
     Iron,
     coenergy_density,
@@ -48,8 +44,6 @@ SourceField = Callable[[Floats], Floats]
 class MagneticSolid:
     """Magnetic problem of a solid model.
 
-    Attributes
-    ----------
     Raises InputError if the mesh is not made of tetrahedra or lacks a region or face that is named.
     """
 
@@ -207,8 +201,6 @@ class VectorPotential:
 
     def __init__(self, solid: SampledSolid) -> None:
         from skfem import Dofs
-
-        from tactgen.fem.elements.skfem_mesh import ElementTetEdge2
 
         self._solid = solid
         element = ElementTetEdge2()

@@ -13,7 +13,7 @@ import pytest
 from tactgen.fem.magnetics import axisymmetric as actuator
 from tactgen.fem.magnetics.actuator_3d import solve_solid
 from tactgen.fem.magnetics.axisymmetric import solve_point
-from tactgen.fem.magnetics.axisymmetric_force import eggshell_weight, stress_size
+from tactgen.fem.magnetics.axisymmetric_force import Eggshell, stress_size
 from tactgen.geometry.device.parameters import Device, Steel
 from tactgen.geometry.reluctance.sector_tets import Sector
 from tactgen.validation.engine.solve import solve
@@ -150,7 +150,7 @@ def test_axisymmetric_force_bar_where_the_force_cancels(radius):
         DEVICE.model_copy(update={"steel": steel}), order=3, refinement=2.0, outer_radius=radius
     )
     field = point.solution
-    stress = stress_size(field, eggshell_weight(field.discretisation))
+    stress = stress_size(field, Eggshell(field.discretisation).weight(field.discretisation))
     assert abs(point.force) <= point.errors.force < (1e-3 if radius is None else 0.1) * stress
 
 
@@ -161,7 +161,7 @@ def test_axisymmetric_force_bar_has_the_two_routes():
     values = {name: getattr(point, name) for name in (*MAGNETIC, "force_eggshell")}
     apart = values | {"force_eggshell": 1.5 * point.force}
     field = point.solution
-    stress = stress_size(field, eggshell_weight(field.discretisation))
+    stress = stress_size(field, Eggshell(field.discretisation).weight(field.discretisation))
     routes = actuator._errors(field, apart, point.coarser, stress).force
     agreeing = actuator._errors(field, values, point.coarser, stress).force
     assert agreeing == pytest.approx(point.errors.force, rel=1e-12)

@@ -11,11 +11,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.magnetics.axisymmetric_field import solve_field, truncation_error
-from tactgen.fem.magnetics.axisymmetric_force import (
-    eggshell_force,
-    eggshell_weight,
-    virtual_work_force,
-)
+from tactgen.fem.magnetics.axisymmetric_force import Eggshell, eggshell_force, virtual_work_force
 from tactgen.fem.magnetics.axisymmetric_space import discretise, lowered
 from tactgen.fem.solvers.linear_solver import SolverError
 from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve, linear
@@ -73,7 +69,7 @@ def test_mutual_inductance_and_force_of_two_coils():
     assert inductance[0, 1] == pytest.approx(mutual, rel=1e-5)
     assert inductance[0, 1] == pytest.approx(inductance[1, 0], rel=1e-12)
     assert virtual_work_force(field) == pytest.approx(6.0 * slope, rel=1e-5)
-    weight = eggshell_weight(field.discretisation)
+    weight = Eggshell(field.discretisation).weight(field.discretisation)
     assert eggshell_force(field, weight) == pytest.approx(6.0 * slope, rel=1e-5)
 
 

@@ -7,7 +7,6 @@ import pytest
 
 from tactgen.fem.magnetics.axisymmetric import FieldErrors, FieldPath, _weights, solve_point
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import InputError
 
 NAMES = tuple(FieldErrors.__dataclass_fields__)
 PLACES = np.linspace(-1.0, 1.0, 7)
@@ -23,7 +22,8 @@ def along():
     path = FieldPath(Device(), 0.2e-3, order=3, refinement=0.5)
     middle_first = sorted(range(7), key=lambda n: abs(n - 3))
     found = {
-        n: path.at(device(THICKNESSES[n]), 0.13, 0.2e-3, PLACES[n : n + 1]) for n in middle_first
+        n: path.solved(path.fitted(device(THICKNESSES[n]), 0.2e-3), 0.13, PLACES[n : n + 1])
+        for n in middle_first
     }
     return [found[n] for n in range(7)]
 
@@ -63,14 +63,12 @@ def test_neighbours_make_good_starts():
     assert moved <= 0.75 * fresh
 
 
-def test_out_of_reach_is_refused():
+def test_out_of_reach_is_told():
     """The flange cannot grow past the coil's outer edge on the same lines."""
     path = FieldPath(Device(), 0.2e-3, order=2, refinement=0.5)
-    assert path.reaches(Device(), 0.15e-3)
+    assert path.fitted(Device(), 0.15e-3) is not None
     thin = Device.model_validate({"rod": {"flange_radius": 0.85e-3}})
-    assert not path.reaches(thin, 0.2e-3)
-    with pytest.raises(InputError, match="does not fit"):
-        path.at(thin, 0.13, 0.2e-3, np.zeros(1))
+    assert path.fitted(thin, 0.2e-3) is None
 
 
 def test_weights_do_not_reach_far():

@@ -5,13 +5,9 @@ from functools import cache
 import numpy as np
 import pytest
 from mirrored_mesh import mirrored
+from virtual_work import moved, virtual_work_force
 
-from tactgen.fem.magnetics.force_3d import (
-    eggshell_force,
-    harmonic_weight,
-    moved,
-    virtual_work_force,
-)
+from tactgen.fem.magnetics.force_3d import eggshell_force, harmonic_weight
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, VectorPotential, sample
 from tactgen.geometry.device.magnetisation import MU0, TEAM20, linear
 from tactgen.geometry.errors import InputError

@@ -9,11 +9,7 @@ from functools import partial
 import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric import FieldPoint, solve_map
-from tactgen.fem.magnetics.axisymmetric_force import (
-    eggshell_force,
-    eggshell_weight,
-    virtual_work_force,
-)
+from tactgen.fem.magnetics.axisymmetric_force import Eggshell, eggshell_force, virtual_work_force
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.magnetisation import TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.device.parameters import Device
@@ -46,7 +42,7 @@ _EDGE = "second-order edge elements and second-order scalar potential on swept t
 def _coils_force_by_stress() -> float:
     """Force between them by the stress in the air (N)."""
     field = coils.solved()
-    return eggshell_force(field, eggshell_weight(field.discretisation))
+    return eggshell_force(field, Eggshell(field.discretisation).weight(field.discretisation))
 
 
 _COILS = case(
