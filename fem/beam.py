@@ -147,32 +147,43 @@ def mode_lines(
     from scipy.linalg import eigh
 
     coupling, capacitance = matrices.coupling.real, matrices.capacitance.real
-    k, m = (np.array(v.real) for v in (matrices.stiffness, matrices.mass))
-    if open_circuit:
-        k += np.outer(coupling, coupling) / capacitance
-    base, tip = ends.base, ends.conservative_tip
-    w0, psi0, *at_tip = matrices.ports
-    for matrix, loaded in zip((k, m), tip.at_tip, strict=True):
-        matrix[np.ix_(at_tip, at_tip)] += loaded
-    if base is not None:
-        k[w0, w0] += base.lateral_stiffness
-        k[psi0, psi0] += base.rotational_stiffness
-        m[psi0, psi0] += base.rotational_inertia
-    free = np.setdiff1d(np.arange(k.shape[0]), matrices.ports[: 2 if base is None else 0])
+    k, m, free = _supported(matrices, ends, open_circuit=open_circuit)
     wanted = ends.rigid_motions + count
-    values, vectors = eigh(
-        k[np.ix_(free, free)], m[np.ix_(free, free)], subset_by_index=[0, wanted - 1]
-    )
+    values, vectors = eigh(k, m, subset_by_index=[0, wanted - 1])
     found = []
     for value, vector in list(zip(values, vectors.T, strict=True))[ends.rigid_motions :]:
-        motion = np.zeros(k.shape[0])
+        motion = np.zeros(coupling.size)
         motion[free] = vector
-        motion /= motion[at_tip[0]]
+        motion /= motion[matrices.ports[2]]
         held = float(coupling @ motion)
         voltage = -held / capacitance if open_circuit else 0.0
         charge = 0.0 if open_circuit else held
         found.append(_line(matrices, motion, charge, voltage, np.sqrt(value) / (2.0 * np.pi)))
     return found
+
+
+def _supported(
+    matrices: BeamMatrices, ends: Ends, *, open_circuit: bool
+) -> tuple[Floats, Floats, Ints]:
+    """Lossless stiffness and mass with support and load, over the dofs that are free, and these.
+
+    Damping at the ends is left out.
+    """
+    k, m = matrices.stiffness.real / matrices.unit, matrices.mass / matrices.unit
+    w0, psi0, *at_tip = matrices.ports
+    if open_circuit:
+        charge = matrices.coupling.real / matrices.unit
+        k += np.outer(charge, charge) / (matrices.capacitance.real / matrices.unit)
+    for matrix, loaded in zip((k, m), ends.conservative_tip.at_tip, strict=True):
+        matrix[np.ix_(at_tip, at_tip)] += loaded
+    base = ends.base
+    if base is not None:
+        k[w0, w0] += base.lateral_stiffness
+        k[psi0, psi0] += base.rotational_stiffness
+        m[psi0, psi0] += base.rotational_inertia
+    free = np.setdiff1d(np.arange(k.shape[0]), matrices.ports[: 2 if base is None else 0])
+    inside = np.ix_(free, free)
+    return k[inside], m[inside], free
 
 
 def driven_line(
@@ -253,6 +264,8 @@ ORDER = 5
 _TAB_ELEMENTS = 8
 #: Most elements along a row: beyond, its dense matrices and their condition take minutes.
 MOST_ELEMENTS = 200
+#: Place of the voltage among the ports.
+_VOLTAGE = 4
 
 
 @dataclass(frozen=True)
@@ -300,11 +313,46 @@ def multiport(
 
 
 def condense(matrices: BeamMatrices, frequencies: Floats) -> Multiport:
-    """Matrices over the ports at frequencies (n,) in Hz."""
-    stiffness = _condense(matrices, 2.0 * np.pi * frequencies) / matrices.unit
-    return Multiport(
-        frequencies, stiffness, BIMORPH if matrices.measured is None else (*BIMORPH, MEASURED)
+    """D(Ω) at frequencies (n,) in Hz: interior dofs, a band when numbered along z, eliminated."""
+    from scipy.linalg import solve_banded
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+    place = [] if matrices.measured is None else [matrices.measured]
+    ports = np.array([*matrices.ports, *place])
+    inner = np.setdiff1d(np.arange(matrices.mass.shape[0]), ports)
+    pattern = csr_matrix(
+        matrices.mass[np.ix_(inner, inner)] + abs(matrices.stiffness[np.ix_(inner, inner)])
     )
+    inner = inner[reverse_cuthill_mckee(pattern, symmetric_mode=True)]
+    inside = np.ix_(inner, inner)
+    width, k_band, m_band = _bands(matrices.stiffness[inside], matrices.mass[inside])
+    held = np.insert(matrices.stiffness[:, ports], _VOLTAGE, -matrices.coupling, axis=1)
+    moving = np.insert(matrices.mass[:, ports], _VOLTAGE, 0.0, axis=1)
+    at = np.delete(np.arange(held.shape[1]), _VOLTAGE)
+    d = np.zeros((frequencies.size, held.shape[1], held.shape[1]), dtype=complex)
+    for i, o2 in enumerate((2.0 * np.pi * frequencies) ** 2):
+        to_ports = held - o2 * moving
+        solved = solve_banded((width, width), k_band - o2 * m_band, to_ports[inner])
+        d[i, at] = to_ports[ports]
+        d[i, _VOLTAGE, at] = matrices.coupling[ports]
+        d[i, _VOLTAGE, _VOLTAGE] = matrices.capacitance
+        answers = to_ports[inner].T.copy()
+        answers[_VOLTAGE] = matrices.coupling[inner]
+        d[i] -= answers @ solved
+    d /= matrices.unit
+    return Multiport(frequencies, d, (*BIMORPH, MEASURED)[: held.shape[1]])
+
+
+def _bands(k: Complex, m: Floats) -> tuple[int, Complex, Floats]:
+    """Half bandwidth and both matrices in LAPACK's band storage."""
+    rows, columns = np.nonzero(abs(k) + abs(m))
+    width = int(np.abs(rows - columns).max())
+    k_band = np.zeros((2 * width + 1, k.shape[0]), dtype=complex)
+    m_band = np.zeros((2 * width + 1, k.shape[0]))
+    k_band[width + rows - columns, columns] = k[rows, columns]
+    m_band[width + rows - columns, columns] = m[rows, columns]
+    return width, k_band, m_band
 
 
 def elements_for(device: Device, highest: float) -> int:
@@ -485,84 +533,17 @@ def bonded_tab(
 def bending_frequencies(
     matrices: BeamMatrices, ends: Ends, count: int, *, open_circuit: bool
 ) -> Floats:
-    """Lowest elastic natural frequencies (count,) in Hz of lossless matrices.
-
-    Damping at the ends is left out.
-    """
+    """Lowest elastic natural frequencies (count,) in Hz of lossless matrices."""
     from scipy.linalg import eigh
 
-    k, m = matrices.stiffness.real / matrices.unit, matrices.mass / matrices.unit
-    w0, psi0, *at_tip = matrices.ports
-    if open_circuit:
-        charge = matrices.coupling.real / matrices.unit
-        k += np.outer(charge, charge) / (matrices.capacitance.real / matrices.unit)
-    base, tip = ends.base, ends.conservative_tip
-    for matrix, loaded in zip((k, m), tip.at_tip, strict=True):
-        matrix[np.ix_(at_tip, at_tip)] += loaded
-    held = matrices.ports[: 2 if base is None else 0]
-    if base is not None:
-        k[w0, w0] += base.lateral_stiffness
-        k[psi0, psi0] += base.rotational_stiffness
-        m[psi0, psi0] += base.rotational_inertia
-    free = np.setdiff1d(np.arange(k.shape[0]), held)
-    k, m = k[np.ix_(free, free)], m[np.ix_(free, free)]
+    k, m, _ = _supported(matrices, ends, open_circuit=open_circuit)
     rough = eigh(k, m, eigvals_only=True)
     elastic = rough[rough > 1e-9 * rough[min(count + 2, rough.size) - 1]]
     # the lowest values of (k, m) carry the rounding of the highest; as the highest of the
     # inverse pencil they are exact to a few digits of machine precision
     shift = float(elastic[0])
-    inverse = eigh(
-        m, k + shift * m, eigvals_only=True, subset_by_index=_top(k.shape[0], count + 2)
-    )[::-1]
+    size = k.shape[0]
+    top = [max(size - count - 2, 0), size - 1]
+    inverse = eigh(m, k + shift * m, eigvals_only=True, subset_by_index=top)[::-1]
     rigid = ends.rigid_motions
     return np.asarray(np.sqrt(1.0 / inverse[rigid : rigid + count] - shift) / (2.0 * np.pi))
-
-
-def _top(size: int, count: int) -> list[int]:
-    return [max(size - count, 0), size - 1]
-
-
-#: Place of the voltage among the ports.
-_VOLTAGE = 4
-
-
-def _condense(matrices: BeamMatrices, omega: Floats) -> Complex:
-    """D (n, k, k): interior dofs, a band when numbered along z, eliminated."""
-    from scipy.linalg import solve_banded
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import reverse_cuthill_mckee
-
-    place = [] if matrices.measured is None else [matrices.measured]
-    ports = np.array([*matrices.ports, *place])
-    inner = np.setdiff1d(np.arange(matrices.mass.shape[0]), ports)
-    pattern = csr_matrix(
-        matrices.mass[np.ix_(inner, inner)] + abs(matrices.stiffness[np.ix_(inner, inner)])
-    )
-    inner = inner[reverse_cuthill_mckee(pattern, symmetric_mode=True)]
-    inside = np.ix_(inner, inner)
-    width, k_band, m_band = _bands(matrices.stiffness[inside], matrices.mass[inside])
-    held = np.insert(matrices.stiffness[:, ports], _VOLTAGE, -matrices.coupling, axis=1)
-    moving = np.insert(matrices.mass[:, ports], _VOLTAGE, 0.0, axis=1)
-    at = np.delete(np.arange(held.shape[1]), _VOLTAGE)
-    d = np.zeros((omega.size, held.shape[1], held.shape[1]), dtype=complex)
-    for i, o2 in enumerate(omega**2):
-        to_ports = held - o2 * moving
-        solved = solve_banded((width, width), k_band - o2 * m_band, to_ports[inner])
-        d[i, at] = to_ports[ports]
-        d[i, _VOLTAGE, at] = matrices.coupling[ports]
-        d[i, _VOLTAGE, _VOLTAGE] = matrices.capacitance
-        answers = to_ports[inner].T.copy()
-        answers[_VOLTAGE] = matrices.coupling[inner]
-        d[i] -= answers @ solved
-    return d
-
-
-def _bands(k: Complex, m: Floats) -> tuple[int, Complex, Floats]:
-    """Half bandwidth and both matrices in LAPACK's band storage."""
-    rows, columns = np.nonzero(abs(k) + abs(m))
-    width = int(np.abs(rows - columns).max())
-    k_band = np.zeros((2 * width + 1, k.shape[0]), dtype=complex)
-    m_band = np.zeros((2 * width + 1, k.shape[0]))
-    k_band[width + rows - columns, columns] = k[rows, columns]
-    m_band[width + rows - columns, columns] = m[rows, columns]
-    return width, k_band, m_band
