@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import html
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +23,7 @@ from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.display import display_ports
 from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.show.page import Still, asset, document, inline
+from tactgen.validation.show.page import Still, asset, data_script, document, inline
 from tactgen.validation.show.pictures import (
     INK,
     Part,
@@ -56,11 +55,10 @@ class Swing:
 
 def display_page(scene: str, parts: Sequence[Part], swing: Swing, still: Still) -> str:
     """Page: HTML that holds all it needs."""
-    text = json.dumps(_payload(parts, swing), separators=(",", ":")).replace("</", "<\\/")
     name, last = html.escape(scene), len(swing.frequencies) - 1
     low, high = (f"{end:.3f}" for end in _across(parts))
     body = (
-        f'<script type="application/json" id="td-data">{text}</script>\n'
+        f"{data_script('td-data', _payload(parts, swing))}\n"
         '<div class="td"><div class="td-stage"><figure class="td-still" hidden>'
         f'<img alt="{html.escape(still.caption)}" src="{inline(still.png)}">'
         f"<figcaption>{html.escape(still.caption)}; WebGL 2 is not available, so nothing moves"
@@ -150,7 +148,7 @@ def assembly_frames(
     enlarge: float,
     words: str,
     phases: Sequence[float],
-    announce: Callable[[str], None] = lambda _: None,
+    announce: Callable[[str], None],
 ) -> list[Image]:
     """Image for each phase (rad), with words in it.
 

@@ -2,35 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
-from typing import TYPE_CHECKING
-
-import numpy as np
-
-from tactgen.geometry.errors import InputError
-from tactgen.validation.models.classes import map_of
-from tactgen.validation.scene.scene import Scene
-
-if TYPE_CHECKING:
-    from tactgen.fem.piezo.port_model import PortModel
 import os
 from collections.abc import Callable
 from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from tactgen.geometry.device.parameters import Device, Measurement
 from tactgen.geometry.display.clearances import check_display
+from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
 from tactgen.tmm.generator.transient.machine import MachineStateSpace, machine_state_space
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import asks_display
+from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.held_bimorph import check_base_held
 from tactgen.validation.models.small_signal import rod_of
 from tactgen.validation.models.transient import check_in_time, scene_modes
+from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
+    from tactgen.fem.piezo.port_model import PortModel
     from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 
 
@@ -116,17 +112,7 @@ def write_machine(path: str | Path, scene: Scene) -> None:
     """Write the state space, whole or not at all; refusals as above and of the place."""
     found = scene_state_space(scene)
     with written_whole(path) as temporary:
-        np.savez_compressed(
-            temporary,
-            title=np.array(_TITLE),
-            conventions=np.array(_CONVENTIONS),
-            a=found.a,
-            b=found.b,
-            c=found.c,
-            d=found.d,
-            inputs=np.array(found.inputs),
-            outputs=np.array(found.outputs),
-        )
+        np.savez_compressed(temporary, title=_TITLE, conventions=_CONVENTIONS, **vars(found))
 
 
 def check_place(option: str, path: Path, suffixes: tuple[str, ...]) -> None:

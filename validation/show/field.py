@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.cad.solids import colour_of
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering, with_error
 from tactgen.geometry.meshing.mesh import Mesh
@@ -294,24 +293,13 @@ def words_of(result: FieldResult, state: State) -> Words:
     return Words(state.name, number, driven + modelling, f"Driven at {state.name}", driven)
 
 
-__all__ = ["MAGNITUDE", "SIGNED", "colour_of", "magnitude_stops", "signed_stops"]
-
 #: Matplotlib's maps: perceptually even for sizes, ColorBrewer's red and blue for what swings.
 MAGNITUDE, SIGNED = "viridis", "RdBu_r"
 _STOPS = 33
 
 
-def magnitude_stops() -> list[list[int]]:
-    """Scale of sizes as (red, green, blue), 0 to 255, from low to high."""
-    return _stops(MAGNITUDE)
-
-
-def signed_stops() -> list[list[int]]:
-    """Diverging colour scale about zero."""
-    return _stops(SIGNED)
-
-
-def _stops(name: str) -> list[list[int]]:
+def colour_stops(name: str) -> list[list[int]]:
+    """Scale of one of these as (red, green, blue), 0 to 255, from low to high."""
     import matplotlib as mpl
 
     colours = np.rint(255.0 * mpl.colormaps[name](np.linspace(0.0, 1.0, _STOPS))[:, :3])

@@ -193,7 +193,7 @@ def write_animated_glb(
     Raises InputError if the file cannot be written.
     """
     states = [state for state in result.states if state.kind != "static"]
-    targets = [part for state in states for part in _parts(result, state)]
+    names, targets = zip(*(part for s in states for part in _parts(result, s)), strict=True)
     buffer, surface = _Buffer(), surface_of(result.mesh)
     primitives = []
     for number, _ in enumerate(result.mesh.regions):
@@ -218,7 +218,7 @@ def write_animated_glb(
             {
                 "primitives": primitives,
                 "weights": [0.0] * len(targets),
-                "extras": {"targetNames": _target_names(states)},
+                "extras": {"targetNames": names},
             }
         ],
         "materials": [_material(name, colours) for name in result.mesh.regions],
@@ -238,19 +238,13 @@ def drawn_scale(result: FieldResult, state: State) -> float:
     return _DRAWN * height / size
 
 
-def _parts(result: FieldResult, state: State) -> list[Floats]:
+def _parts(result: FieldResult, state: State) -> list[tuple[str, Floats]]:
+    """Names and drawn displacements of a state's morph targets."""
     moved = drawn_scale(result, state) * np.asarray(state.fields["displacement"])
     if state.kind == "mode":
-        return [np.real(moved)]
-    return [np.real(moved), np.imag(moved)]
-
-
-def _target_names(states: list[State]) -> list[str]:
-    names: list[str] = []
-    for state in states:
-        parts = ("",) if state.kind == "mode" else (", real part", ", imaginary part")
-        names += [state.name + part for part in parts]
-    return names
+        return [(state.name, np.real(moved))]
+    name = state.name
+    return [(f"{name}, real part", np.real(moved)), (f"{name}, imaginary part", np.imag(moved))]
 
 
 def _material(name: str, colours: Mapping[str, tuple[float, float, float]]) -> dict[str, Any]:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import (
     OPEN_CIRCUIT_FREQUENCIES,
@@ -19,12 +17,14 @@ from tactgen.validation.catalogue.quantities import (
 )
 from tactgen.validation.engine.answers import NONE, modelling_at
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.models.model import Model, Quantity
+from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
+from tactgen.validation.models.bimorph.model import BeamTheoryModel
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.models.transient import Simulation, scene_beam
 from tactgen.validation.scene.conditions import beyond_voltage, conditions
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import Circuit, FieldResult, State
-from tactgen.validation.show.moving import MovingBody, moving_body
+from tactgen.validation.show.moving import MovingBody, RowFields, moving_body
 from tactgen.validation.show.solid_fields import Detail, Found, SolidFields
 
 #: The model of the normal actuator whose field is shown.
@@ -42,28 +42,6 @@ class Request:
     #: Of harmonic states (Hz); None takes half the first frequency of bending and that itself
     frequencies: tuple[float, ...] | None = None
     detail: Detail = "nodes"  #: Every node of bricks, or those that a picture needs
-
-    @property
-    def to_look_at(self) -> bool:
-        """Whether it is for pictures rather than files."""
-        return self.detail == "edges"
-
-
-class Fields(Protocol):
-    """One model's states with their fields, at the points of one mesh."""
-
-    @property
-    def mesh(self) -> Mesh:
-        """The points and cells."""
-
-    def modes(self, count: int, *, open_circuit: bool) -> list[tuple[str, Found]]:
-        """Class and fields of the lowest `count` modes, ascending."""
-
-    def static(self, voltage: float) -> Found:
-        """Lossless fields at rest under a voltage (V) across each layer."""
-
-    def harmonic(self, frequency: float, voltage: float) -> Found:
-        """Fields with losses at a frequency (Hz) and voltage (V) across each layer."""
 
 
 def with_fields(scene: Scene) -> tuple[str, ...]:
@@ -111,7 +89,7 @@ def gather(
             )
         from tactgen.validation.show.magnetic import gather_magnetic
 
-        return [gather_magnetic(scene, announce, opened=request.to_look_at)]
+        return [gather_magnetic(scene, announce, opened=request.detail == "edges")]
     solution = solve(scene, tuple(models), [name for _, name in _CIRCUITS], announce)
     return [gather_from(solution, name, request, announce) for name in models]
 
@@ -128,7 +106,12 @@ def gather_from(
     """
     model, scene = solution.models[name], solution.scene
     announce(f"fields of {name}")
-    fields = _fields(model, request.detail)
+    fields: SolidFields | RowFields
+    if isinstance(model, TwoMeshModel):
+        fields = SolidFields(model, request.detail)
+    else:
+        assert isinstance(model, BeamTheoryModel)
+        fields = RowFields(model)
     layer = 0.5 if scene.bimorph.wiring == "series" else 1.0
     voltage = layer * scene.drive.voltage
     states = _modes(solution, name, fields)
@@ -146,19 +129,7 @@ def gather_from(
     )  # fmt: skip
 
 
-def _fields(model: Model, detail: Detail) -> Fields:
-    from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
-    from tactgen.validation.models.bimorph.model import BeamTheoryModel
-
-    if isinstance(model, TwoMeshModel):
-        return SolidFields(model, detail)
-    assert isinstance(model, BeamTheoryModel)
-    from tactgen.validation.show.moving import RowFields
-
-    return RowFields(model)
-
-
-def _modes(solution: Solution, name: str, fields: Fields) -> list[State]:
+def _modes(solution: Solution, name: str, fields: SolidFields | RowFields) -> list[State]:
     by_circuit = {c: solution.get(quantity, name) for c, quantity in _CIRCUITS}
     states: list[State] = []
     for circuit, quantity in by_circuit.items():

@@ -36,19 +36,24 @@ def fragment(
     With `light` it stays light where the reader's system is dark, as the page around it.
     Where a page has two viewers, each has its own `name`.
     """
-    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     pictures = "".join(
         f'<figure><img alt="{html.escape(s.caption)}" src="{inline(s.png)}">'
         f"<figcaption>{html.escape(s.caption)}</figcaption></figure>"
         for s in stills
     )
     return (
-        f'<script type="application/json" id="{name}">{text}</script>\n'
+        f"{data_script(name, data)}\n"
         f'<div class="tv{" tv-light" if light else ""}" data-payload="{name}">\n'
         f'<div class="tv-stills" hidden><p class="tv-why"></p>{pictures}</div>\n'
         "<noscript><style>.tv .tv-stills[hidden]{display:block!important}</style>"
         "<p>Scripts are off, so nothing moves here. Still pictures:</p></noscript>\n</div>\n"
     )
+
+
+def data_script(name: str, data: dict[str, Any]) -> str:
+    """Data as an element of this name that a page's script reads."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    return f'<script type="application/json" id="{name}">{text}</script>'
 
 
 def assets() -> str:

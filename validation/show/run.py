@@ -7,7 +7,6 @@ which the picture says.
 from __future__ import annotations
 
 import html
-import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,14 +15,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.cad.solids import colour_of
 from tactgen.geometry.device.parts import MM
 from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.validation.models.transient import Simulation, phases
-from tactgen.validation.show.field import Array, colour_of
+from tactgen.validation.show.field import Array
 from tactgen.validation.show.field_files import write_steps
 from tactgen.validation.show.gather import body_of
 from tactgen.validation.show.moving import MovingBody
-from tactgen.validation.show.page import asset, document
+from tactgen.validation.show.page import asset, data_script, document
 from tactgen.validation.show.pictures import DIM, INK, Stage, as_png, fonts, save_film
 from tactgen.validation.show.viewer import Block
 
@@ -273,13 +273,11 @@ def fragment(film: Film, *, within: bool = False) -> str:
     `within` a page that is about more it stays light, waits to be played, and takes only the keys
     that are meant for it.
     """
-    text = json.dumps(film_payload(film), separators=(",", ":"), allow_nan=False)
-    text = text.replace("</", "<\\/")
     title = f"{html.escape(film.scene)} in time"
     title = f"<h3>{title}</h3>" if within else f"<h1>{title}</h1>"
     return (
         f"<style>{asset('run.css')}</style>\n"
-        f'<script type="application/json" id="tr-data">{text}</script>\n'
+        f"{data_script('tr-data', film_payload(film))}\n"
         f'<div class="tr{" tr-within" if within else ""}"><div class="tr-stage">{_STAGE}</div>\n'
         f'<div class="tr-panel">{title}{_PANEL}'
         f'<p class="tr-help">{html.escape(film.words)}</p>{_HELP}</div>\n'

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from tactgen.fem.elements.skfem_mesh import SLOPES
 from tactgen.fem.piezo.modal_model import Motion
-from tactgen.fem.piezo.modes import SolidState, driven_state, mode_states
+from tactgen.fem.piezo.modes import SolidState, driven_state, natural_modes
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import Material, SolidSystem, materials
 from tactgen.geometry.arrays import Floats, Ints, Numbers
@@ -100,11 +101,13 @@ class BrickSampler:
         points, cells, regions = [], [], []
         outer: dict[str, list[Ints]] = {name: [] for name, _ in self._metal.values()}
         names = tuple(dict.fromkeys(block.region for block in self.blocks))
+        x, y, z = (axis.nodes for axis in self.axes)
         count = 0
         electrode = [float(self.bricks.z.breaks[k]) for k in self.bricks.electrode]
         for block in self.blocks:
             kept = self._kept(block)
-            lines = [line[part] for line, part in zip(self._lines(block), kept, strict=True)]
+            whole = x[block.x], y, z[block.z]
+            lines = [line[part] for line, part in zip(whole, kept, strict=True)]
             points.append(np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3))
             shape = tuple(line.size for line in lines)
             hexes, sides = _cells(shape)
@@ -113,8 +116,8 @@ class BrickSampler:
             if block.region in self._metal:
                 name, side = self._metal[block.region]
                 quads = sides[side]
-                z = points[-1][quads, 2]
-                under = ((z >= electrode[0] - 1e-12) & (z <= electrode[1] + 1e-12)).all(axis=1)
+                at = points[-1][quads, 2]
+                under = ((at >= electrode[0] - 1e-12) & (at <= electrode[1] + 1e-12)).all(axis=1)
                 outer[name].append(count + quads[under])
             count += len(points[-1])
         return Mesh(
@@ -126,24 +129,12 @@ class BrickSampler:
             faces={name: np.concatenate(quads) for name, quads in outer.items()},
         )
 
-    def _lines(self, block: Block) -> tuple[Floats, Floats, Floats]:
-        x, y, z = (axis.nodes for axis in self.axes)
-        return x[block.x], y, z[block.z]
-
     @cached_property
     def _slopes(self) -> list[tuple[Floats, Floats, Floats]]:
         """Matrices (n, n) from values along each axis of a block to derivatives there."""
-        found = []
-        for block in self.blocks:
-            x, y, z = self.axes
-            found.append(
-                (
-                    _differentiation(x, block.x),
-                    _differentiation(y, slice(0, y.nodes.size)),
-                    _differentiation(z, block.z),
-                )
-            )
-        return found
+        x, y, z = self.axes
+        along_y = _differentiation(y, slice(0, y.nodes.size))
+        return [(_differentiation(x, b.x), along_y, _differentiation(z, b.z)) for b in self.blocks]
 
     def sample(self, values: Numbers) -> tuple[Numbers, Numbers]:
         """Values (n, k) and gradients (n, k, 3) at the points from those at all nodes.
@@ -267,26 +258,14 @@ class TetSampler:
 
 def _shape_slopes() -> Floats:
     """(10, 10, 3): at each node, the slopes of the ten functions by ξ, η, ζ."""
-    by = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-    corners = (4.0 * _NODES - 1.0)[:, :, None] * by
+    corners = (4.0 * _NODES - 1.0)[:, :, None] * SLOPES
     i, j = TET_EDGES.T
-    middles = 4.0 * (_NODES[:, i, None] * by[j] + _NODES[:, j, None] * by[i])
+    middles = 4.0 * (_NODES[:, i, None] * SLOPES[j] + _NODES[:, j, None] * SLOPES[i])
     return np.concatenate([corners, middles], axis=1)
 
 
 #: Fields, tip displacement (m) and charge (C) of one state.
 Found = tuple[Mapping[str, Array], complex, complex]
-
-
-class Sampler(Protocol):
-    """Points of the whole device, and values and gradients at them from the nodes'."""
-
-    @property
-    def mesh(self) -> Mesh:
-        """The points and cells."""
-
-    def sample(self, values: Numbers) -> tuple[Numbers, Numbers]:
-        """Values (n, k) and gradients (n, k, 3) at the points."""
 
 
 class SolidFields:
@@ -299,7 +278,7 @@ class SolidFields:
         self._lossy: SolidSystem | None = None
         self._of_motion: dict[Motion, SolidSystem] = {}
         self._without_ports: dict[Motion, list[SolidState]] = {}
-        self._sampler: Sampler = (
+        self._sampler: BrickSampler | TetSampler = (
             BrickSampler(solved, detail)
             if isinstance(solved, Bricks)
             else TetSampler(solved, self._system.nodes)
@@ -317,7 +296,7 @@ class SolidFields:
         for motion, number in model.motions(open_circuit=open_circuit).items():
             of = system if system.related is None else self._related(motion)
             if of.has_ports:
-                found += mode_states(of, model.scene.ends, number, open_circuit=open_circuit)
+                found += natural_modes(of, model.scene.ends, number, open_circuit=open_circuit)
             else:
                 found += self._apart(of, number)
         found.sort(key=lambda state: state.frequency)
@@ -341,7 +320,7 @@ class SolidFields:
         """Modes that no circuit changes, of a class in which the ports take no part."""
         if len(self._without_ports.get(system.motion, ())) < number:
             ends = self._model.scene.ends
-            self._without_ports[system.motion] = mode_states(system, ends, number)
+            self._without_ports[system.motion] = natural_modes(system, ends, number)
         return self._without_ports[system.motion][:number]
 
     def static(self, voltage: float) -> Found:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tactgen.geometry.cad.solids import colour_of
 from tactgen.geometry.device.parts import MM
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
@@ -25,7 +26,6 @@ from tactgen.validation.show.field import (
     Shade,
     State,
     at_phase,
-    colour_of,
     enlargement,
     region_title,
     words_of,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +20,6 @@ from tactgen.validation.show.moving import standing
 if TYPE_CHECKING:
     from tactgen.validation.show.lengths import LengthRange
     from tactgen.validation.show.page import Still
-import html
 
 #: Endings of each kind of file.
 SUFFIXES = {"out": (".html",), "png": (".png",), "gif": (".gif",), "mp4": (".mp4",)}
@@ -56,6 +56,8 @@ def view(
     Raises InputError if the scene has nothing to show, a model, state or field is not there, or a
     file cannot be written.
     """
+    from tactgen.validation.show.stills import check_film
+
     for kind, path in files.items():
         check_place(f"--{kind}", path, SUFFIXES[kind])
     if asks_display(scene.quantities) and not look.models:
@@ -64,12 +66,16 @@ def view(
         return view_display(scene, files, announce)
     ranges = _ranges(scene, look, files, announce)
     results = looked_at(scene, look, announce)
-    pictured = results[0], _state(results[0], look), _shade(results[0], look)
-    _check_films(files, pictured[1])
+    first = results[0]
+    state = first.state(look.state) if look.state else first.states[0]
+    pictured = first, state, _shade(first, look)
+    for kind in ("gif", "mp4"):
+        if kind in files:
+            check_film(files[kind], state)
     for kind, path in files.items():
         if kind == "out":
             announce("page")
-            write_page(path, results, announce, ranges)
+            write_text(path, page_of(results, announce, ranges))
         else:
             _write_picture(kind, path, *pictured, announce)
     return list(files.values())
@@ -116,10 +122,6 @@ def _models(scene: Scene) -> tuple[str, ...]:
     return first if alone else (*first, "tmm")
 
 
-def _state(result: FieldResult, look: Look) -> State:
-    return result.state(look.state) if look.state else result.states[0]
-
-
 def _shade(result: FieldResult, look: Look) -> Shade | None:
     if not look.shade:
         return None
@@ -131,14 +133,6 @@ def _shade(result: FieldResult, look: Look) -> Shade | None:
         f"--field {look.shade} is not a field of the model {result.model}, which has "
         f"{', '.join(shade.key for shade in known)}"
     )
-
-
-def _check_films(files: dict[str, Path], state: State) -> None:
-    from tactgen.validation.show.stills import check_film
-
-    for kind in ("gif", "mp4"):
-        if kind in files:
-            check_film(files[kind], state)
 
 
 def _write_picture(
@@ -157,16 +151,6 @@ def _write_picture(
             temporary.write_bytes(still(result, state, Picture(shade=shade)))
         return
     write_film(path, result, state, Picture(800, 480, shade), announce)
-
-
-def write_page(
-    path: Path,
-    results: Sequence[FieldResult],
-    announce: Callable[[str], None],
-    ranges: Sequence[LengthRange | None] = (),
-) -> Path:
-    """Write the page in which the results move."""
-    return write_text(path, page_of(results, announce, ranges))
 
 
 def page_of(

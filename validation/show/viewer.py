@@ -11,21 +11,22 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.cad.solids import colour_of
 from tactgen.geometry.formats import share, with_error
 from tactgen.geometry.meshing.mesh import Mesh, Surface, surface_of
 from tactgen.validation.show.field import (
+    MAGNITUDE,
     MODELS,
+    SIGNED,
     Array,
     FieldResult,
     Shade,
     State,
-    colour_of,
+    colour_stops,
     drawn_size,
     enlargement,
-    magnitude_stops,
     region_title,
     shades_of,
-    signed_stops,
     words_of,
 )
 from tactgen.validation.show.lengths import LengthRange, ModeOverLength
@@ -97,7 +98,7 @@ def payload(
     return {
         "scene": results[0].scene,
         "conditions": results[0].conditions,
-        "palettes": {"magnitude": magnitude_stops(), "signed": signed_stops()},
+        "palettes": {"magnitude": colour_stops(MAGNITUDE), "signed": colour_stops(SIGNED)},
         "results": [
             _result(block, result, other) for result, other in zip(results, others, strict=True)
         ],

@@ -385,7 +385,7 @@
       const light = root.classList.contains('tv-light');
       this.isDark = () => !light && this.scheme.matches;
       this.dark = this.isDark();
-      this.panes = []; this.last = null; this.frames = 0;
+      this.panes = []; this.last = null;
       this.length = -1; // as in the scene; else which of the lengths
     }
 
@@ -410,8 +410,7 @@
       this.renderer.setAnimationLoop((now) => this.tick(now));
     }
 
-    loaded(result, array) {
-      const at = (ref) => array(ref);
+    loaded(result, at) {
       const states = result.states.map((s) => ({
         ...s, arrays: Object.fromEntries(Object.entries(s.arrays).map(([k, v]) => [k, v.map(at)])),
       }));
@@ -472,8 +471,7 @@
 
     partner(result) {
       if (result === this.panes[0].result) return this.state;
-      const same = this.payload.pairing(this.state, this.panes[0].result.states, result.states);
-      return same;
+      return pairing(this.state, this.panes[0].result.states, result.states);
     }
 
     fieldsNow() { return this.panes[0].result.fields; }
@@ -505,7 +503,6 @@
 
     draw() {
       if (!this.panes.length || !this.width) return;
-      this.frames += 1;
       const share = this.width / this.panes.length;
       this.renderer.setScissorTest(false); this.renderer.clear();
       this.renderer.setScissorTest(true);
@@ -613,7 +610,7 @@
       }));
       this.bar.hidden = !field;
       if (field) {
-        const top = this.payload.number(this.panes[0].state.tops[field.key] || 0, field);
+        const top = readable(this.panes[0].state.tops[field.key] || 0, field);
         const bottom = field.signed ? '−' + top.value : '0';
         this.barTitle.textContent = `${field.title}${top.unit ? ' (' + top.unit + ')' : ''}`;
         this.barLow.textContent = bottom; this.barHigh.textContent = top.value;
@@ -854,7 +851,7 @@
       const found = pane.reading(hit), lines = [element('b', {}, found.region.title)];
       const field = pane.field || (pane.state.moves ? pane.result.fields[0] : null);
       if (field && !(found.region.rigid && field.source > 2)) {
-        const number = this.payload.number(found.value, field);
+        const number = readable(found.value, field);
         lines.push(element('br'), `${field.title}${pane.field ? '' : ' now'}: ${number.value} ${number.unit}`);
       }
       lines.push(element('br'), element('span', { class: 'tv-dim' },
@@ -867,7 +864,7 @@
   }
 
   /** A value in SI as people read it: engineering prefix, three digits. */
-  function number(value, field) {
+  function readable(value, field) {
     if (field.unit === '1' || !field.unit) return { value: value.toExponential(2), unit: '' };
     const size = Math.abs(value);
     const power = size > 0 ? Math.max(-4, Math.min(3, Math.floor(Math.log10(size * 1.0000001) / 3))) : 0;
@@ -877,11 +874,8 @@
 
   /** The state of another model that goes with one: same circuit and class, same place in it. */
   function pairing(state, mine, theirs) {
-    if (state.kind !== 'mode') {
-      const alike = (all) => all.filter((s) => s.kind === state.kind);
-      return alike(theirs)[alike(mine).indexOf(state)] || null;
-    }
-    const alike = (all) => all.filter((s) => s.circuit === state.circuit && s.motion === state.motion);
+    const keys = state.kind === 'mode' ? ['circuit', 'motion'] : ['kind'];
+    const alike = (all) => all.filter((s) => keys.every((key) => s[key] === state[key]));
     return alike(theirs)[alike(mine).indexOf(state)] || null;
   }
 
@@ -892,7 +886,6 @@
 
   async function mount(root) {
     const payload = JSON.parse(document.getElementById(root.dataset.payload).textContent);
-    Object.assign(payload, { number, pairing });
     const stills = root.querySelector('.tv-stills');
     if (!able()) {
       const why = typeof DecompressionStream === 'undefined' ? 'is too old to unpack the data' : 'has no WebGL 2';
