@@ -165,8 +165,7 @@ def solve_solid(device: Device, current: float, gap: float, sector: Sector) -> S
     SolverError
         If a field does not converge.
     """
-    problem = actuator_problem(device, gap, sector_mesh(device, gap, sector), sector.copies)
-    return solve_problem(problem, current, gap, device.coil.turns)
+    return solve_row(device, gap, np.array([current]), sector)[0]
 
 
 def solve_cad(device: Device, current: float, gap: float, meshing: ActuatorMeshing) -> SolidPoint:
@@ -186,20 +185,8 @@ def solve_cad(device: Device, current: float, gap: float, meshing: ActuatorMeshi
     """
     actuator_regions(device, gap)  # refuses before anything is built
     mesh = actuator_tets(device, gap, meshing)
-    return solve_problem(actuator_problem(device, gap, mesh, 4), current, gap, device.coil.turns)
-
-
-def solve_problem(problem: MagneticSolid, current: float, gap: float, turns: float) -> SolidPoint:
-    """Solve a field problem of the actuator by both potentials; current in A, gap in m."""
-    solid = sample(problem)
-    weights = tuple(harmonic_weight(solid, ("sleeve",), shell) for shell in SHELLS)
-
-    def values(potential: VectorPotential | ScalarPotential) -> SolidValues:
-        return _values(potential, potential.solve(current * turns), weights, turns)
-
-    # the vector potential's matrices are gone before the scalar's are made
-    vector = values(VectorPotential(solid))
-    return SolidPoint(current, gap, vector, values(ScalarPotential(solid)))
+    problem = actuator_problem(device, gap, mesh, 4)
+    return solve_problem(problem, gap, np.array([current]), device.coil.turns)[0]
 
 
 def solve_row(
@@ -209,10 +196,16 @@ def solve_row(
 
     Raises as :func:`solve_solid`.
     """
-    mesh = sector_mesh(device, gap, sector)
-    solid = sample(actuator_problem(device, gap, mesh, sector.copies))
+    problem = actuator_problem(device, gap, sector_mesh(device, gap, sector), sector.copies)
+    return solve_problem(problem, gap, currents, device.coil.turns)
+
+
+def solve_problem(
+    problem: MagneticSolid, gap: float, currents: Floats, turns: float
+) -> tuple[SolidPoint, ...]:
+    """Solve a field problem of the actuator by both potentials, as :func:`solve_row`."""
+    solid = sample(problem)
     weights = tuple(harmonic_weight(solid, ("sleeve",), shell) for shell in SHELLS)
-    turns = device.coil.turns
 
     def along(potential: VectorPotential | ScalarPotential) -> list[SolidValues]:
         field, found = None, []
@@ -221,6 +214,7 @@ def solve_row(
             found.append(_values(potential, field, weights, turns))
         return found
 
+    # the vector potential's matrices are gone before the scalar's are made
     pairs = zip(along(VectorPotential(solid)), along(ScalarPotential(solid)), strict=True)
     return tuple(
         SolidPoint(float(current), gap, vector, scalar)

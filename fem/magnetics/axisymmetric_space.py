@@ -302,10 +302,10 @@ def discretise(
     # scikit-fem recommends its nodal elements for low orders; those are not nested
     logging.getLogger(ElementQuadP.__module__).setLevel(logging.ERROR)
     mesh = MeshQuad.init_tensor(grid.r, grid.z)
-    # the tables are made from one cell: all cells have its functions, stretched
-    basis = Basis(
-        mesh, ElementQuadP(order), intorder=quadrature_order(order), elements=np.array([0])
-    )
+    # the tables are made from one cell: all cells have its functions, stretched; the degree of
+    # r³ × (order p)² along r for linear material
+    degree = 2 * order + 3
+    basis = Basis(mesh, ElementQuadP(order), intorder=degree, elements=np.array([0]))
     reference = _reference_cell(basis)
     cell_dofs = basis.dofs.element_dofs.T[cells_in_order(grid, mesh)].astype(np.int64)
     free = np.setdiff1d(np.arange(basis.N), _held(basis, grid, closed))
@@ -338,11 +338,6 @@ def cells_in_order(grid: Grid, mesh: Any) -> Ints:
     low = mesh.p[:, mesh.t].min(axis=1)
     columns, rows = np.searchsorted(grid.r, low[0]), np.searchsorted(grid.z, low[1])
     return np.asarray(np.lexsort((rows, columns)))
-
-
-def quadrature_order(order: int) -> int:
-    """Degree to integrate exactly: r³ × (order p)² along r for linear material."""
-    return 2 * order + 3
 
 
 def _held(basis: Any, grid: Grid, closed: tuple[str, ...]) -> Ints:

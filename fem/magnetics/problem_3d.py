@@ -87,13 +87,9 @@ class SampledSolid:
     @cached_property
     def jacobians(self) -> Floats:
         """Derivatives (n_cells, n_points or 1, 3, 3) of the mapping; 1 where cells are straight."""
-        derivative = self.mapping.DF(self._few_points)
-        return np.asarray(derivative.transpose(2, 3, 0, 1))
-
-    @property
-    def _few_points(self) -> Floats:
         straight = self.problem.mesh.kind == "tetra"
-        return self.reference_points[:, :1] if straight else self.reference_points
+        points = self.reference_points[:, :1] if straight else self.reference_points
+        return np.asarray(self.mapping.DF(points).transpose(2, 3, 0, 1))
 
     @cached_property
     def iron(self) -> Iron:

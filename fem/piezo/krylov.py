@@ -191,33 +191,6 @@ def missing_products(states: Numbers, surplus: EstimatorSpace) -> Numbers:
     return np.stack(surplus.products(np.hstack([*surplus.residuals(states), surplus.seen])))
 
 
-def richer_multiports(
-    model: PortModel, missing: Numbers, frequencies: Floats
-) -> tuple[Multiport, Multiport]:
-    """D(Ω) (n, p, p) with displacements that the solid lacks; with potentials.
-
-    Parameters
-    ----------
-    model : PortModel
-        The reduced solid.
-    missing : (2, m, m) array
-        See :func:`missing_products`.
-    """
-    own = model.multiport(frequencies)
-    held, size = np.zeros_like(own.stiffness), len(own.ports)
-    held[:, :3] = np.eye(size)[SOURCE]
-    held[:, 3:] = own.stiffness[:, SEEN[: size - 3]]
-    x = model.states(frequencies) @ held
-    omega2 = (2.0 * np.pi * own.frequencies)[:, None, None] ** 2
-    r = np.concatenate([-x, omega2 * x, held[:, 3:]], axis=1)
-    changes = (r.swapaxes(1, 2) @ products @ r for products in missing)
-    moved, charged = (
-        replace(own, stiffness=own.stiffness - sign[:size, None] * change)
-        for sign, change in zip((_SIGNS, -_SIGNS), changes, strict=True)
-    )
-    return moved, charged
-
-
 #: Blocks of the Krylov basis that the first shift begins with, and that any shift has at most.
 _FIRST_BLOCKS, _BLOCKS = 3, 5
 #: Most shifts, each a complex factorisation.
@@ -249,9 +222,21 @@ class ReducedSolid:
         return self.fine.multiport(frequencies)
 
     def richer_multiports(self, frequencies: Floats) -> tuple[Multiport, Multiport]:
-        """D(Ω) with displacements that the solid lacks; with potentials that it lacks."""
+        """D(Ω) (n, p, p) with displacements that the solid lacks; with potentials that it lacks."""
         assert self.missing is not None
-        return richer_multiports(self.fine, self.missing, frequencies)
+        own = self.multiport(frequencies)
+        held, size = np.zeros_like(own.stiffness), len(own.ports)
+        held[:, :3] = np.eye(size)[SOURCE]
+        held[:, 3:] = own.stiffness[:, SEEN[: size - 3]]
+        x = self.fine.states(frequencies) @ held
+        omega2 = (2.0 * np.pi * own.frequencies)[:, None, None] ** 2
+        r = np.concatenate([-x, omega2 * x, held[:, 3:]], axis=1)
+        changes = (r.swapaxes(1, 2) @ products @ r for products in self.missing)
+        moved, charged = (
+            replace(own, stiffness=own.stiffness - sign[:size, None] * change)
+            for sign, change in zip((_SIGNS, -_SIGNS), changes, strict=True)
+        )
+        return moved, charged
 
     def error_estimate(self, frequencies: Floats) -> Floats:
         """Estimated relative error (n,), the larger of two.

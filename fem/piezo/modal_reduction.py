@@ -48,8 +48,8 @@ def modal_model(
     n, factor, mass = system.inner, system.held_factor, system.mass.inner
     follows = -factor.solve(system.stiffness.border[:, :2])
     carried = mass @ follows + system.mass.border[:, :2]
-    tip, charge = system.tip[:, 0], -system.stiffness.border[:, 2]
-    field, forces = _alone(system, charge)
+    tip, charge = system.tip[:, 0], system.charge.real
+    field, forces = _alone(system, charge[:n])
     rest = mass @ np.random.default_rng(0).standard_normal(n)
     loads = np.column_stack([carried, tip[:n], forces, rest])
     basis = _Basis(factor.solve, mass, loads)
@@ -71,8 +71,8 @@ def modal_model(
         stiffness=0.5 * (stiffness + stiffness.T),
         mass=0.5 * (whole + whole.T),
         tip=shapes.T @ system.tip[: n + 2],
-        charge=shapes.T @ np.concatenate([charge, -system.stiffness.corner[:2, 2]]),
-        capacitance=float(charge @ field - system.stiffness.corner[2, 2]),
+        charge=shapes.T @ charge[:-1],
+        capacitance=float(charge[:n] @ field + charge[-1]),
         motions=section_motions(system.nodes, system.node_mass, nodal),
         energy=flat.T @ (np.repeat(system.node_mass, 3)[:, None] * flat),
         motion=system.motion,

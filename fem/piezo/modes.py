@@ -47,8 +47,8 @@ def eigenpairs(
         if stiffness + shift * inertia > 0.0:
             updates.append((seat, stiffness + shift * inertia))
     if open_circuit and system.has_ports:
-        charge, capacitance = _electrode(system, n)
-        updates.append((charge, 1.0 / capacitance))
+        charge = system.charge.real  # the last per volt: the capacitance
+        updates.append((charge[:n], 1.0 / float(charge[-1])))
     solve = _updated(solve, updates)
 
     def weigh(v: Floats) -> Floats:
@@ -104,13 +104,6 @@ def _attached(
     return mass, solve, system.tip[:-1]
 
 
-def _electrode(system: SolidSystem, n: int) -> tuple[Floats, float]:
-    """Charge per unknown (n,) and the capacitance at U alone."""
-    stiffness = system.stiffness
-    column = np.concatenate([stiffness.border[:, -1], stiffness.corner[:, -1]])
-    return -column[:n], float(-column[-1])
-
-
 def _updated(
     inverse: Callable[[Floats], Floats], updates: list[tuple[Floats, float]]
 ) -> Callable[[Floats], Floats]:
@@ -159,12 +152,10 @@ def mode_state(
     """Mode of an eigenpair of :func:`eigenpairs`."""
     y = np.zeros(system.size)
     y[: vector.size] = vector
-    charges = system.stiffness.border[:, -1], system.stiffness.corner[:, -1]
-    minus_charge = np.concatenate(charges)
+    charge = system.charge
     if open_circuit and system.has_ports:
-        # the last row, minus the charge, is empty
-        y[-1] = -(minus_charge[:-1] @ y[:-1]) / minus_charge[-1]
-    state = _state(system, float(np.sqrt(value)) / (2.0 * np.pi), y, -complex(minus_charge @ y))
+        y[-1] = -(charge[:-1] @ y[:-1]) / charge[-1]  # no charge is left
+    state = _state(system, float(np.sqrt(value)) / (2.0 * np.pi), y, complex(charge @ y))
     kind, _ = classify(system.nodes, system.node_mass, state.values[:, :3].real)
     return replace(state, kind=kind)
 

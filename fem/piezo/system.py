@@ -130,6 +130,11 @@ class SolidSystem:
         return np.asarray(nodal.reshape(4, -1, columns.shape[1])[:3].transpose(1, 0, 2))
 
     @property
+    def charge(self) -> Numbers:
+        """Charge on the electrodes (C) per unit of each unknown (n,)."""
+        return -np.concatenate([self.stiffness.border[:, -1], self.stiffness.corner[:, -1]])
+
+    @property
     def held_factor(self) -> Factor:
         """The factor of K with base and electrodes held: statics and all modes come from this one.
 

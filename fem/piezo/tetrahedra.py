@@ -87,7 +87,7 @@ class SkfemBody:
         """Blocks (cells · local · local, 16) of some cells."""
         if self.mesh.kind == "tetra":
             return self._straight_stiffness(cells, tensor)
-        basis = self._on(cells, 4)
+        basis = self._on(cells)
         # (local, axis, cell, point)
         slopes = np.stack([field.grad for (field,) in basis.basis])
         n_local, _, n_cells, n_points = slopes.shape
@@ -113,7 +113,7 @@ class SkfemBody:
             values, weights = self._reference(4)[0::2]
             products = np.einsum("in,jn,n->ij", values, values, weights)
             return np.outer(np.abs(self.basis.mapping.detA[cells]), products).reshape(-1, 1)
-        basis = self._on(cells, 4)
+        basis = self._on(cells)
         values = np.stack([np.broadcast_to(field, basis.dx.shape) for (field,) in basis.basis])
         products = np.einsum("icn,jcn,cn->cij", values, values, basis.dx, optimize=True)
         return np.asarray(products).reshape(-1, 1)
@@ -130,10 +130,10 @@ class SkfemBody:
         local = [element.lbasis(at, i) for i in range(len(self.basis.element_dofs))]
         return np.stack([v for v, _ in local]), np.stack([s for _, s in local]), weights
 
-    def _on(self, cells: Ints, order: int) -> Any:
+    def _on(self, cells: Ints) -> Any:
         from skfem import Basis
 
-        return Basis(self.basis.mesh, self.basis.elem, intorder=order, elements=cells)
+        return Basis(self.basis.mesh, self.basis.elem, intorder=4, elements=cells)
 
     def system(self, motion: Motion) -> SolidSystem:
         """System of one class of motion, of the whole body."""

@@ -73,9 +73,7 @@ class SolverError(RuntimeError):
     """The factorisation failed; the message says how."""
 
 
-def factorise(
-    matrix: Sparse, *, definite: bool = False, solver: str = "auto", order: Ints | None = None
-) -> Factor:
+def factorise(matrix: Sparse, *, definite: bool = False, order: Ints | None = None) -> Factor:
     """Factorise a symmetric (not Hermitian) real or complex sparse matrix.
 
     Parameters
@@ -85,26 +83,20 @@ def factorise(
     definite : bool
         The matrix should be positive definite: Cholesky, up to twice as fast.  If it is
         not, it is factorised as an indefinite one, and `negative_pivots` tells.
-    solver : {"auto", "pardiso", "superlu"}
-        ``auto`` takes Pardiso when its library is there.
     order : (n,) int array, optional
         The unknowns in the order in which to eliminate them, where a good one is known; else
         Pardiso looks for one, which takes longer than the factorisation.
 
     Raises SolverError if the matrix is singular or the library reports an error.
     """
-    if solver == "auto":
-        solver = "superlu" if mkl() is None else "pardiso"
-    elif solver == "pardiso" and mkl() is None:
-        raise SolverError("Pardiso was asked for, but Intel's MKL is not installed here")
-    return Factor(matrix, definite=definite, solver=solver, order=order)
+    return Factor(matrix, definite=definite, order=order)
 
 
 class Factor:
     """A factorised symmetric matrix; made by :func:`factorise`."""
 
-    def __init__(self, matrix: Sparse, *, definite: bool, solver: str, order: Ints | None) -> None:
-        self._definite, self._solver, self._known_order = definite, solver, order
+    def __init__(self, matrix: Sparse, *, definite: bool, order: Ints | None) -> None:
+        self._definite, self._known_order = definite, order
         self._order(_canonical(matrix))
 
     @property
@@ -144,9 +136,7 @@ class Factor:
     def _order(self, matrix: Sparse) -> None:
         self._pattern = _Pattern(matrix)
         self._complex = np.iscomplexobj(matrix.data)
-        self._methods = _attempts(
-            self._pattern, self._complex, self._definite, self._solver, self._known_order
-        )
+        self._methods = _attempts(self._pattern, self._complex, self._definite, self._known_order)
         self._method = next(self._methods)
         self._factorise(matrix)
 
@@ -198,7 +188,7 @@ def refined_solution(matrix: Sparse, factor: Factor, right: Array) -> Array:
 
 
 def available_solver() -> str:
-    """Solver that ``auto`` takes."""
+    """Solver that is taken."""
     return "SuperLU (SciPy)" if mkl() is None else "Pardiso (MKL)"
 
 
@@ -228,14 +218,14 @@ class _Pattern:
 
 
 def _attempts(
-    pattern: _Pattern, complex_numbers: bool, definite: bool, solver: str, order: Ints | None
+    pattern: _Pattern, complex_numbers: bool, definite: bool, order: Ints | None
 ) -> Iterator[Pardiso | _SuperLU]:
     """Yield the methods to try, the cheapest first.
 
     Knows nothing of the factor that asks: a generator that did would be held by it and hold it,
     and gigabytes of factors would wait for the collector of such circles, which does not see them.
     """
-    if solver == "superlu":
+    if mkl() is None:
         yield _SuperLU(pattern)
         return
     starts, columns = pattern.starts, pattern.columns

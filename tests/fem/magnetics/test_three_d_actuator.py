@@ -261,8 +261,8 @@ def test_the_cad_solids_are_a_quarter_of_what_is_solved(monkeypatch):
     """Current, gap and turns; a gap in which the parts do not fit is refused before the mesh."""
     monkeypatch.setattr(actuator, "actuator_tets", lambda device, gap, meshing: (gap, meshing))
     monkeypatch.setattr(actuator, "actuator_problem", lambda _, gap, mesh, copies: (*mesh, copies))
-    monkeypatch.setattr(actuator, "solve_problem", lambda *given: given)
+    monkeypatch.setattr(actuator, "solve_problem", lambda *given: [given])
     device, fine = Device(), ActuatorMeshing(size=1.0)
-    assert solve_cad(device, 0.01, 0.1e-3, fine) == ((0.1e-3, fine, 4), 0.01, 0.1e-3, 560.0)
+    assert solve_cad(device, 0.01, 0.1e-3, fine) == ((0.1e-3, fine, 4), 0.1e-3, [0.01], 560.0)
     with pytest.raises(InputError):
         solve_cad(device, 0.01, -1e-3, fine)
