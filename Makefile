@@ -52,7 +52,7 @@ $(PEERS)/.ready: $(READY) pyproject.toml
 
 test-witnesses: $(PEERS)/.ready ## let public programs solve random devices beside this one
 	TACTGEN_PEERS=$(CURDIR)/$(PEERS)/bin/python $(BIN)/pytest -m heavy -s tests/witnesses \
-		tests/validation/bench/test_witnesses.py
+		tests/validation/evidence/test_witnesses.py
 
 lint: $(READY) ## check style, types and layering
 	$(BIN)/ruff check

@@ -28,7 +28,7 @@ from tactgen.fem.magnetics.error_estimate import (
 )
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.errors import CoarseGridError
+from tactgen.geometry.errors import CoarseGridError, InputError
 from tactgen.geometry.reluctance.section_grid import actuator_regions
 
 #: Polynomial order that gives the accuracy wanted in the least time on this device.
@@ -391,5 +391,10 @@ class FieldContinuation:
         path = FieldPath(device, gap, refinement=self._refinements[level])
         paths.append(path)
         model = path.fitted(device, gap)
-        assert model is not None  # a grid fits what it was made for
+        if model is None:
+            raise InputError(
+                f"the grid made for gap = {gap * 1e3:g} mm does not fit its own sizes: two of rod, "
+                "coil and sleeve differ by less than 0.1 nm somewhere; make them equal, or move "
+                "them apart"
+            )
         return path.solved(model, current, place)

@@ -132,7 +132,7 @@ class Measurement(Parameters):
 
     below_tip: u.LengthOrZero = field(
         0.0,
-        "paper Fig 13, left: at the upper end",
+        "paper section 6: at the upper end",
         "distance below the tip at which the motion of the tip is measured in place of the tip's "
         "own, as where a laser looks below a support plate",
     )

@@ -19,7 +19,7 @@ SWEEP = np.geomspace(10.0, 20000.0, 400)
 #: Points (Hz) at which the witness interpolates; what the second half adds is its error.
 POINTS = np.geomspace(200.0, 20000.0, 8)
 #: What rounding of the factorisations leaves at a peak, relative: see the direct solutions in
-#: tests/fem/bimorph/reduction/test_krylov.py, which the witness does not refine.
+#: tests/fem/piezo/test_krylov.py, which the witness does not refine.
 ROUNDING = 1e-6
 
 

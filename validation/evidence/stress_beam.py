@@ -332,10 +332,12 @@ def _natural_frequencies(quick: bool) -> Row:
     for power, rho_i, (name, ends) in product(powers, inertias, _ENDS.items()):
         beam = Section(EI=1.0, GA=10.0**-power, m=1.0, rhoI=rho_i)
         where = f"φ 1e{power}, ρI/ml² {rho_i:g}, {name}"
+        solved: list[tuple[float, float]] = []
         with family.attempt():
             found = natural_frequencies([(beam, 1.0)], ends, _MODES, open_circuit=False)
-            for frequency, bar in zip(found.frequencies, found.rounding, strict=True):
-                family.add(where, abs(offset([(beam, 1.0)], ends, float(frequency))), bar)
+            solved = list(zip(found.frequencies, found.rounding, strict=True))
+        for frequency, bar in solved:
+            family.add(where, abs(offset([(beam, 1.0)], ends, float(frequency))), bar)
     return family.row(
         "natural frequencies: slenderness",
         "three modes, EI/(GA l²) 1e-12 to 1e16, clamped, on springs and free, against 80 digits",

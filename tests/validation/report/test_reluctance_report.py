@@ -194,7 +194,7 @@ def test_report_of_both_actuators(tmp_path):
     html, _ = make(tmp_path, "paper", "models=lumped,tmm,network,axisymmetric", BOTH)
     assert ids(html) == [
         "models", "modes", "response", "drive_limits", "uncertainty", "magnetic_models",
-        "characteristics", "checks", "parameters",
+        "characteristics", "measurements", "checks", "parameters",
     ]  # fmt: skip
     text = words(html)
     for headline in ("static tip displacement", "magnetic force at 130 mA, 200 µm"):

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 #: Relative error bar of static deflection, capacitances and first frequencies that each level
-#: stays below on the paper's bimorph and on job J1 (tests/validation/engine/test_refinement.py).
+#: stays below on the paper's bimorph and on job J1 (tests/validation/engine/test_error_bars.py).
 _BRICK_BARS = (1e-1, 8e-4, 2.5e-4, 2e-4, 6e-5)
 
 

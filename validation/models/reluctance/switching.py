@@ -26,7 +26,6 @@ from tactgen.tmm.generator.equilibrium import (
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.switching import spring_force, switching
 from tactgen.validation.models.model import Estimate
-from tactgen.validation.models.small_signal import ScaledMap
 
 
 @storable
@@ -204,13 +203,15 @@ class RestingState:
 def resting_state(
     device: Device, pull: CoenergyMap, at: Solver, history: History, pressed: float
 ) -> RestingState:
-    """Where the rod rests by a model's map and one point of it, solved by `at`.
+    """Where the rod rests by a model's map and one point of it.
 
-    `history` is how the current came to the coil's, `pressed` the force of a finger that presses
+    `at` solves the point, for a current (A) and a gap (m); `history` is how the current came to the coil's, `pressed` the force of a finger that presses
     the tip down (N).
 
     Raises InputError if it rests nowhere.
     """
+    from tactgen.validation.models.small_signal import ScaledMap  # which needs the network
+
     current = abs(device.coil.current)
     by_map = axial_forces(device, pull, pressed)
     near = _NEAR * by_map.stops.stroke
@@ -243,6 +244,8 @@ def resting_state(
 
 def _left_last(device: Device, pull: CoenergyMap, history: History, pressed: float) -> RestingPlace:
     """Where the rod may rest yet as far as the map's error goes, before it moves on."""
+    from tactgen.validation.models.small_signal import ScaledMap
+
     error = pull.interpolation_error.force
     times = 1.0 - error if history == "rising" else 1.0 + error
     forces = axial_forces(device, ScaledMap(pull, times), pressed)
