@@ -205,8 +205,8 @@ def resting_state(
 ) -> RestingState:
     """Where the rod rests by a model's map and one point of it.
 
-    `at` solves the point, for a current (A) and a gap (m); `history` is how the current came to the coil's, `pressed` the force of a finger that presses
-    the tip down (N).
+    `at` solves the point, for a current (A) and a gap (m); `history` is how the current came to
+    the coil's, `pressed` the force of a finger that presses the tip down (N).
 
     Raises InputError if it rests nowhere.
     """
