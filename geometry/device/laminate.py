@@ -36,6 +36,7 @@ _WIDTH = Unit("m", "width", "5 mm", above=0.0, limits=(1e-6, 1.0), shown="mm", p
 _PLACE = Unit("m", "length", "5 mm", at_least=0.0, limits=(0.0, 1.0), shown="mm", per_si=1e3)
 _END = replace(_PLACE, at_least=None, above=0.0)
 _PITCH = Unit("m", "pitch", "0.5 mm", above=0.0, limits=(1e-6, 0.1), shown="mm", per_si=1e3)
+#: Sizes of a layer by the last part of their scene keys.
 SIZES = {
     "thickness": _THICKNESS, "width": _WIDTH, "pitch": _PITCH, "start": _PLACE, "end": _END,
 }  # fmt: skip
@@ -43,7 +44,8 @@ SIZES = {
 _DECLARATIONS = {name: FieldInfo.from_annotation(quantity(unit)) for name, unit in SIZES.items()}
 #: How far the sizes of somebody else's layers may lie from what is said of them.
 SCATTER = {"thickness": Own("layer thickness", 0.05), "width": Own("width", 0.025)}
-_SIZE_NAME = re.compile(rf"layers\.(?P<number>[1-9]\d?)\.(?P<size>{'|'.join(SIZES)})", re.ASCII)
+#: Such a key, less its group.
+_SIZE_NAME = re.compile(rf"layers\.[1-9]\d?\.({'|'.join(SIZES)})", re.ASCII)
 #: A number with its unit.
 _SIZE = rf"{NUMBER}\s*(?!from\b|to\b|wide\b)[a-zµμ][^\s\d+-]*"
 _LAYER = re.compile(
@@ -87,7 +89,7 @@ class Layer(NamedTuple):
 
     @property
     def is_patch(self) -> bool:
-        """Whether it covers a part of the bimorph's length."""
+        """Whether it states its place along the length: then it goes on into no tab."""
         return self.start > 0.0 or self.end > 0.0
 
     @property

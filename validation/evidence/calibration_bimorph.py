@@ -426,7 +426,10 @@ def calibrate(
 
 
 def _widening(known: Calibration, of: Sequence[Observed]) -> dict[str, Any]:
-    """What covers the devices of a property, and by half of them what the other half shows."""
+    """Factors that cover the devices of a property, as written to a file, with their evidence.
+
+    Each half of the devices is judged by factors fitted to the other half.
+    """
     scenes = [load_scene("prototype", list(one.overrides))[0] for one in of]
     left = np.array([left_over(*each, known) for each in zip(of, scenes, strict=True)])
     stated = np.array([section_factors(s.device, s.beam, known).errors for s in scenes])
@@ -442,9 +445,9 @@ def _widening(known: Calibration, of: Sequence[Observed]) -> dict[str, Any]:
     even = np.arange(len(of)) % 2 == 0
     for fresh in (even, ~even):
         stated[fresh] *= fitted(~fresh)(sizes[fresh])
-    everything = fitted(even | True)
-    shown = {key: np.vectorize(rounded)(of).tolist() for key, of in vars(everything).items()}
-    return {**shown, "evidence": evidence(ERRORS, left, stated, [one.overrides for one in of])}
+    whole = vars(fitted(np.ones_like(even)))
+    record = {name: np.vectorize(rounded)(array).tolist() for name, array in whole.items()}
+    return {**record, "evidence": evidence(ERRORS, left, stated, [one.overrides for one in of])}
 
 
 def _plain(found: Fit) -> dict[str, Any]:

@@ -102,7 +102,7 @@ def _width_of_bare_shim(scene: Scene, origins: Mapping[str, str]) -> Iterator[st
 
 
 def _stated_twice(scene: Scene, origins: Mapping[str, str]) -> Iterator[str]:
-    """Yield which constants of the ceramic keys of their own give another value."""
+    """Yield which of the ceramic's stated constants do not hold beside its single keys."""
     constants = scene.piezo.constants
     single = [key for key in ("s11", "s55", "d31", "eps33") if f"piezo.{key}" in origins]
     if not (constants and single):
