@@ -214,34 +214,28 @@ def _sentences(study: Study, found: Verdict) -> list[str]:
 
 
 def _line(study: Study, found: Verdict, one: Judged) -> str:
-    modelling = one.modelling or (0.0,) * len(one.margins)
-    each = zip(found.aims, one.margins, modelling, strict=True)
-    margins = ", ".join(shown(aim, *margin) + _beside(aim, error) for aim, margin, error in each)
+    margins = ", ".join(margin_in_words(aim, one, n) for n, aim in enumerate(found.aims))
     return f"{shown_point(study.points[one.number])}: {margins}"
 
 
-def _beside(aim: Aim, modelling: float) -> str:
-    """Modelling error behind a margin."""
-    if not modelling:
-        return ""
-    unit = aim.unit if takes_prefix(aim) else "1"
-    return " (?)" if math.isnan(modelling) else f" (± {engineering(modelling, unit, 2)})"
+def margin_in_words(aim: Aim, one: Judged, n: int) -> str:
+    """Value of a goal or margin of a condition, the n-th, with both errors."""
+    (margin, bar), unit = one.margins[n], aim.unit if takes_prefix(aim) else "1"
+    value = aim.sign * margin if aim.kind == "goal" else margin
+    fine = bar < FINE * abs(value)
+    text = engineering(value, unit) if fine else with_error(value, bar, unit)
+    if unit != aim.unit:
+        text += f" {aim.unit}"
+    if aim.kind == "condition":
+        text = f"margin {text}"
+    modelling = one.modelling[n] if one.modelling else 0.0
+    beside = "?" if math.isnan(modelling) else f"± {engineering(modelling, unit, 2)}"
+    return f"{text} ({beside})" if modelling else text
 
 
 def takes_prefix(aim: Aim) -> bool:
     """Whether an aim's unit is one of a quantity: base units take no prefix."""
     return aim.unit in {row.unit for row in QUANTITIES.values()}
-
-
-def shown(aim: Aim, margin: float, bar: float) -> str:
-    """Goal's value, or a condition's margin, with its bar and unit."""
-    value = aim.sign * margin if aim.kind == "goal" else margin
-    unit = aim.unit if takes_prefix(aim) else "1"
-    fine = bar < FINE * abs(value)
-    text = engineering(value, unit) if fine else with_error(value, bar, unit)
-    if unit != aim.unit:
-        text += f" {aim.unit}"
-    return text if aim.kind == "goal" else f"margin {text}"
 
 
 def as_values(study: Study, found: Verdict) -> dict[str, Any]:

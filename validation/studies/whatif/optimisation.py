@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -20,10 +20,11 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import check_models
 from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.scene.variation import value_of
-from tactgen.validation.studies.whatif.aim_evaluation import Judged, judged, shown
+from tactgen.validation.studies.whatif.aim_evaluation import Judged, judged, margin_in_words
 from tactgen.validation.studies.whatif.aims import Aim
 from tactgen.validation.studies.whatif.axes import scene_field
 from tactgen.validation.studies.whatif.definition import Statement
@@ -113,7 +114,7 @@ class SearchResult:
     aims: tuple[Aim, ...]
     best: Tried  #: The best point, or, if none meets all conditions, the one that comes nearest
     met: bool  #: Whether it meets them
-    present: Tried  #: The scene's own values, or their nearest within the ranges
+    present: Tried  #: The scene's own values, within the ranges or not
     #: Number of points, and of answers from a surrogate among them
     tried: int
     interpolated: int
@@ -132,7 +133,8 @@ def as_values(found: SearchResult) -> dict[str, Any]:
         return {"at": one.values, **(one.judged or Judged(0, "", ())).values}
 
     return {
-        "scene": found.statement.scene, "models": list(found.statement.models),
+        "scene": found.statement.scene, "conditions": found.statement.conditions,
+        "models": list(found.statement.models),
         "ranges": {r.key: [r.low, r.high] for r in found.ranges},
         "aims": [aim.text for aim in found.aims], "met": found.met, "best": point(found.best),
         "present": point(found.present), "ends": list(found.at_end), "points": found.tried,
@@ -150,17 +152,20 @@ def sentences(found: SearchResult) -> list[str]:
     else:
         head = f"Nearest to the scene's own that meets all aims by {models}:"
     lines = [
+        *filter(None, [found.statement.conditions]),
         head,
         *(f"  {key} = {scene_field(key).show(v)}" for key, v in found.best.values.items()),
     ]
-    present = found.present.judged
-    assert found.best.judged is not None
+    best, present = found.best.judged, found.present.judged
+    assert best is not None
     for n, aim in enumerate(found.aims):
-        margin, bar = found.best.judged.margins[n]
-        near = aim.kind == "condition" and abs(margin) <= bar
-        edge = ", nearer to the edge than the error bar" if near else ""
-        before = shown(aim, *present.margins[n]) if present else "unknown"
-        lines.append(f"  {aim.text}: {shown(aim, margin, bar)}{edge}; before: {before}")
+        margin, bar = best.margins[n]
+        edge = ""
+        if aim.kind == "condition" and (abs(margin) <= bar or best.near(n)):
+            kind = "modelling" if best.near(n) else "numerical"
+            edge = f", nearer to the edge than the {kind} error"
+        before = margin_in_words(aim, present, n) if present else "unknown"
+        lines.append(f"  {aim.text}: {margin_in_words(aim, best, n)}{edge}; before: {before}")
     lines += [f"{key} is at an end of its range, beyond which there may be better"
               for key in found.at_end if any(aim.kind == "goal" for aim in found.aims)]  # fmt: skip
     among = f", {found.interpolated} of their answers interpolated" if found.interpolated else ""
@@ -198,12 +203,18 @@ class Points:
             ]
             answers = self.solver.answers(values)
             for place, at, given in zip(new, values, answers, strict=True):
-                found = judged(self.statement, self.aims, 0, at, given)
-                reason = "; ".join(a.reason for a in given.values() if a.reason)
-                self.tried[place] = Tried(
-                    at, found[0] if found else None, reason or "a quantity has no value there"
-                )
+                self.tried[place] = self._tried(at, given)
         return [self.tried[place] for place in places]
+
+    def outside(self, values: dict[str, float]) -> Tried:
+        """Result at values that need not lie within the ranges."""
+        solver = StudySolver(self.statement, announce=self.announce)
+        return self._tried(values, solver.answers([values])[0])
+
+    def _tried(self, at: dict[str, float], given: Mapping[str, Answer]) -> Tried:
+        found = judged(self.statement, self.aims, 0, at, given)
+        reason = "; ".join(a.reason for a in given.values() if a.reason)
+        return Tried(at, found[0] if found else None, reason or "a quantity has no value there")
 
     def rescale(self) -> None:
         """Set each aim's scale to what its margin differs by over the points, 1 if it does not."""
@@ -290,7 +301,8 @@ def search(
     scene = checked_scene(
         {**statement.values, "models": list(statement.models), "quantities": ["all"]}
     )
-    here = np.array([r.share(float(value_of(scene, r.key))) for r in ranges])
+    own = {r.key: float(value_of(scene, r.key)) for r in ranges}
+    here = np.array([r.share(own[r.key]) for r in ranges])
     points = Points(statement, ranges, aims, here, announce)
     spread = points.ask(_spread(here))
     if all(one.judged is None for one in spread):
@@ -300,7 +312,9 @@ def search(
         points.go_on(start)
     found = points.tried[points.best()[0]]
     met = found.judged is not None and points.shortfall(found.judged) == 0.0
-    return SearchResult(statement, ranges, aims, found, met, spread[0], len(points.tried),
+    inside = all(r.low <= own[r.key] <= r.high for r in ranges)
+    present = spread[0] if inside else points.outside(own)
+    return SearchResult(statement, ranges, aims, found, met, present, len(points.tried),
                  points.solver.interpolated)  # fmt: skip
 
 

@@ -14,10 +14,10 @@ from tactgen.validation.studies.whatif.aim_evaluation import (
     Judged,
     Verdict,
     as_values,
+    margin_in_words,
     pareto,
     parse_aims,
     sentences,
-    shown,
     verdicts,
     yield_interval,
 )
@@ -238,9 +238,14 @@ def test_margins_carry_the_unit_of_what_is_compared(text, margin, words):
     """As a quantity has it; where none named has it, in base units without a prefix."""
     bar = {"1": 0.1, "N": 0.1e-3, "m": 0.1e-6}
     aim = parse_aim(text)
-    assert shown(aim, margin, bar.get(aim.unit, 0.1)) == words
+    judged = Judged(0, "tmm", ((margin, bar.get(aim.unit, 0.1)),))
+    assert margin_in_words(aim, judged, 0) == words
     # five digits and no bar, where the bar is in none of them
-    assert shown(parse_aim("minimise magnetic_force"), -18.6123456e-3, 1e-12) == "18.612 mN"
+    force, judged = (
+        parse_aim("minimise magnetic_force"),
+        Judged(0, "tmm", ((-18.6123456e-3, 1e-12),), (1e-3,)),
+    )
+    assert margin_in_words(force, judged, 0) == "18.612 mN (± 1 mN)"
 
 
 def test_what_a_verdict_says():
