@@ -109,7 +109,12 @@ def share(value: float) -> str:
     """Fraction without a sign in percent, two digits: an error bar, a size."""
     if not math.isfinite(value):
         return "n/a"
-    return f"{100.0 * value:.2g} %"
+    return f"{two_digits(100.0 * value):g} %"
+
+
+def two_digits(value: float) -> float:
+    """Number rounded to two digits, which ``g`` then shows without an exponent."""
+    return float(f"{value:.2g}")
 
 
 def filters() -> dict[str, Callable[..., Any]]:

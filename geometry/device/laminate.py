@@ -98,12 +98,20 @@ class Layer(NamedTuple):
         return self.pitch or self.thickness
 
     def __str__(self) -> str:
-        words = [self.material, _THICKNESS.show(self.thickness)]
-        words += [f"wide {_WIDTH.show(self.width)}"] if self.width else []
-        words += [f"from {_PLACE.show(self.start)}"] if self.start else []
-        words += [f"to {_PLACE.show(self.end)}"] if self.end else []
+        return self.written({})
+
+    def written(self, tolerances: Mapping[str, str]) -> str:
+        """Layer as a scene states it, with what stands behind some of its sizes."""
+
+        def size(word: str, name: str) -> list[str]:
+            value = getattr(self, name)
+            known = [word, SIZES[name].show(value), tolerances.get(name, "")]
+            return [" ".join(filter(None, known))] if value else []
+
+        words = [self.material, *size("", "thickness"), *size("wide", "width")]
+        words += size("from", "start") + size("to", "end")
         words += [_direction(self.poling, "z" if self.pitch else "x")] if self.poling else []
-        words += [f"pitch {_PITCH.show(self.pitch)}"] if self.pitch else []
+        words += size("pitch", "pitch")
         words += [self.electrodes] if self.electrodes else []
         words += [_direction(self.hot)] if self.hot else []
         return " ".join(words)
@@ -125,7 +133,15 @@ class Laminate(tuple[Layer, ...]):
     __slots__ = ()
 
     def __str__(self) -> str:
-        return "; ".join(map(str, self)) or NONE
+        return self.written({})
+
+    def written(self, tolerances: Mapping[str, str]) -> str:
+        """Layers as a scene states them, with what stands behind sizes of these names."""
+        of = [
+            {size: tolerances.get(f"layers.{number}.{size}", "") for size in SIZES}
+            for number in range(1, len(self) + 1)
+        ]
+        return "; ".join(map(Layer.written, self, of)) or NONE
 
     @property
     def thickness(self) -> float:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.files import write_text, written_whole
-from tactgen.geometry.formats import engineering, share, with_share
+from tactgen.geometry.formats import engineering, share, two_digits, with_share
 from tactgen.geometry.store.values import storable
 from tactgen.geometry.units import AMPLITUDES
 from tactgen.validation.catalogue.models import MODELS, gives
@@ -263,7 +263,7 @@ def format_modelling(value: Any, expected: Any, error: float) -> str:
     if np.iscomplexobj(value) or np.iscomplexobj(expected):
         return f"± {share((abs(value - expected) + error) / size)}"
     percent = 100.0 * (float(value) / float(expected) - 1.0)
-    return f"{'' if value == expected else f'{percent:+.2g} '}± {share(error / size)}"
+    return f"{'' if value == expected else f'{two_digits(percent):+g} '}± {share(error / size)}"
 
 
 def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str, str]]:

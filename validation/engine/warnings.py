@@ -203,7 +203,7 @@ def _of_deflection(scene: Scene, found: Sequence[Quantity]) -> Iterator[str]:
         where = f" at {largest.at:.4g} Hz" if largest.at else ""
         yield (
             f"the tip displacement reaches {1e3 * abs(largest.value):.3g} mm{where}, "
-            f"{100.0 * share:.2g} % of the length; all models are linear, so values above "
+            f"{share_of(share)} of the length; all models are linear, so values above "
             f"{100.0 * _SMALL_DEFLECTION:g} % are not valid: reduce "
             f"{'the excitation' if beyond_voltage(scene) else 'drive.voltage'}"
         )
@@ -325,8 +325,9 @@ def load_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
             (low, high), (largest, usual) = law.table.band, law.misfit
             yield (
                 f"{law.table.source} ({low:g} to {high:g} Hz) is replaced by springs, dampers and "
-                f"masses, with a misfit of at most {100.0 * largest:.2g} % and {100.0 * usual:.2g} "
-                f"% in the mean; the errors contain it{beyond if outside.any() else ''}"
+                f"masses, with a misfit of at most {share_of(largest)} and "
+                f"{share_of(usual)} in the mean; the errors contain it"
+                f"{beyond if outside.any() else ''}"
             )
     elif outside.all():
         low, high = FINGER_RANGE

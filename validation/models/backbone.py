@@ -11,6 +11,7 @@ import numpy as np
 from tactgen.geometry.arrays import Bools, Complex, Floats
 from tactgen.geometry.device.checks import check_one_plane
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import share
 from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam import transfer_matrix
@@ -98,7 +99,7 @@ class Backbone:
             if curve.missing > RESOLUTION.missing:
                 found.append(
                     f"at {curve.voltage:g} V {curve.harmonics} harmonics leave out up to "
-                    f"{100.0 * curve.missing:.2g} % of the motion"
+                    f"{share(curve.missing)} of the motion"
                 )
         return tuple(found)
 

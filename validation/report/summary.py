@@ -9,7 +9,7 @@ from operator import itemgetter
 import numpy as np
 
 from tactgen.geometry.device.material_library import curve_in_words
-from tactgen.geometry.formats import engineering, percent, with_error
+from tactgen.geometry.formats import engineering, percent, share, with_error
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES, TIP_DISPLACEMENT, VOLTAGE_LIMIT
 from tactgen.validation.engine.answers import representative
@@ -142,7 +142,7 @@ def _rests_on_models(study: Study) -> str:
     models = ranked({cell.model for row in study.compared for cell in row.cells})
     return (
         f"Models: {', '.join(models)}. Numerical errors (distance from the exact solution of the "
-        f"same model) are {100.0 * widest:.2g} % at most in the single numbers{named}; {met} the "
+        f"same model) are {share(widest)} at most in the single numbers{named}; {met} the "
         f"requested {asked}."
     )
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
+from tactgen.geometry.device.laminate import Laminate
 from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.device.parameter_group import RECONSTRUCTED
 from tactgen.geometry.device.parameters import Bimorph, Parameters, sources, spreads
@@ -79,8 +80,12 @@ def _rows(
         changed = default is None or getattr(default, name) != value
         if key in origins and (changed or not source or not _is_built_in(origins[key])):
             source = origins[key]
-        spread = f" {tolerances[key].words}" if key in tolerances else ""
-        text, written = (shown(value, info) + spread for shown in (show, _written))
+        if isinstance(value, Laminate):
+            words = {of.removeprefix(prefix): stated.words for of, stated in tolerances.items()}
+            text = written = value.written(words)
+        else:
+            spread = f" {tolerances[key].words}" if key in tolerances else ""
+            text, written = (shown(value, info) + spread for shown in (show, _written))
         yield ParameterRow(key, text, info.description or "", source, written)
 
 

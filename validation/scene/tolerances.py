@@ -156,9 +156,13 @@ def _split(
     model: type[Parameters], values: dict[str, Any], prefix: str, stated: dict[str, Tolerance]
 ) -> dict[str, Any]:
     plain = dict(values)
-    if isinstance(values.get("layers"), str):
+    layers = values.get("layers")
+    if isinstance(layers, list) and all(isinstance(layer, str) for layer in layers):
+        layers = "; ".join(layers)
+    if isinstance(layers, str):
+        del plain["layers"]
         # a size that a key states has none of the text
-        plain = {**_sizes_apart(plain.pop("layers")), **plain}
+        plain = {**_sizes_apart(layers), **plain}
     for name, value in tuple(plain.items()):
         key = f"{prefix}{name}"
         try:

@@ -17,6 +17,7 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.device.checks import check_bimorph
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import share
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.beam.parametric import check_length_free
@@ -227,7 +228,7 @@ def _inseparable(estimates: Sequence[FittedParameter], stats: Statistics, i: int
 def _spread(half_width: float) -> str:
     """Relative interval, from the half width of the interval of its ln."""
     if half_width < 0.2:
-        return f"to ±{100.0 * half_width:.2g} %"
+        return f"to ±{share(half_width)}"
     return f"within a factor of {_span(half_width):.2g}"
 
 

@@ -8,7 +8,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import stage_reads
 from tactgen.validation.scene.inputs import stage_key
 from tactgen.validation.scene.parameter_list import parameter_rows, ranges
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.scene import checked_scene, load_scene, scene_values
 
 
 def test_a_file_and_an_override_state_them(tmp_path):
@@ -44,6 +44,13 @@ def test_a_listed_layer_has_them_in_its_text():
         "2.width": (1.9e-3, 2.1e-3), "2.end": (8.5e-3, 9.5e-3),
     }  # fmt: skip
     assert set(scene.tolerances) == {f"bimorph.layers.{name}" for name in ends}
+    values, _ = scene_values("prototype", [])
+    values["bimorph"]["layers"] = layers.split("; ")
+    assert checked_scene(values).tolerances == scene.tolerances
+    row = next(row for row in parameter_rows(scene, {}) if row.key == "bimorph.layers")
+    again, _ = load_scene("prototype", [f"bimorph.layers={row.written}"])
+    words = [{key: of.words for key, of in s.tolerances.items()} for s in (again, scene)]
+    assert words[0] == words[1]
     for name, wanted in ends.items():
         assert ranges(scene)[f"bimorph.layers.{name}"][:2] == pytest.approx(wanted)
     other, _ = load_scene("prototype", [f"bimorph.layers={layers}", "bimorph.layers.2.end=8 mm"])

@@ -139,6 +139,7 @@ def _run_held(
 
 def _run_doubts(result: Simulation | HeldRun, waveforms: tuple[Waveform, ...]) -> list[str]:
     """Limits of any run's validity."""
+    from tactgen.geometry.formats import share
     from tactgen.tmm.generator.transient.waveform import Constant
 
     doubts, answer = [], result.answer
@@ -149,7 +150,7 @@ def _run_doubts(result: Simulation | HeldRun, waveforms: tuple[Waveform, ...]) -
     if result.load_misfit:
         doubts.append(
             "the load is taken as springs, dampers and masses, which only take energy; they are up "
-            f"to {100.0 * result.load_misfit:.2g} % off its law of frequency"
+            f"to {share(result.load_misfit)} off its law of frequency"
         )
     if answer.error > answer.accuracy:
         doubts.append(

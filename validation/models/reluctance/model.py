@@ -15,6 +15,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import share
 from tactgen.tmm.generator.equilibrium import PositionLoop, axial_forces, position_loop
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.catalogue.models import MODELS
@@ -72,7 +73,7 @@ class MagneticModel(Model):
         beyond = max((answer.beyond_table for answer in answers.values()), default=0.0)
         if beyond > WORTH_A_WORD:
             found.append(
-                f"{100.0 * beyond:.2g} % of the iron is magnetised beyond the end of steel.curve = "
+                f"{share(beyond)} of the iron is magnetised beyond the end of steel.curve = "
                 f"{steel.curve} (model {self.name}), which stops before the steel is saturated: "
                 "beyond it the iron is taken for saturated; measure or continue the curve to "
                 "higher B"

@@ -14,6 +14,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import share
 from tactgen.validation.catalogue.models import MODELS, gives, reading
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import check_scene
@@ -99,7 +100,7 @@ class Part:
         for name in found.fits:
             error = found.interpolation_error(name)
             if error > max(scene.accuracy, _LEAST_ACCURACY):
-                raise InputError(f"{name} would be interpolated to {100 * error:.2g} % only")
+                raise InputError(f"{name} would be interpolated to {share(error)} only")
         return found
 
     def answers(
