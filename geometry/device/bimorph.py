@@ -8,6 +8,7 @@ from functools import cache
 from math import pi, sqrt
 from typing import Any, Literal, Self
 
+import numpy as np
 from pydantic import PrivateAttr, ValidationInfo, model_validator
 from pydantic.fields import FieldInfo
 
@@ -172,6 +173,12 @@ class Bimorph(Parameters):
         if self.layers:
             return frozenset(layer.material for layer in self.layers) & frozenset(OWN)
         return frozenset(("piezo", "shim", *(["glue"] if self.glue_thickness else [])))
+
+    @property
+    def stepped(self) -> bool:
+        """Whether a layer is wider or narrower than the bimorph."""
+        widths = (layer.width for layer in self.layers)  # of several bimorphs at once arrays
+        return any(bool(np.any((own != 0.0) & (own != self.width))) for own in widths)
 
     @property
     def profiles(self) -> dict[str, Profile]:

@@ -361,7 +361,7 @@ def check_constant_section(device: Device) -> None:
     Raises InputError in one sentence that names the models that can.
     """
     also = "" if any(layer.pitch for layer in device.bimorph.layers) else ",cad"
-    if device.bimorph.layers.stepped:
+    if device.bimorph.stepped:
         raise InputError(
             f'bimorph.layers = "{device.bimorph.layers}" has layers of different widths, which the '
             f"bricks of the model solid do not know; ask for models=lumped,tmm,beam{also} or leave "

@@ -44,8 +44,8 @@ SIZES = {
 _DECLARATIONS = {name: FieldInfo.from_annotation(quantity(unit)) for name, unit in SIZES.items()}
 #: How far the sizes of somebody else's layers may lie from what is said of them.
 SCATTER = {"thickness": Own("layer thickness", 0.05), "width": Own("width", 0.025)}
-#: Such a key, less its group.
-_SIZE_NAME = re.compile(rf"layers\.[1-9]\d?\.({'|'.join(SIZES)})", re.ASCII)
+#: Such a key, less its group; of several layers it changes the size that they share.
+_SIZE_NAME = re.compile(rf"layers\.[1-9]\d?(\+[1-9]\d?)*\.({'|'.join(SIZES)})", re.ASCII)
 #: A number with its unit.
 _SIZE = rf"{NUMBER}\s*(?!from\b|to\b|wide\b)[a-zµμ][^\s\d+-]*"
 _LAYER = re.compile(
@@ -122,6 +122,14 @@ def is_size(name: str) -> bool:
     return _SIZE_NAME.fullmatch(name) is not None
 
 
+def single_sizes(name: str) -> tuple[str, ...]:
+    """Names of the sizes of single layers that one of several means; none if it is no size."""
+    if not is_size(name):
+        return ()
+    group, numbers, size = name.split(".")
+    return tuple(f"{group}.{number}.{size}" for number in numbers.split("+"))
+
+
 def declaration(name: str) -> FieldInfo:
     """Declaration of a layer's size by its name."""
     return _DECLARATIONS[name.rpartition(".")[2]]
@@ -149,11 +157,6 @@ class Laminate(tuple[Layer, ...]):
         return sum(layer.thickness for layer in self)
 
     @property
-    def stepped(self) -> bool:
-        """Whether a layer has a width of its own."""
-        return any(np.any(layer.width) for layer in self)
-
-    @property
     def continues(self) -> tuple[bool, ...]:
         """Whether each layer goes on where the ceramic ends: not ceramics, glue and patches."""
         return tuple(
@@ -166,13 +169,24 @@ class Laminate(tuple[Layer, ...]):
 
     @property
     def sizes(self) -> dict[str, Any]:
-        """All sizes that are stated, by their names, such as ``layers.2.end``."""
+        """All sizes that are stated, by their names, such as ``layers.2.end``.
+
+        Layers that begin or end together do so under one name, ``layers.1+3.end``: where only
+        one of them moves, a piece appears between the two, and answers have a kink.
+        """
         return {
-            f"layers.{number}.{size}": value
+            f"layers.{'+'.join(map(str, self._together(number, size)))}.{size}": value
             for number, layer in enumerate(self, start=1)
             for size in SIZES
             if (value := getattr(layer, size))
         }
+
+    def _together(self, number: int, size: str) -> list[int]:
+        """Numbers, from 1, of the layers that begin or end where one does."""
+        if size not in ("start", "end"):
+            return [number]
+        value = getattr(self[number - 1], size)
+        return [n for n, other in enumerate(self, start=1) if getattr(other, size) == value]
 
     @property
     def smooth_sizes(self) -> tuple[str, ...]:
@@ -180,7 +194,7 @@ class Laminate(tuple[Layer, ...]):
         return tuple(
             name
             for name in self.sizes
-            if not (self[self._place(name)[0]].pitch and name.endswith(("thickness", "pitch")))
+            if not (self[self._places(name)[0][0]].pitch and name.endswith(("thickness", "pitch")))
         )
 
     def spreads(self) -> dict[str, Spread]:
@@ -189,36 +203,50 @@ class Laminate(tuple[Layer, ...]):
         return {
             name: SCATTER[kind].around(value)
             for name, value, kind in kinds
-            if kind in SCATTER and self[self._place(name)[0]].material != "glue"
+            if kind in SCATTER and self[self._places(name)[0][0]].material != "glue"
         }
 
     def size(self, name: str) -> Any:
-        """Size by its name, 0 where it is not stated; InputError if there is no such layer."""
-        number, size = self._place(name)
-        return getattr(self[number], size)
+        """Size by its name, 0 where it is not stated.
+
+        Raises InputError if there is no such layer, or several are named that differ.
+        """
+        numbers, size = self._places(name)
+        first, *others = (getattr(self[number], size) for number in numbers)
+        for number, other in zip(numbers[1:], others, strict=True):
+            if np.any(other != first):
+                shown = SIZES[size].show
+                raise InputError(
+                    f"bimorph.{name} is one size of several layers, and layer {numbers[0] + 1} "
+                    f"has {shown(first)}, layer {number + 1} {shown(other)}; state them alike in "
+                    "bimorph.layers, or name one layer"
+                )
+        return first
 
     def with_sizes(self, values: Mapping[str, Any]) -> Laminate:
-        """Layers with other sizes by name, unchecked but for the layer; InputError as `size`."""
+        """Layers with other sizes by name, unchecked; InputError if there is no such layer."""
         layers = list(self)
         for name, value in values.items():
-            number, size = self._place(name)
-            layers[number] = layers[number]._replace(**{size: value})
+            numbers, size = self._places(name)
+            for number in numbers:
+                layers[number] = layers[number]._replace(**{size: value})
         return Laminate(layers)
 
-    def _place(self, name: str) -> tuple[int, str]:
-        """Number of a layer, from 0, and which of its sizes a name means."""
-        _, number, size = name.split(".")
+    def _places(self, name: str) -> tuple[list[int], str]:
+        """Numbers of the layers, from 0, and which of their sizes a name means."""
+        _, named, size = name.split(".")
+        numbers = [int(number) for number in named.split("+")]
         if not self:
             raise InputError(
                 f"bimorph.{name} is a size of a listed layer, and none is listed; set "
                 "bimorph.layers, or piezo_thickness or shim_thickness of bimorph"
             )
-        if int(number) > len(self):
+        if max(numbers) > len(self):
             raise InputError(
-                f"bimorph.{name} is a size of layer {number}, and bimorph.layers lists "
+                f"bimorph.{name} is a size of layer {max(numbers)}, and bimorph.layers lists "
                 f"{len(self)}; use bimorph.layers.1.{size} to bimorph.layers.{len(self)}.{size}"
             )
-        return int(number) - 1, size
+        return [number - 1 for number in numbers], size
 
     def with_hot_faces(self) -> Laminate:
         """The same layers, each ceramic of which states its face at the drive voltage."""

@@ -257,7 +257,7 @@ def test_design(refused, arguments, message):
     [
         (["nowhere.csv"], ["nowhere.csv cannot be read", "no such file"]),
         ([], ["MEASURED.csv", "--help"]),
-        (["SWEEP", "--fit", "c_q"], ['"c_q" is not a scene key', 'did you mean "c_s"']),
+        (["SWEEP", "--fit", "c_q"], ['scene key "c_q" is unknown', 'did you mean "c_s"']),
         (["SWEEP", "--set", "support.kind=clamped"], ["has no effect", "support.kind"]),
         (["SWEEP", "--noise", "pink"], ["invalid choice"]),
         (["SWEEP", "--plot", "x.gif"], ["--plot x.gif", ".svg or .png"]),

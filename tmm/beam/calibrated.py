@@ -244,7 +244,7 @@ def check_known(device: Device, support: Support) -> None:
             "--model cad, which takes both"
         )
     layers = device.bimorph.layers
-    if layers.stepped:
+    if device.bimorph.stepped:
         raise InputError(
             f'bimorph.layers = "{layers}" has layers of different widths, which the model '
             "calibrated does not know; ask for --model tmm or cad"

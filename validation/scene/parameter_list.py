@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic.fields import FieldInfo
 
-from tactgen.geometry.device.laminate import Laminate
+from tactgen.geometry.device.laminate import Laminate, is_size, single_sizes
 from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.device.parameter_group import RECONSTRUCTED
 from tactgen.geometry.device.parameters import Bimorph, Parameters, sources, spreads
@@ -137,11 +137,15 @@ def _ranges(scene: Scene) -> Iterator[tuple[str, Spread]]:
     for name in type(scene).model_fields:
         group = getattr(scene, name)
         usual = spreads(group) if isinstance(group, Parameters) else {}
-        sizes = group.layers.sizes if isinstance(group, Bimorph) else ()
-        fields = (*type(group).model_fields, *sizes) if isinstance(group, Parameters) else (name,)
+        fields = (*type(group).model_fields,) if isinstance(group, Parameters) else (name,)
+        if isinstance(group, Bimorph):
+            named = (key.removeprefix(f"{name}.") for key in scene.tolerances)
+            fields = tuple(dict.fromkeys((*fields, *group.layers.sizes, *filter(is_size, named))))
         for field in fields:
             key = f"{name}.{field}" if isinstance(group, Parameters) else name
-            stated = scene.tolerances.get(key)
+            # layers that end together may lie as far off as the first says that states it
+            whose = (key, *(f"{name}.{of}" for of in single_sizes(field)))
+            stated = next(filter(None, map(scene.tolerances.get, whose)), None)
             if stated is not None:
                 yield key, stated.spread.moved(stated.value, value_of(scene, key))
             elif field in usual:

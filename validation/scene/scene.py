@@ -496,7 +496,7 @@ def _able_models(scene: Scene) -> tuple[str, ...]:
     """Models that know the scene's bimorph and support."""
     bimorph = scene.bimorph
     unable = set()
-    if bimorph.profiles or bimorph.layers.stepped or scene.support.kind == "rod":
+    if bimorph.profiles or bimorph.stepped or scene.support.kind == "rod":
         unable.add("solid")
     if beyond_plain_layers(bimorph):
         unable.add("cad")
@@ -548,8 +548,8 @@ def number_keys(scene: Scene) -> tuple[str, ...]:
     return (*scene_keys(), *(f"bimorph.{name}" for name in scene.bimorph.layers.sizes))
 
 
-def check_key(key: str) -> None:
-    """Refuse a key that no scene has, with the nearest one; InputError."""
+def check_key(key: str, also: Iterable[str] = ()) -> None:
+    """Refuse a key that no scene has, with the nearest one or other name; InputError."""
     if is_scene_key(key):
         return
     known = scene_keys()
@@ -565,7 +565,8 @@ def check_key(key: str) -> None:
             f"the number from 1 at -x and the size {', '.join(SIZES)}"
         )
     plain = key.replace('"', "")
+    close = nearest(plain, (*known, *sorted(_groups()), *also))
     raise InputError(
-        f"scene key {quoted(plain)} is unknown{nearest(plain, (*known, *sorted(_groups())))}; "
+        f"scene key {quoted(plain)} is unknown{close}; "
         "tactgen init FILE.toml writes a scene with every key"
     )

@@ -18,7 +18,6 @@ from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.device.checks import check_bimorph
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import share
-from tactgen.geometry.names import nearest
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.beam.parametric import check_length_free
 from tactgen.validation.engine.solve import check_on_contact
@@ -26,7 +25,7 @@ from tactgen.validation.engine.warnings import load_warnings
 from tactgen.validation.scene.files import one_line
 from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
-from tactgen.validation.scene.scene import Scene, declaration, is_scene_key, scene_keys
+from tactgen.validation.scene.scene import Scene, check_key, declaration
 from tactgen.validation.scene.tolerances import unit_of
 from tactgen.validation.scene.variation import SYMBOLS, value_of, with_values
 from tactgen.validation.studies.curve_fit import (
@@ -111,7 +110,7 @@ def fit_parameter(scene: Scene, text: str) -> FitParameter:
             f"--fit {quoted(text)} is not of the form NAME[=START][:LOW..HIGH]; {_REMEDY}"
         )
     key = SYMBOLS.get(name, name)
-    unit = _unit_of_parameter(scene, key, name)
+    unit = _unit_of_parameter(scene, key)
     if key == "bimorph.length":
         check_length_free(scene.bimorph)
     start = _read(key, start_text, unit) if equals else float(value_of(scene, key))
@@ -151,12 +150,8 @@ def _read(key: str, text: str, unit: Unit) -> float:
     return value
 
 
-def _unit_of_parameter(scene: Scene, key: str, name: str) -> Unit:
-    if not is_scene_key(key):
-        raise InputError(
-            f"--fit {quoted(name)} is not a scene key{nearest(name, (*SYMBOLS, *scene_keys()))}; "
-            f"use {', '.join(SYMBOLS)} or a key that tactgen init FILE.toml writes"
-        )
+def _unit_of_parameter(scene: Scene, key: str) -> Unit:
+    check_key(key, SYMBOLS)
     unit = unit_of(declaration(key))
     if unit is None or value_of(scene, key) is None:
         raise InputError(

@@ -245,22 +245,29 @@ def left_out(scene: Scene) -> str:
     known = parameter_keys(device)
     layers = [f"bimorph.{name}" for name in scene.bimorph.layers.smooth_sizes]
 
-    def omitted(key: str) -> bool:
+    def reason(key: str) -> str:
         value = value_of(scene, key)
-        if isinstance(value, Profile) or key in scene.tolerances:
-            return bool(value) and key not in known
-        if not isinstance(value, float) or not value or key in known or idle(scene, key):
-            return False
-        made_of_contact = scene.support.kind == "contact" and key.startswith(("contact.", "guide."))
-        by_field = read_as(key) != key and key not in layers
-        return made_of_contact or by_field or has_kink(device, key)
+        if not value or key in known:
+            return ""
+        if isinstance(value, Profile):
+            return "points of a profile"
+        unread = "not read by the transfer-matrix model" if key in scene.tolerances else ""
+        if not isinstance(value, float) or idle(scene, key):
+            return unread
+        if scene.support.kind == "contact" and key.startswith(("contact.", "guide.")):
+            return "springs of a contact"
+        if read_as(key) != key and key not in layers:
+            return "layers poled along"
+        if has_kink(device, key):
+            return "a piece of the row of beams appears or vanishes there"
+        return unread
 
-    keys = ", ".join(key for key in number_keys(scene) if omitted(key))
-    return keys and (
-        f"left out of the parameters: {keys} (points of a profile, springs of a contact, lengths "
-        "at which a piece of the row of beams appears or vanishes, layers poled along, or not "
-        "read by the transfer-matrix model)"
-    )
+    keys: dict[str, list[str]] = {}
+    for key in number_keys(scene):
+        keys.setdefault(reason(key), []).append(key)
+    keys.pop("", None)
+    listed = "; ".join(f"{', '.join(those)} ({why})" for why, those in keys.items())
+    return listed and f"left out of the parameters: {listed}"
 
 
 def parameter_uncertainty(

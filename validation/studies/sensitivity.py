@@ -14,7 +14,6 @@ import numpy as np
 from tactgen.geometry.device.profile import Profile
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
-from tactgen.geometry.names import nearest
 from tactgen.geometry.units import SI, quoted
 from tactgen.validation.catalogue.models import MODELS, gives, reading
 from tactgen.validation.catalogue.quantities import QUANTITIES
@@ -23,15 +22,8 @@ from tactgen.validation.engine.derivatives import NEAREST, Changed, Derivatives,
 from tactgen.validation.engine.solve import check_models, check_request
 from tactgen.validation.engine.warnings import check_held
 from tactgen.validation.scene.inputs import idle, keys_read
-from tactgen.validation.scene.scene import (
-    Scene,
-    is_scene_key,
-    number_keys,
-    read_as,
-    scene_keys,
-    scene_values,
-)
-from tactgen.validation.scene.variation import SYMBOLS, ScenesNearby, value_of
+from tactgen.validation.scene.scene import Scene, check_key, number_keys, read_as, scene_values
+from tactgen.validation.scene.variation import ScenesNearby, value_of
 
 #: Groups and keys that say how a model is solved or compared, not what the device is.
 _NUMERICAL = ("mesh", "accuracy", "modes", "frequency", "limits")
@@ -129,8 +121,8 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
     for i in range(values.size if q.frequency is not None else min(values.size, 1)):
         if not np.isfinite(values[i]):
             continue
-        size = float(abs(values[i]))
-        if size == 0.0:
+        value = float(abs(values[i]) if np.iscomplexobj(values) else values[i])
+        if value == 0.0:
             raise InputError(
                 f"{q.name} is 0 by {q.model} in this scene, so no parameter changes it in "
                 "relation to its size; give drive.voltage and piezo.d31 a value, or ask at "
@@ -140,15 +132,15 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
         def here(by_key: dict[str, Any], i: int = i) -> dict[str, Any]:
             return {key: np.atleast_1d(entry)[i] for key, entry in by_key.items()}
 
-        phase = np.conj(values[i]) / size
+        phase = np.conj(values[i]) / value if np.iscomplexobj(values) else 1.0
         slopes = {key: float((phase * slope).real) for key, slope in here(result.slopes).items()}
-        scales = {key: float(value_of(scene, key)) / size for key in slopes}
+        scales = {key: float(value_of(scene, key)) / value for key in slopes}
         columns.append(
             SensitivityColumn(
                 quantity=q.name,
                 unit=QUANTITIES[q.name].unit,
                 frequency=None if q.frequency is None else float(q.frequency[i]),
-                value=size,
+                value=value,
                 derivatives=slopes,
                 logarithmic={key: slope * scales[key] for key, slope in slopes.items()},
                 model=q.model,
@@ -176,6 +168,7 @@ def readable_keys(
     if keys is not None:
         chosen = list(dict.fromkeys(keys))
         for key in chosen:
+            check_key(key)
             reason = _refusal(scene, key, model)
             if not reason and (error := unfit(key)):
                 reason = f"cannot be varied: next to its value {error}; leave the key out"
@@ -194,10 +187,6 @@ def readable_keys(
 def _refusal(scene: Scene, key: str, model: str) -> str:
     """Reason why a key has no sensitivity, and the remedy, or ""."""
     out = "leave the key out"
-    if not is_scene_key(key):
-        symbol = f' (did you mean "{SYMBOLS[key]}"?)' if key in SYMBOLS else ""
-        close = symbol or nearest(key, scene_keys())
-        return f"is not a scene key{close}; tactgen init FILE.toml writes a scene with every key"
     value = value_of(scene, key)
     if isinstance(value, Profile):
         return f"is a profile, whose points are not varied; {out}, or compare two tactgen solve"
@@ -209,6 +198,8 @@ def _refusal(scene: Scene, key: str, model: str) -> str:
         return "has no sensitivity: " + idle(scene, key)
     if key.partition(".")[0] in _NUMERICAL or not _reads(scene, model, key):
         return f"is not read by the model {model} for these quantities; {out}"
+    if value == 0.0 and read_as(key) != key:
+        return "is not stated in bimorph.layers; state it there, or leave the key out"
     if value == 0.0:
         return f"is 0, and there is no percentage of 0; set another value, or {out}"
     return ""

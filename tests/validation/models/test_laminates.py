@@ -10,7 +10,8 @@ from tactgen.tmm.beam import transfer_matrix
 from tactgen.validation.engine.warnings import request_warnings
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.inputs import stage_key
-from tactgen.validation.scene.scene import checked_scene, load_scene
+from tactgen.validation.scene.parameter_list import ranges
+from tactgen.validation.scene.scene import checked_scene, load_scene, number_keys
 
 STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 NUMBERS = (*STATIC, "short_circuit_frequencies", "open_circuit_frequencies")
@@ -301,6 +302,28 @@ def test_a_size_is_a_key_of_its_own():
     assert stage_key("tmm.static", found) != stage_key("tmm.static", listed)
 
 
+def test_layers_that_end_together_are_varied_together():
+    """Where only one of two patches ends elsewhere, a piece appears and the slope has a kink."""
+    patches = "PZT-5A 0.3 mm to 8 ± 0.2 mm -x; brass 0.3 mm; PZT-5A 0.3 mm to 8 mm -x"
+    both = "bimorph.layers.1+3.end"
+    found, _ = load_scene("prototype", [f"bimorph.layers={patches}"])
+    assert both in number_keys(found)
+    assert both.replace("1+3", "1") not in number_keys(found)
+    assert ranges(found)[both][:2] == pytest.approx((7.8e-3, 8.2e-3))
+    moved, _ = load_scene("prototype", [f"bimorph.layers={patches}", f"{both}=9 mm"])
+    assert [layer.end for layer in moved.bimorph.layers] == [9e-3, 0.0, 9e-3]
+    with pytest.raises(InputError, match="layer 1 has 8 mm, layer 2 0 mm; state them alike"):
+        found.bimorph.value("layers.1+2.end")
+
+
+def test_a_layer_as_wide_as_the_bimorph_has_no_width_of_its_own():
+    """So all models know it; one that is wider or narrower is not for bricks."""
+    layers = "brass 0.3 mm wide 5 mm; PZT-5A 0.3 mm -x"
+    sets = ["bimorph.width=5mm", f"bimorph.layers={layers}"]
+    assert not load_scene("prototype", sets)[0].bimorph.stepped
+    assert load_scene("prototype", [*sets, "bimorph.width=6mm"])[0].bimorph.stepped
+
+
 @pytest.mark.parametrize(
     ("layers", "override", "words"),
     [
@@ -310,6 +333,7 @@ def test_a_size_is_a_key_of_its_own():
         (LISTED, "layers.2.end=9", r'bimorph\.layers\.2\.end = "9" has no unit'),
         (LISTED, "layers.2.end=0.5mm", "not above its beginning at 1 mm"),
         (LISTED, "layers.2.pitch=1mm", "without interdigitated electrodes"),
+        (LISTED, "layers.1+3.end=9mm", "size of layer 3"),
         ("brass 0.2 m", "layers.1.width=1mm", 'bimorph.layers = "brass 0.2 m" has the layer'),
     ],
 )

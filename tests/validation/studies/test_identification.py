@@ -273,7 +273,7 @@ def test_fit_text(text, start, low, high):
 @pytest.mark.parametrize(
     ("fit", "words"),
     [
-        ("c_x", ['"c_x" is not a scene key', 'did you mean "c_s"']),
+        ("c_x", ['scene key "c_x" is unknown', 'did you mean "c_s"']),
         ("c_s:1..", ["NAME[=START][:LOW..HIGH]", "--fit c_s="]),
         ("=1", ["NAME[=START][:LOW..HIGH]"]),
         ("c_s=0.2", ['"0.2" has no unit', "rotational stiffness"]),

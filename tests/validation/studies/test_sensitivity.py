@@ -182,7 +182,7 @@ TAPER = ("--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm")
     [
         (["--key", "coil.turns"], "coil.turns"),
         (["--key", "frequency"], "is a choice"),
-        (["--key", "bimorph.lenght"], 'not a scene key (did you mean "bimorph.length"'),
+        (["--key", "bimorph.lenght"], '"bimorph.lenght" is unknown (did you mean "bimorph.length"'),
         (["--key", "c_s"], 'did you mean "support.rotational_stiffness"'),
         (["--key", "bimorph.tab_length"], "is 0, and there is no percentage of 0"),
         (["--key", "shim.transverse_modulus"], "follows from others"),

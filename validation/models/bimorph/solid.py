@@ -176,7 +176,7 @@ def mesh_pair(scene: Scene) -> MeshPair:
     Raises InputError if neither bricks nor tetrahedra know the scene's bimorph.
     """
     on_rod = scene.support.kind == "rod"
-    by_cad = on_rod or scene.bimorph.layers.stepped or bool(scene.bimorph.profiles)
+    by_cad = on_rod or scene.bimorph.stepped or bool(scene.bimorph.profiles)
     by_cad |= "cad" in scene.models and "solid" not in scene.models
     model: type[TwoMeshModel] = CadModel if by_cad else SolidModel
     model.check(scene)
