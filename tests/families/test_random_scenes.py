@@ -90,7 +90,7 @@ def test_a_stopped_run_goes_on(monkeypatch, own_store):
 
     def made_up(name, overrides):
         judged.append(f"{name} {'; '.join(overrides)}")
-        return [Point(judged[-1], 1e-9, np.nan, 1e-8, np.nan)], [judged[-1]]
+        return [Point(judged[-1], 1e-9, 1e-8)], [judged[-1]]
 
     def stopped(words):
         if words.startswith("random scene 7 "):

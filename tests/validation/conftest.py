@@ -13,7 +13,7 @@ import pytest
 from pages import blank_figures
 
 from tactgen.validation.evidence import stress_beam as beam
-from tactgen.validation.evidence.stress import Approach, ErrorMap, Point, Stress, judged
+from tactgen.validation.evidence.stress import ErrorMap, Point, Stress, answered
 from tactgen.validation.show.browser import find_browser, run_browser
 
 #: What watches a page in a browser, and where in it a test's own steps go.
@@ -158,14 +158,13 @@ def made_up_stress(monkeypatch):
     """
     table = ErrorMap(
         "made up", np.array([0.0, 1.0]), np.array([1e-3]), np.full((1, 2), 1e-14),
-        np.array([[np.nan, np.inf]]), np.ones((1, 2)),
+        np.array([[np.nan, np.inf]]),
     )  # fmt: skip
-    approach = Approach("made up", np.array([1e3, 1e6]), np.array([1e-15, 1e-13]), np.ones(2))
 
     def put(points=()):
-        points = points or [Point("somewhere", 1e-13, 1.0, 1e-12, np.nan)]
-        rows = (judged("family", "what", points),)
-        made = Stress("tmm", "words", rows, (table,), (approach,), 0)
+        points = points or [Point("somewhere", 1e-13, 1e-12)]
+        rows = (answered("family", "what", points),)
+        made = Stress("tmm", "words", rows, (table,), 0)
         monkeypatch.setattr(beam, "run", lambda _: made)
 
     return put

@@ -22,13 +22,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.beam.span import error_bound
 from tactgen.validation.evidence.coverage import cached_by_code, loaded
 from tactgen.validation.show.browser import console
-from tactgen.validation.show.figures import ORANGE, new_figure, panels, svg
+from tactgen.validation.show.figures import new_figure, svg
 
-#: Relative error that is asked for.
-WANTED = 1e-12
 #: Bounds that hold for a share of answers are missed by the rest, but by none so many times.
 FAR = 3.0
 
@@ -36,14 +33,11 @@ FAR = 3.0
 @storable
 @dataclass(frozen=True)
 class Point:
-    """Relative errors at one set of parameters, against the high-precision reference."""
+    """Relative error at one set of parameters, against the reference."""
 
     where: str  #: The parameters, for people
     error: float  #: Worst relative error of all that was compared
-    condition: float  #: Condition number of the same
-    bound: float  #: What the error may be at that condition number
-    #: Worst error of the naive formulas; infinite where they overflow, nan if not defined
-    naive: float
+    bound: float  #: What the error may be
 
 
 @storable
@@ -58,9 +52,7 @@ class Row:
     #: The answer with the largest error; of those beyond their bound, if there are any
     worst: Point
     over: float  #: The largest error over its bound
-    naive: float  #: Largest error of the naive formulas
-    #: ``holds``, ``holds up to the condition limit``, ``holds or says why not``, or ``fails``
-    verdict: str
+    verdict: str  #: ``holds``, ``holds or says why not``, or ``fails``
     refusals: tuple[str, ...] = ()  #: What was said at the points that were not answered
     #: The answers beyond their bound, that by the largest share first
     beyond: tuple[Point, ...] = ()
@@ -75,19 +67,8 @@ class ErrorMap:
     frequencies: Floats
     lengths: Floats
     error: Floats
+    #: Of the printed formulas; infinite where they overflow, nan if not defined
     naive: Floats
-    condition: Floats
-
-
-@storable
-@dataclass(frozen=True)
-class Approach:
-    """Error against condition number on the way into a resonance, (n,) arrays."""
-
-    title: str
-    condition: Floats
-    error: Floats
-    bound: Floats
 
 
 @dataclass(frozen=True)
@@ -98,49 +79,34 @@ class Stress:
     statement: str
     rows: tuple[Row, ...]
     maps: tuple[ErrorMap, ...] = ()
-    approaches: tuple[Approach, ...] = ()
     seconds: float = 0.0  #: How long the run took
 
 
-def judged(family: str, what: str, points: Sequence[Point]) -> Row:
-    """Row of a family against the wanted accuracy.
-
-    It fails if a point is beyond its bound, or beyond what was asked for where its bound
-    is that or less.
-    """
-    well = [p.error for p in points if p.bound <= WANTED]
-    naive = [p.naive for p in points if not math.isnan(p.naive)]
-    worst = max(points, key=lambda p: p.error)
-    beyond = _beyond(points)
-    if beyond or max(well, default=0.0) > WANTED:
-        verdict = "fails"
-    else:
-        verdict = "holds" if worst.error <= WANTED else "holds up to the condition limit"
-    naive_worst = max(naive, default=math.nan)
-    return Row(family, what, len(points), worst, _over(points), naive_worst, verdict, beyond=beyond)
-
-
-def share(point: Point) -> float:
+def share(error: float, bound: float) -> float:
     """Share of its bound that an error takes; an error without one is beyond."""
-    if math.isnan(point.error):
+    if math.isnan(error):
         return math.inf
-    if point.error == 0.0:
+    if error == 0.0:
         return 0.0
-    return point.error / point.bound if point.bound > 0.0 else math.inf
+    return error / bound if bound > 0.0 else math.inf
 
 
 def _beyond(points: Sequence[Point]) -> tuple[Point, ...]:
     """Points beyond their bound, nan included."""
-    return tuple(sorted((p for p in points if not p.error <= p.bound), key=share, reverse=True))
+    return tuple(sorted((p for p in points if not p.error <= p.bound), key=_share, reverse=True))
+
+
+def _share(point: Point) -> float:
+    return share(point.error, point.bound)
 
 
 def _over(points: Sequence[Point]) -> float:
     """Largest share of its bound that an error takes."""
-    return max(map(share, points), default=math.nan)
+    return max(map(_share, points), default=math.nan)
 
 
 #: Stands for the worst of no answers.
-_NONE = Point("", math.nan, math.nan, math.nan, math.nan)
+_NONE = Point("", math.nan, math.nan)
 
 
 def answered(
@@ -162,9 +128,7 @@ def answered(
     holds = "holds or says why not" if refusals else "holds"
     missed = len(beyond) > (1.0 - promised) * len(points) or _over(beyond) > FAR
     verdict = "fails" if missed or not clear else holds
-    return Row(
-        family, what, len(points), worst, _over(points), math.nan, verdict, tuple(refusals), beyond,
-    )  # fmt: skip
+    return Row(family, what, len(points), worst, _over(points), verdict, tuple(refusals), beyond)
 
 
 #: What a model may say instead of a number.
@@ -180,7 +144,7 @@ class Family:
 
     def add(self, where: str, error: float, bound: float) -> None:
         """Add an answer's relative error and its bound."""
-        self.points.append(Point(where, float(error), math.nan, float(bound), math.nan))
+        self.points.append(Point(where, float(error), float(bound)))
 
     def compare(self, where: str, value: float, exact: float, bar: float) -> None:
         """Take an answer with its error bar, `bar` and values in one unit."""
@@ -254,22 +218,6 @@ def _decade_ticks(spaced: Floats, unit: str, every: int) -> tuple[list[float], l
     return ([0.0, *places], ["0", *names]) if start else (places, names)
 
 
-def approach_plot(approaches: tuple[Approach, ...]) -> str:
-    """Plot error against condition number, with the promised bound."""
-    figure, axis = panels(7.0, 3.4)
-    for approach, marker in zip(approaches, "os^v", strict=False):
-        axis.loglog(approach.condition, approach.error, marker, label=approach.title)
-    condition = np.concatenate([a.condition for a in approaches])
-    spread = np.geomspace(condition.min(), condition.max(), 200)
-    bounds = error_bound(spread)
-    axis.loglog(spread, bounds, "k-", linewidth=1.0, label="the method's bound")
-    axis.axhline(WANTED, color=ORANGE, linestyle="--", linewidth=1.0, label="wanted")
-    axis.set_xlabel("condition number")
-    axis.set_ylabel("relative error")
-    axis.legend(frameon=False)
-    return svg(figure)
-
-
 def print_stress(parts: Sequence[Stress]) -> None:
     """Print one table of all parts, the refusals, and the statements."""
     from rich.table import Table
@@ -286,7 +234,7 @@ def print_stress(parts: Sequence[Stress]) -> None:
     for part in parts:
         for row in part.rows:
             for point in row.beyond[:_MOST]:
-                words = f"{share(point):.2g} times what was promised at {point.where}"
+                words = f"{_share(point):.2g} times what was promised at {point.where}"
                 screen.print(f"{part.part}: {words}", markup=False)
         for said in _kinds(w for row in part.rows for w in row.refusals):
             such_as = ", such as" if len(set(said)) > 1 else ""
@@ -325,17 +273,17 @@ def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
     """Write CSVs of all rows and of answers beyond, a CSV and an SVG of every map; return all."""
     rows = [
         (part.part, r.family, r.what, r.points, len(r.beyond), r.worst.error, r.worst.bound, r.over,
-         r.worst.condition, r.naive, r.verdict, r.worst.where, len(r.refusals),
+         r.verdict, r.worst.where, len(r.refusals),
          " | ".join(said[0] for said in _kinds(r.refusals)))
         for part in parts
         for r in part.rows
     ]  # fmt: skip
     head = (
         "part", "family", "range", "points", "beyond", "worst", "promised", "over bar",
-        "condition", "naive", "verdict", "worst at", "refused", "refusals",
+        "verdict", "worst at", "refused", "refusals",
     )  # fmt: skip
     beyond = [
-        (part.part, r.family, p.error, p.bound, share(p), p.where)
+        (part.part, r.family, p.error, p.bound, _share(p), p.where)
         for part in parts for r in part.rows for p in r.beyond
     ]  # fmt: skip
     written = [
@@ -348,12 +296,9 @@ def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
     for part in parts:
         for number, table in enumerate(part.maps, start=1):
             stem = f"stress-{part.part}-map-{number}"
-            columns = ("length_m", "frequency_hz", "error", "naive", "condition")
+            columns = ("length_m", "frequency_hz", "error", "naive")
             written.append(write_csv(out / f"{stem}.csv", columns, _flat(table)))
             written.append(write_text(out / f"{stem}.svg", map_plot(table)))
-        if part.approaches:
-            plot = approach_plot(part.approaches)
-            written.append(write_text(out / f"stress-{part.part}-resonance.svg", plot))
     return written
 
 
@@ -367,7 +312,7 @@ def _kinds(refusals: Iterable[str]) -> list[list[str]]:
 
 def _flat(table: ErrorMap) -> Iterator[tuple[float, ...]]:
     for i, j in product(range(table.lengths.size), range(table.frequencies.size)):
-        values = (table.error[i, j], table.naive[i, j], table.condition[i, j])
+        values = (table.error[i, j], table.naive[i, j])
         yield (float(table.lengths[i]), float(table.frequencies[j]), *map(float, values))
 
 

@@ -8,11 +8,10 @@ import sys
 
 import pytest
 
-from tactgen.tmm.beam.span import error_bound
 from tactgen.validation.command_line.commands import evidence as command
 from tactgen.validation.evidence import stress_beam as beam
 from tactgen.validation.evidence import stress_magnetics as magnetics
-from tactgen.validation.evidence.stress import WANTED, PartRequest, Point, Stress, answered, judged
+from tactgen.validation.evidence.stress import PartRequest, Point, Stress, answered
 
 
 @pytest.fixture(scope="module")
@@ -30,10 +29,8 @@ def row(found, family):
 
 
 def test_every_family_holds(found):
-    """1e-12 over whole grids; joining n pieces costs n³ roundings at most."""
-    others = ("natural", "resonance", "long chain")  # of the first two below
-    assert {r.verdict for r in found.rows if not r.family.startswith(others)} == {"holds"}
-    assert row(found, "long chain").verdict != "fails"
+    """Within its bounds; joining n pieces costs n³ roundings at most."""
+    assert {r.verdict for r in found.rows if not r.family.startswith("natural")} == {"holds"}
 
 
 def test_natural_frequencies_from_slender_to_all_shear(found):
@@ -45,13 +42,11 @@ def test_natural_frequencies_from_slender_to_all_shear(found):
     assert all("lost in rounding" in refusal for refusal in judgement.refusals)
 
 
-@pytest.mark.parametrize("family", ["resonance, both ends held", "resonance, cantilever"])
-def test_into_a_resonance(found, family):
-    """Down to the last bit the error follows the condition number, and then is large."""
-    judgement = row(found, family)
-    assert judgement.verdict == "holds up to the condition limit"
-    assert judgement.worst.error > 1e-6
-    assert judgement.worst.condition > 1e12
+def test_into_a_resonance(found):
+    """Down to the last bit the bound is right, and then is large."""
+    worst = row(found, "resonance").worst
+    assert worst.error > 1e-8
+    assert worst.bound < 100 * worst.error
 
 
 def test_the_naive_formulas_fail(found):
@@ -65,8 +60,8 @@ def test_the_naive_formulas_fail(found):
         assert high.size
         assert (high > 0.1).all()
         assert low.size
-        assert (low > 100 * WANTED).all()
-        assert (table.error < WANTED).all()
+        assert (low > 1e-10).all()
+        assert (table.error < 1e-10).all()
 
 
 @pytest.mark.heavy
@@ -76,24 +71,8 @@ def test_whole_grids(quick):
     assert all(r.verdict != "fails" for r in beam.run(PartRequest(quick)).rows)
 
 
-def synthetic(error, condition=1.0):
-    return Point("somewhere", error, condition, error_bound(condition), math.nan)
-
-
-@pytest.mark.parametrize(
-    ("points", "verdict"),
-    [
-        ([synthetic(1e-13)], "holds"),
-        ([synthetic(2e-12)], "fails"),
-        ([synthetic(1e-9, 1e9), synthetic(1e-13)], "holds up to the condition limit"),
-        ([synthetic(1e-7, 1e9), synthetic(1e-13)], "fails"),
-        ([synthetic(math.inf, 1e9)], "fails"),
-        ([synthetic(math.nan)], "fails"),
-    ],
-)
-def test_verdicts(points, verdict):
-    """A family holds, holds where it is well-conditioned, or fails."""
-    assert judged("family", "what", points).verdict == verdict
+def synthetic(error):
+    return Point("somewhere", error, 1e-12)
 
 
 @pytest.mark.parametrize(
@@ -120,7 +99,7 @@ def test_verdicts_of_answers(points, refusals, verdict):
 def test_bars_that_promise_a_share_are_held_to_it(shares, verdict):
     """One of 20 answers may be beyond its bar, but not two, nor one by three bars."""
     shares = (*shares, *(20 - len(shares)) * (0.5,))
-    points = [Point("somewhere", 1e-9 * share, math.nan, 1e-9, math.nan) for share in shares]
+    points = [Point("somewhere", 1e-9 * share, 1e-9) for share in shares]
     row = answered("family", "what", points, promised=0.95)
     assert row.verdict == verdict
     missed = [1e-9 * share for share in shares if not share <= 1.0]
@@ -130,7 +109,7 @@ def test_bars_that_promise_a_share_are_held_to_it(shares, verdict):
 
 def test_worst_is_one_that_failed():
     """A large error within its bound does not hide a made_up_stress one beyond its own."""
-    allowed = Point("far", 0.5, math.nan, 1.0, math.nan)
+    allowed = Point("far", 0.5, 1.0)
     assert answered("family", "what", [allowed, synthetic(1e-3)]).worst.where == "somewhere"
 
 
@@ -173,7 +152,7 @@ def test_command_quotes_refusals(monkeypatch, tmp_path, capsys):
     """Those that differ in numbers alone once, with how often; the file has them too."""
     said = ["come nearer", "1.5 mm is off", "come nearer", "-2e-3 mm is off"]
     rows = (answered("family", "what", [synthetic(1e-13)], said),)
-    made = Stress("magnetics", "words", rows, (), (), 0.0)
+    made = Stress("magnetics", "words", rows, (), 0.0)
     monkeypatch.setattr(magnetics, "run", lambda *_: made)
     assert command._stress(options(only=["magnetics"], out=tmp_path)) == 0
     out = capsys.readouterr().out

@@ -33,7 +33,7 @@ def test_closed_form_against_elimination(kind, wiring):
 
 
 def test_no_digit_lost_where_the_held_beam_resonates():
-    """At a pole of D(Ω), almost without losses, the answer keeps twelve digits and says so."""
+    """At a pole of D(Ω), almost without losses, the answer is as good as beside it."""
     changes = ["support.kind=clamped", "load.kind=none", "piezo.quality_factor=1e9"]
     scene, _ = load_scene("paper", changes)
     ((beam, length),) = sections(scene.device, scene.support, scene.beam, lossy=True)
@@ -41,10 +41,12 @@ def test_no_digit_lost_where_the_held_beam_resonates():
     while (middle := 0.5 * (low + high)) not in (low, high):
         sign = dynamic_stiffness(beam, length, 2 * np.pi * middle)[0, 2].real
         low, high = (middle, high) if sign < 0.0 else (low, middle)
-    found = solve(scene.model_copy(update={"frequency": (low,)}), ("tmm",), OF_TIP[:1])
+    at = {"frequency": (low, 1.001 * low)}
+    found = solve(scene.model_copy(update=at), ("tmm",), OF_TIP[:1])
     answer = found.get("tip_displacement", "tmm")
     exact = reference.dynamic_stiffness(reference.constants(beam), length, 2 * np.pi * low)
     w_tip, _, _ = reference.tip_motion(exact, None, 0.0)
     error = reference.relative_error(answer.value[0], scene.drive.voltage * w_tip)
     assert error * abs(answer.value[0]) <= answer.error[0]
-    assert answer.error[0] <= 1e-12 * abs(answer.value[0])
+    at_pole, beside = answer.error / np.abs(answer.value)
+    assert at_pole == pytest.approx(beside, rel=0.1)

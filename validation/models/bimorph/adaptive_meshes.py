@@ -60,9 +60,10 @@ _OVERSHOOT = 2.0
 #: Share of the most elements from which on a mesh is the last: sizes are met no better.
 _ENOUGH = 0.7
 
-#: A mesh that keeps more than this of the last one's error is the last: its smallest elements are
-#: as small as they may be, so another one would be its like.
-_STUCK = 0.95
+#: A mesh that keeps more than this of the last one's error, with less than so many times its
+#: elements, is the last: its smallest elements are as small as they may be, so another one would be
+#: its like.  With more elements it was bad luck: the mesher's results scatter.
+_STUCK, _MORE = 0.95, 1.5
 
 #: Gain in error of every goal from which on the difference of two meshes says enough: a little
 #: less than any mesh is aimed at, since the mesher meets its sizes roughly.
@@ -221,11 +222,13 @@ def adapted_pair(scene: Scene, accuracy: float, most_elements: int = 20_000) -> 
             allowed = accuracy / (SAFETY * last.error)
             solved.append(_finer(scene, mesher, last, allowed, most_elements))
             pair = _judged(scene.device, solved)
+            finer = len(pair.fine.mesh.cells) > _MORE * len(last.mesh.cells)
             for one in solved:  # factors of meshes that are not judged by: each may be a gigabyte
                 if one is not pair.fine and one is not pair.coarse:
                     one.system.drop_factor()
             enough = len(pair.fine.mesh.cells) > _ENOUGH * most_elements
-            if pair.largest_bar <= accuracy or enough or pair.fine.error > _STUCK * last.error:
+            stuck = pair.fine.error > _STUCK * last.error and not finer
+            if pair.largest_bar <= accuracy or enough or stuck:
                 break
     return pair
 
