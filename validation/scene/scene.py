@@ -47,7 +47,12 @@ from tactgen.validation.catalogue.models import (
     map_model,
     models_of,
 )
-from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
+from tactgen.validation.catalogue.quantities import (
+    CIRCUIT_POWER,
+    ELECTRODE_VOLTAGE,
+    QUANTITIES,
+    quantities_of,
+)
 from tactgen.validation.scene.files import (
     LONGEST_NAME,
     assign,
@@ -372,7 +377,17 @@ def checked_scene(values: dict[str, Any]) -> Scene:
     _check_together(scene)
     if "models" not in values or scene.models == WITNESSES:  # none, or all of them
         scene = scene.model_copy(update={"models": _able_models(scene)})
-    return scene
+    return scene.model_copy(update={"quantities": _with_circuit(scene)})
+
+
+def _with_circuit(scene: Scene) -> tuple[str, ...]:
+    """Quantities of a scene; of all of them also what its circuit is there for."""
+    asked, models = scene.quantities, set(scene.models) & set(models_of("bimorph"))
+    every = all_given(models)
+    if scene.circuit.kind == "source" or not every or not set(every) <= set(asked):
+        return asked
+    power = (CIRCUIT_POWER.name,) if scene.circuit.resistance else ()
+    return tuple(dict.fromkeys((*asked, ELECTRODE_VOLTAGE.name, *power)))
 
 
 def _check_together(scene: Scene) -> None:

@@ -19,6 +19,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import beam_pieces
+from tactgen.geometry.device.laminate import OWN
 from tactgen.geometry.device.profile import Profile
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, has_kink, parameter_keys
@@ -266,8 +267,13 @@ def left_out(scene: Scene) -> str:
     for key in number_keys(scene):
         keys.setdefault(reason(key), []).append(key)
     keys.pop("", None)
-    listed = "; ".join(f"{', '.join(those)} ({why})" for why, those in keys.items())
-    return listed and f"left out of the parameters: {listed}"
+    listed = [f"{', '.join(those)} ({why})" for why, those in keys.items()]
+    if names := sorted({layer.material for layer in scene.bimorph.layers} - set(OWN)):
+        listed.append(
+            f"constants of {', '.join(names)} (bimorph.layers takes them from the library; named "
+            "piezo or shim there, with piezo.material or shim.material, they have ranges)"
+        )
+    return f"left out of the parameters: {'; '.join(listed)}" if listed else ""
 
 
 def parameter_uncertainty(

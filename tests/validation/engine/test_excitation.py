@@ -7,7 +7,7 @@ import tactgen
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.validation.engine.answers import stated_as
-from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.scene.scene import checked_scene, load_scene
 
 #: Slender, so that shear and rotary inertia are small.
 SLENDER = {
@@ -148,6 +148,24 @@ def test_power_into_source_impedance_and_load():
     np.testing.assert_allclose(0.5 * 9.0 * current.real, resistor + damper, rtol=1e-6)
     assert (resistor > 0.0).all()
     assert (damper > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("circuit", "added"),
+    [
+        (
+            ["circuit.kind=load", "circuit.resistance=1 kohm"],
+            ["electrode_voltage", "circuit_power"],
+        ),
+        (["circuit.kind=open"], ["electrode_voltage"]),
+        ([], []),
+    ],
+)
+def test_what_the_circuit_is_there_for_is_among_the_usual_quantities(circuit, added):
+    usual, _ = load_scene("prototype", [])
+    assert list(load_scene("prototype", circuit)[0].quantities) == [*usual.quantities, *added]
+    (one,) = load_scene("prototype", [*circuit, "quantities=tip_velocity"])[0].quantities
+    assert one == "tip_velocity"
 
 
 def test_optimum_resistance_takes_the_most():

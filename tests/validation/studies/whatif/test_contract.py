@@ -131,7 +131,8 @@ def test_by_the_real_ladder_on_coarse_bricks(monkeypatch):
     monkeypatch.setattr(solid, "LEVELS", QUICK)
     statement, choice = under_contract(stated("bimorph.length=14mm:18mm:3", sets=["accuracy=50%"]))
     assert statement.models == ("lumped",)
-    assert [rung.model for rung in choice.ladders[0]] == ["lumped", "tmm", "solid"]
+    ladder = [rung.model for rung in choice.ladders[0]]
+    assert ladder == ["lumped", "tmm", "calibrated", "solid"]
     assert choice.scenes == 3
 
 
