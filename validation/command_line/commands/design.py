@@ -66,7 +66,8 @@ with --vary:
   "first(short_circuit_frequencies) >= 400 Hz"     a condition
   "maximise static_tip_displacement"               the goal; without one the least change is found
   known are + - * / ( ), min_over, max_over, mean_over, first, abs, sqrt, numbers with units,
-  quantities (of complex ones the magnitude), and threshold, the detection threshold
+  quantities (of complex ones the magnitude), scene keys such as bimorph.length, and threshold, the
+  detection threshold
 
 example:
   tactgen design paper --vary bimorph.length=14mm:22mm --vary bimorph.piezo_thickness=0.2mm:0.3mm \\

@@ -14,7 +14,10 @@ from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.studies.whatif.aims import THRESHOLD, Aim, at_threshold, parse_aim
+from tactgen.validation.models.model import Quantity
+from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.scene.variation import value_of
+from tactgen.validation.studies.whatif.aims import THRESHOLD, Aim, at_threshold, of_key, parse_aim
 from tactgen.validation.studies.whatif.axes import shown_point
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import Study
@@ -92,10 +95,10 @@ def judged(
     choices = {m: found for m, found in known.items() if wanted <= set(found)}
     if not choices and wanted <= set(together):
         choices = {" with ".join(known): together}
-    felt = _felt_at(statement, point)
+    felt, keys = _felt_at(statement, point), _keys_at(statement, point, aims)
     found = []
     for models, given in choices.items():
-        needed = at_threshold({name: given[name] for name in wanted}, felt)
+        needed = at_threshold({name: given[name] for name in wanted} | keys, felt)
         margins = tuple(aim.margin_with_bar(needed) for aim in aims)
         if all(math.isfinite(margin) for margin, _ in margins):
             modelling = tuple(aim.modelling_error(needed) for aim in aims)
@@ -136,6 +139,18 @@ def _felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
         if key.startswith(group):
             stated[key.removeprefix(group)] = value
     return threshold_of(Threshold(**stated))
+
+
+def _keys_at(
+    statement: Statement, point: Mapping[str, Any], aims: Sequence[Aim]
+) -> dict[str, Quantity]:
+    """Scene keys that aims name, with their values at a point."""
+    named = {key for aim in aims for key in aim.keys}
+    scene = checked_scene(statement.scene_at(dict(point))) if named - set(point) else None
+    return {
+        key: of_key(key, float(value_of(scene, key) if scene and key not in point else point[key]))
+        for key in named
+    }
 
 
 def pareto(

@@ -1,8 +1,9 @@
-"""The language of aims: arithmetic on quantities with units, a condition or a goal.
+"""The language of aims: arithmetic on quantities and scene keys with units, a condition or a goal.
 
     min_over(tip_displacement / threshold) >= 1
     first(short_circuit_frequencies) > 400 Hz
     maximise first(short_circuit_frequencies)
+    minimise bimorph.length * bimorph.width
 
 Nothing is ever evaluated but what the grammar knows.  Units are checked: lengths are compared with
 lengths.
@@ -26,7 +27,11 @@ from tactgen.geometry.units import quoted, unit_registry
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.models.model import Quantity
+from tactgen.validation.scene.scene import declaration, is_scene_key, scene_keys
+from tactgen.validation.scene.tolerances import unit_of
 
+#: A scene key with a dot, a layer's size among them.
+_KEY = re.compile(r"[^\W\d]\w*\.(?:layers\.\d+(?:\+\d+)*\.\w+|[^\W\d]\w*)")
 #: A number, perhaps with a unit.
 _NUMBER = re.compile(r"(?<![\w.])(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+)(?:\s*(%|[^\W\d]\w*))?")
 _OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
@@ -77,6 +82,7 @@ class Aim:
     kind: Literal["condition", "goal"]  #: Whether it is met or not, or is to be as good as possible
     sign: float  #: 1 if more is better, -1 if less is
     quantities: tuple[str, ...]  #: What must be known of a point
+    keys: tuple[str, ...]  #: Scene keys whose values are wanted besides
     #: Both sides; of a goal `right` is None
     left: Node
     right: Node | None
@@ -112,11 +118,11 @@ class Aim:
         """SI unit of the margin: as a quantity has it, else of base units; 1 for a pure number."""
         ones = {
             name: _quantity(name, np.ones(1), QUANTITIES[name].unit) for name in self.quantities
-        }
+        } | {key: of_key(key, 1.0) for key in self.keys}
         found = self.left(at_threshold(ones, DISPLAY_THRESHOLD))
         if found.dimensionless:
             return "1"
-        units = (QUANTITIES[name].unit for name in self.quantities)
+        units = (ones[name].unit for name in (*self.quantities, *self.keys))
         base = f"{found.to_base_units().units:~C}"
         return next((unit for unit in units if found.check(unit_registry()(unit))), base)
 
@@ -162,9 +168,11 @@ def parse_aim(text: str) -> Aim:
     names: dict[str, None] = {}
     right: Node | None = None
     try:
-        # Python's grammar but for units, which are written as an index: 2 um as 2["um"]
+        # Python's grammar but for units, which are written as an index, 2 um as 2["um"], and keys,
+        # which are written as texts
         source = _NUMBER.sub(
-            lambda m: f'{m[1]}["{m[2]}"]' if m[2] else m[1], goal if sign else text
+            lambda m: f'{m[1]}["{m[2]}"]' if m[2] else m[1],
+            _KEY.sub(lambda m: f'"{m[0]}"', goal if sign else text),
         )
         match ast.parse(source.strip(), mode="eval").body:
             case ast.Compare(left=left, ops=[compared], comparators=[other]) if (
@@ -179,18 +187,21 @@ def parse_aim(text: str) -> Aim:
                 raise InputError("has no comparison; add >= or <= and a value, or begin with "
                                  "maximise or minimise")  # fmt: skip
         if not names:
-            raise InputError(f"names no quantity; {_EXAMPLE}")
+            raise InputError(f"names neither quantity nor scene key; {_EXAMPLE}")
     except InputError as error:
         raise InputError(f"the aim {quoted(text)} {error}") from None
     except (SyntaxError, ValueError, OverflowError, RecursionError, MemoryError):
         raise InputError(
             f"the aim {quoted(text)} is not an arithmetic expression; {_EXAMPLE}"
         ) from None
-    return Aim(text, kind, sign, tuple(names), value, right)
+    quantities, keys = (
+        tuple(name for name in names if (name in QUANTITIES) == known) for known in (True, False)
+    )
+    return Aim(text, kind, sign, quantities, keys, value, right)
 
 
 def _node(tree: ast.expr, names: dict[str, None]) -> Node:
-    """Evaluation of arithmetic; `names` gathers the quantities in it."""
+    """Evaluation of arithmetic; `names` gathers the quantities and keys in it."""
     match tree:
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
             join, before, after = _OPERATORS[type(op)], _node(left, names), _node(right, names)
@@ -214,7 +225,7 @@ def _node(tree: ast.expr, names: dict[str, None]) -> Node:
         case ast.Constant(value=int() | float() as number):
             plain = np.float64(number) * unit_registry().dimensionless
             return lambda _: plain
-        case ast.Name(id=name):
+        case ast.Name(id=name) | ast.Constant(value=str() as name):
             return _named(name, names)
     raise InputError(f"has a part that is not an arithmetic expression of quantities; {_EXAMPLE}")
 
@@ -240,10 +251,15 @@ def _unit(name: str) -> Any:
 def _named(name: str, names: dict[str, None]) -> Node:
     if name == THRESHOLD:
         return lambda known: _value(known[THRESHOLD])
-    if name not in QUANTITIES:
-        raise InputError(f"names {quoted(name)}{nearest(name, (*QUANTITIES, THRESHOLD))}; name a "
-                         "quantity of tactgen solve, or threshold")  # fmt: skip
-    if QUANTITIES[name].unit == "SI":
+    if name not in QUANTITIES and not is_scene_key(name):
+        close = nearest(name, (*QUANTITIES, THRESHOLD, *scene_keys()))
+        raise InputError(
+            f"names {quoted(name)}{close}; name a quantity of tactgen solve, a scene key with a "
+            "number, or threshold"
+        )
+    if name not in QUANTITIES and unit_of(declaration(name)) is None:
+        raise InputError(f"names {name}, which is a choice; name a scene key with a number")
+    if name in QUANTITIES and QUANTITIES[name].unit == "SI":
         raise InputError(f"names {name}, whose entries have no common unit; {_EXAMPLE}")
     names[name] = None
     return lambda known: _value(known[name])
@@ -254,6 +270,13 @@ def _value(q: Quantity) -> Any:
     size = np.abs(q.value) if np.iscomplexobj(q.value) else q.value
     unit = unit_registry().parse_units("" if q.unit == "1" else q.unit)
     return np.asarray(size, dtype=float) * unit
+
+
+def of_key(key: str, value: float) -> Quantity:
+    """Value of a scene key (SI) as a quantity without error."""
+    unit = unit_of(declaration(key))
+    assert unit is not None
+    return _quantity(key, np.array([value]), unit.si)
 
 
 def at_threshold(known: dict[str, Quantity], curve: ThresholdCurve) -> dict[str, Quantity]:

@@ -8,12 +8,14 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.answers import Answer
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif.aim_evaluation import (
     Judged,
     Verdict,
     as_values,
+    judged,
     margin_in_words,
     pareto,
     parse_aims,
@@ -89,7 +91,9 @@ def test_an_aim_carries_the_error_bars():
         ("min_over(tip_displacement > 1 um", "is not an arithmetic expression"),
         ("min_over(tip_displacement) > 1 parrot", 'unknown unit "parrot"'),
         ("min_over(tip_displacement) > __import__", 'names "__import__"'),
-        ("1 > 2", "names no quantity"),
+        ("1 > 2", "names neither quantity nor scene key"),
+        ("minimise bimorph.wiring", "bimorph.wiring, which is a choice"),
+        ("minimise bimorph.lenght", 'did you mean "bimorph.length"'),
         ("first(dynamic_stiffness) > 1", "no common unit"),
         ("first(tip_displacement) ** 2 >= 1", "has a part that is not an arithmetic expression"),
         ("(" * 999 + "tip_displacement" + ")" * 999 + " > 1 um", "is not an arithmetic expression"),
@@ -246,6 +250,20 @@ def test_margins_carry_the_unit_of_what_is_compared(text, margin, words):
         Judged(0, "tmm", ((-18.6123456e-3, 1e-12),), (1e-3,)),
     )
     assert margin_in_words(force, judged, 0) == "18.612 mN (± 1 mN)"
+
+
+def test_keys_of_a_scene_are_values_of_a_point():
+    """Varied or not, a layer's size too; with the unit of their kind, and without error."""
+    values, _ = scene_values("prototype", ["bimorph.layers=brass 0.3 mm; PZT-5A 0.2 mm to 9 mm +x"])
+    statement = Statement("study", values, (), ("tmm",), (), samples=1)
+    aims = [
+        parse_aim("minimise bimorph.length * bimorph.width"),
+        parse_aim("bimorph.layers.2.end/bimorph.length<=50 %"),
+    ]
+    (found,) = judged(statement, aims, 0, {"bimorph.length": 18e-3}, {"tmm": Answer("ok", "")})
+    assert [margin for margin, _ in found.margins] == pytest.approx([-18e-3 * 2.1e-3, 0.0])
+    assert [bar for _, bar in found.margins] == [0.0, 0.0]
+    assert [aim.unit for aim in aims] == ["m**2", "1"]
 
 
 def test_what_a_verdict_says():
