@@ -1,33 +1,18 @@
-"""Told to end, by Ctrl-C, SIGTERM or a terminal that closes: unwind, so that no half file stays.
-
-Not amid the loading of a compiled module, though: one that is interrupted in its initialisation
-makes an error of its own of it, or crashes.  The end then waits until it is loaded.  Nor where
-Python lets no error out, as an object goes: there it is raised again a little later.
-"""
+"""Told to end, by Ctrl-C, SIGTERM or a terminal that closes: unwind, so that no half file stays."""
 
 from __future__ import annotations
 
 import contextlib
 import errno
 import signal
-import sys
 import threading
 from collections.abc import Iterator
-from importlib.machinery import ExtensionFileLoader
-from types import FrameType
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.streams import drop_output
 
-# Windows has no SIGHUP, and no timer that counts processor time
+# Windows has no SIGHUP
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else []))
-_HAS_TIMER = hasattr(signal, "setitimer")
-#: Signal and timer of the second look whether the module has been loaded; and after how many
-#: seconds of processor time.
-_LOOK = [signal.SIGVTALRM] if _HAS_TIMER else []
-_AGAIN = 0.01
-#: What Python runs to load a compiled module.
-_LOADERS = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__}
 
 
 class TerminationRequest(KeyboardInterrupt):
@@ -50,23 +35,13 @@ def unwind_on_signal() -> Iterator[None]:
         return
     told = 0
 
-    def end(number: int, frame: FrameType | None) -> None:
+    def end(number: int, _: object) -> None:
         nonlocal told
         told = told or number
-        if _HAS_TIMER and _loading(frame):
-            _look_again()
-        else:
-            raise TerminationRequest(told)
+        raise TerminationRequest(told)
 
-    def passed_over(raised: sys.UnraisableHookArgs) -> None:
-        if _HAS_TIMER and isinstance(raised.exc_value, TerminationRequest):
-            _look_again()
-        else:
-            hook(raised)
-
-    hook, sys.unraisablehook = sys.unraisablehook, passed_over
     heard = [number for number in _SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
-    before = {number: signal.signal(number, end) for number in (*heard, *_LOOK)}
+    before = {number: signal.signal(number, end) for number in heard}
     try:
         yield
     except Exception as error:
@@ -74,25 +49,8 @@ def unwind_on_signal() -> Iterator[None]:
             raise TerminationRequest(told) from error
         raise
     finally:
-        if _HAS_TIMER:
-            _look_again(0.0)
-        sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _look_again(after: float = _AGAIN) -> None:
-    """Ask for another signal after so many seconds of processor time; of 0 for none."""
-    signal.setitimer(signal.ITIMER_VIRTUAL, after)
-
-
-def _loading(frame: FrameType | None) -> bool:
-    """Whether a compiled module is being loaded."""
-    while frame is not None:
-        if frame.f_code in _LOADERS:
-            return True
-        frame = frame.f_back
-    return False
 
 
 def end_message(interrupt: KeyboardInterrupt) -> tuple[int, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import contextlib
 import io
 import os
@@ -18,15 +17,6 @@ from tactgen.geometry.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
-
-
-#: What stands for characters of ours where a stream has only those of ASCII or Latin-1.
-_PLAIN = {
-    "µ": "u", "μ": "u", "∠": "phase ", "°": " deg", "±": "+/-", "×": "x", "·": "*", "…": "...",
-    "–": "-", "—": "-", "−": "-", "²": "^2", "³": "^3", "Ω": "ohm", "ψ": "psi", "τ": "tau",
-    "√": "sqrt", "→": "->", "≥": ">=", "≤": "<=", "“": '"', "”": '"', "’": "'",
-}  # fmt: skip
-_NAME = "tactgen.plain"
 
 
 def say(text: str) -> None:
@@ -67,20 +57,10 @@ def usable_streams() -> None:
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
     if sys.stdout is None:
         raise InputError("standard output is closed; leave it open or send it to a file")
-    codecs.register_error(_NAME, _plainly)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             with contextlib.suppress(OSError, ValueError):
-                stream.reconfigure(errors=_NAME)
-
-
-def _plainly(error: UnicodeError) -> tuple[str, int]:
-    """Plain text for characters that a stream cannot encode, and where to go on."""
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    refused = error.object[error.start : error.end]
-    plain = "".join(_PLAIN.get(c, c.encode("ascii", "backslashreplace").decode()) for c in refused)
-    return plain, error.end
+                stream.reconfigure(errors="backslashreplace")
 
 
 #: Seconds of work from which on a log hears of it, and between two lines of it.  Quicker work

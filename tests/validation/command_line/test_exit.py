@@ -1,4 +1,4 @@
-"""Told to end: the work is unwound, though not amid the loading of a compiled module."""
+"""Told to end: the work is unwound."""
 
 import signal
 import subprocess
