@@ -500,6 +500,12 @@ QUANTITIES: dict[str, QuantityRow] = {
 }
 
 
+#: What a circuit across the electrodes is there for, by its kind.
+OF_CIRCUIT: dict[str, tuple[str, ...]] = {
+    "load": (ELECTRODE_VOLTAGE.name, CIRCUIT_POWER.name), "open": (ELECTRODE_VOLTAGE.name,),
+}  # fmt: skip
+
+
 def quantities_of(actuator: Actuator) -> tuple[str, ...]:
     """Names of an actuator's quantities, but for those that must be named."""
     own = (row for row in QUANTITIES.values() if row.actuator == actuator)

@@ -47,12 +47,7 @@ from tactgen.validation.catalogue.models import (
     map_model,
     models_of,
 )
-from tactgen.validation.catalogue.quantities import (
-    CIRCUIT_POWER,
-    ELECTRODE_VOLTAGE,
-    QUANTITIES,
-    quantities_of,
-)
+from tactgen.validation.catalogue.quantities import OF_CIRCUIT, QUANTITIES, quantities_of
 from tactgen.validation.scene.files import (
     LONGEST_NAME,
     assign,
@@ -382,12 +377,9 @@ def checked_scene(values: dict[str, Any]) -> Scene:
 
 def _with_circuit(scene: Scene) -> tuple[str, ...]:
     """Quantities of a scene; of all of them also what its circuit is there for."""
-    asked, models = scene.quantities, set(scene.models) & set(models_of("bimorph"))
-    every = all_given(models)
-    if scene.circuit.kind == "source" or not every or not set(every) <= set(asked):
-        return asked
-    power = (CIRCUIT_POWER.name,) if scene.circuit.resistance else ()
-    return tuple(dict.fromkeys((*asked, ELECTRODE_VOLTAGE.name, *power)))
+    asked, every = scene.quantities, all_given(set(scene.models) & set(models_of("bimorph")))
+    further = OF_CIRCUIT.get(scene.circuit.kind, ()) if every and {*every} <= {*asked} else ()
+    return tuple(dict.fromkeys((*asked, *further)))
 
 
 def _check_together(scene: Scene) -> None:

@@ -15,7 +15,7 @@ from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS, all_given, gives
-from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
+from tactgen.validation.catalogue.quantities import OF_CIRCUIT, QUANTITIES, quantities_of
 from tactgen.validation.engine.comparison import Choice, choose
 from tactgen.validation.scene.files import assign, choices
 from tactgen.validation.scene.parameter_list import ranges
@@ -36,8 +36,8 @@ def chosen(
     """Models and quantities by name.
 
     As the options say; else as the study says that is gone on with, or the scene; else the
-    headline quantities of the lateral actuator, by the quick model that is exact within its
-    theory.
+    headline quantities of the lateral actuator and those of its circuit, by the quick model that is
+    exact within its theory.
 
     Raises InputError for an unknown name, or models that give none of the quantities.
     """
@@ -57,6 +57,8 @@ def chosen(
             q for actuator in ("bimorph", "reluctance") if actuator in actuators
             for q in quantities_of(actuator) if QUANTITIES[q].headline
         )  # fmt: skip
+        if "bimorph" in actuators:
+            wanted += OF_CIRCUIT.get(str(values.get("circuit", {}).get("kind")), ())
     if not by_name:
         by_name = tuple(dict.fromkeys(m for q in wanted for m in _USUAL if gives(m, q)))
     idle = [m for m in by_name if not any(gives(m, q) for q in wanted)]
