@@ -141,6 +141,18 @@ def test_a_far_start_ends_where_a_near_one_does():
         assert far.get(name).value == pytest.approx(near.get(name).value, rel=1e-5)
 
 
+def test_one_length_is_found_where_a_sharp_peak_has_left_its_place():
+    """The end of two patches, 8 % away, from magnitudes: minima of the misfit are 0.5 % wide."""
+    layers = "PZT-5A 0.26 mm to 12 mm +x; brass 0.2 mm; PZT-5A 0.26 mm to 12 mm +x"
+    stated = ["bimorph.length=30 mm", "bimorph.width=6 mm", f"bimorph.layers={layers}",
+              "support.kind=clamped", "load.kind=mass", "load.mass=0.5 g"]  # fmt: skip
+    both, frequencies = "bimorph.layers.1+3.end", np.linspace(60.0, 120.0, 60)
+    truth, _ = load_scene("prototype", [*stated, f"{both}=13 mm"])
+    curve = synthetic(level=0.0, phase=False, scene=truth, frequencies=frequencies)
+    found = identify(load_scene("prototype", stated)[0], curve, (both,))
+    assert found.estimates[0].value == pytest.approx(13e-3, rel=1e-6)
+
+
 def test_weights_are_inverse_variances():
     """Noise four times as large where the weight is 1/16: the level is that at the mean weight.
 
