@@ -34,9 +34,14 @@ from tactgen.geometry.errors import InputError
 _LARGEST = 500.0
 #: Exponent of a pressure that is nothing.
 _APART = -92.0
-#: Below this tilt, in decay lengths over the radius, a ring's third derivative is its series
-#: (to 1e-9).
-_SMALL_TILT = 0.05
+#: S and its first three derivatives, each a sum of I₀, I₁, … with these weights: of a ring S = I₀,
+#: of a disc S = 2 I₁/a = I₀ − I₂, and I_n' = (I_{n−1} + I_{n+1})/2.
+_WEIGHTS = {
+    "ring": np.array([[8, 0, 0, 0], [0, 8, 0, 0], [4, 0, 4, 0], [0, 6, 0, 2]]) / 8.0,
+    "disc": np.array(
+        [[8, 0, -8, 0, 0, 0], [0, 4, 0, -4, 0, 0], [2, 0, 0, 0, -2, 0], [0, 2, 0, -1, 0, -1]]
+    ) / 8.0,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -56,26 +61,17 @@ class RoughContact:
     #: all positions by u₀ ln 2
     reference_load: float = 0.1
 
-    def energy(self, approach: Floats | float, tilt: Floats | float) -> Floats:
-        """Stored energy V (J), 0 far apart."""
-        shape = self._shape(tilt)[0]
-        return np.asarray(self.decay_length * self._scale(approach, tilt) * shape)
-
     def load(self, approach: Floats | float, tilt: Floats | float) -> Floats:
         """Load N = ∂V/∂δ (N), with which the surfaces push each other apart."""
-        return np.asarray(self._scale(approach, tilt) * self._shape(tilt)[0])
+        return np.asarray(self._derivatives(approach, tilt, 1)[0])
 
     def moment(self, approach: Floats | float, tilt: Floats | float) -> Floats:
         """Moment M = ∂V/∂ψ (N m) that tilts the head by ψ at this approach."""
-        return np.asarray(self.radius * self._scale(approach, tilt) * self._shape(tilt)[1])
+        return np.asarray(self._derivatives(approach, tilt, 2)[1])
 
     def tangent(self, approach: Floats | float, tilt: Floats | float) -> Floats:
         """Stiffness (..., 2, 2), ∂(N, M)/∂(δ, ψ): symmetric, positive definite."""
-        value, slope, bend = self._shape(tilt)
-        r = self.radius
-        rows = np.array([[value, r * slope], [r * slope, r * r * bend]])
-        scale = self._scale(approach, tilt) / self.decay_length
-        return np.asarray(np.moveaxis(rows * scale, (0, 1), (-2, -1)))
+        return _symmetric(self._derivatives(approach, tilt, 3) / self.decay_length)
 
     def moving(self, approach: Floats, tilt: Floats, rate: Floats) -> tuple[Floats, Floats, Floats]:
         """Efforts, stiffness and their derivatives at n instants.
@@ -95,21 +91,10 @@ class RoughContact:
         change : (n, 2, 2) array
             The stiffness's rate in time.
         """
-        value, slope, bend = self._shape(tilt)
-        r, scale = self.radius, self._scale(approach, tilt)
-        efforts = np.empty((scale.size, 2))
-        efforts[:, 0], efforts[:, 1] = scale * value, r * scale * slope
-        near, turn = rate[:, 0] / self.decay_length, r * rate[:, 1] / self.decay_length
-        # S, S', S'' and their rates: the pressures' grow with the approach, too
-        stiff, third = scale / self.decay_length, self._third(tilt)
-        entries = (value, r * slope, r * r * bend)
-        rates = (
-            near * value + turn * slope,
-            r * (near * slope + turn * bend),
-            r * r * (near * bend + turn * third),
-        )
-        stiffness, change = (_symmetric(*(stiff * e for e in of)) for of in (entries, rates))
-        return efforts, stiffness, change
+        found, u0 = self._derivatives(approach, tilt, 4), self.decay_length
+        nearer, turning = rate.T
+        change = (found[:3] * nearer + found[1:] * turning) / u0**2
+        return found[:2].T, _symmetric(found[:3] / u0), _symmetric(change)
 
     def is_apart(self, approach: Floats, tilt: Floats) -> bool:
         """Whether at all of these places less than 1e-40 of the reference load acts."""
@@ -118,17 +103,17 @@ class RoughContact:
 
     def approach(self, load: Floats | float, tilt: Floats | float = 0.0) -> Floats:
         """Approach (m) at which the tilted head carries a load above 0."""
-        growth = np.asarray(load) / (self.reference_load * self._shape(tilt)[0])
+        growth = np.asarray(load) / (self.reference_load * self._shape(tilt, 1)[0])
         return np.asarray(self.decay_length * (np.log(growth) - np.abs(self._relative(tilt))))
 
     def moment_under(self, load: Floats | float, tilt: Floats | float) -> Floats:
         """Moment (N m) that tilts the head while the load stays: N R S'/S."""
-        value, slope, _ = self._shape(tilt)
+        value, slope = self._shape(tilt, 2)
         return np.asarray(np.asarray(load) * self.radius * slope / value)
 
     def stiffness_under(self, load: Floats | float, tilt: Floats | float = 0.0) -> Floats:
         """Slope ∂M/∂ψ (N m/rad) while the load stays."""
-        value, slope, bend = self._shape(tilt)
+        value, slope, bend = self._shape(tilt, 3)
         factor = bend / value - (slope / value) ** 2
         return np.asarray(np.asarray(load) * self.radius**2 / self.decay_length * factor)
 
@@ -152,49 +137,31 @@ class RoughContact:
     def _relative(self, tilt: Floats | float) -> Floats:
         return np.asarray(self.radius * np.asarray(tilt, dtype=float) / self.decay_length)
 
-    def _scale(self, approach: Floats | float, tilt: Floats | float) -> Floats:
-        """P e^{δ/u₀ + |a|}, which S e^{-|a|} multiplies: no overflow on a tilted head."""
+    def _derivatives(self, approach: Floats | float, tilt: Floats | float, count: int) -> Floats:
+        """P e^{δ/u₀} Rⁿ S⁽ⁿ⁾ (count, ...): V differentiated by ψ n times.
+
+        The first is by δ instead; one more by either divides by u₀.
+        """
         exponent = np.asarray(approach, dtype=float) / self.decay_length
         exponent = exponent + np.abs(self._relative(tilt))
-        return np.asarray(self.reference_load * np.exp(np.minimum(exponent, _LARGEST)))
+        scale = self.reference_load * np.exp(np.minimum(exponent, _LARGEST))
+        shape = self._shape(tilt, count)
+        return np.stack([scale * self.radius**n * part for n, part in enumerate(shape)])
 
-    def _shape(self, tilt: Floats | float) -> tuple[Floats, Floats, Floats]:
-        """S, S' and S'' at a = R ψ/u₀, each times e^{-|a|}.
-
-        A ring's S'' = I₀ − I₁/a loses no digits, and its two functions cost a tenth of the others.
-        A disc's differences would: by I_n/a = (I_{n-1} − I_{n+1})/(2n) it divides by no a.
-        """
+    def _shape(self, tilt: Floats | float, count: int) -> Floats:
+        """S, S', … (count, ...) at a = R ψ/u₀, times e^{-|a|}: no overflow on a tilted head."""
         from scipy.special import i0e, i1e, ive
 
-        a = self._relative(tilt)
-        if self.shape == "ring":
-            value, slope = i0e(a), i1e(a)
-            upright = a == 0.0
-            return value, slope, value - np.where(upright, 0.5, slope / np.where(upright, 1.0, a))
-        i0, i1, i2, i3, i4 = (ive(n, a) for n in range(5))
-        second = (i0 - i2) / 8.0 - (i2 - i4) / 24.0  # I₂/a²
-        return i0 - i2, 0.5 * (i1 - i3), (i0 - i2) - 6.0 * second
-
-    def _third(self, tilt: Floats | float) -> Floats:
-        """Third derivative of S at a = R ψ/u₀, times e^{-|a|}."""
-        from scipy.special import i0e, i1e, ive
-
-        a = self._relative(tilt)
-        if self.shape == "disc":
-            return np.asarray((2.0 * ive(1, a) - ive(3, a) - ive(5, a)) / 8.0)
-        small = np.abs(a) < _SMALL_TILT
-        over = np.where(small, 1.0, a)
-        series = a * (3.0 / 8.0 + a * a * (5.0 / 96.0 + 7.0 / 3072.0 * a * a))
-        i0, i1 = i0e(a), i1e(a)
-        return np.where(small, series * np.exp(-np.abs(a)), i1 - (i0 - 2.0 * i1 / over) / over)
+        a, weights = self._relative(tilt), _WEIGHTS[self.shape][:count]
+        used = np.flatnonzero(weights.any(axis=0))
+        # the first two have functions of their own, which cost a tenth
+        parts = [i0e(a) if n == 0 else i1e(a) if n == 1 else ive(n, a) for n in used]
+        return np.tensordot(weights[:, used], parts, 1)
 
 
-def _symmetric(first: Floats, both: Floats, second: Floats) -> Floats:
-    """Matrices (n, 2, 2) of their entries (n,)."""
-    out = np.empty((first.size, 2, 2))
-    out[:, 0, 0], out[:, 1, 1] = first, second
-    out[:, 0, 1] = out[:, 1, 0] = both
-    return out
+def _symmetric(entries: Floats) -> Floats:
+    """Matrices (..., 2, 2) of their entries (3, ...)."""
+    return np.moveaxis(entries[[[0, 1], [1, 2]]], (0, 1), (-2, -1))
 
 
 #: A stop's approach and tilt per lift and tilt of the head: of the upper one, of the lower one.
@@ -214,11 +181,6 @@ class Stops:
     upper: RoughContact
     lower: RoughContact
     stroke: float  #: Way of the upright head from one stop to the other (m)
-
-    def energy(self, lift: Floats | float, tilt: Floats | float) -> Floats:
-        """Energy stored in both contacts (J)."""
-        low = self._lowered(lift)
-        return np.asarray(self.upper.energy(lift, tilt) + self.lower.energy(low, tilt))
 
     def forces(self, lift: Floats | float, tilt: Floats | float) -> Floats:
         """Energy's gradient (..., 2): N along u, N m along ψ.

@@ -106,8 +106,8 @@ class AxialForces:
 
     def total(self, current: Floats | float, lift: Floats | float) -> Floats:
         """Force on the upright rod (N), upwards; 0 where it rests."""
-        held = self.stops.forces(lift, 0.0)[..., 0]
-        return np.asarray(self.finger_force(current, lift) - self.pressed - held)
+        upper, lower = self.stops.loads(lift)
+        return np.asarray(self.finger_force(current, lift) - self.pressed - upper + lower)
 
     def stiffness(self, current: Floats | float, lift: Floats | float) -> Floats:
         """−∂(total)/∂u (N/m)."""

@@ -17,17 +17,15 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
 from tactgen.tmm.reluctance.coenergy_map import (
+    CURRENT_DEGREE,
+    GAP_DEGREE,
     CoenergyMap,
     MapError,
     Samples,
-    SplineBasis,
-    b_splines,
     current_basis,
     gap_derivative,
+    splines,
 )
-
-#: Degrees of the inductance in the current and of the surface in ln(g + g0).
-_CURRENT_DEGREE, _GAP_DEGREE = 2, 3
 
 #: Fewest currents above zero and gaps: half of them must still make a map.
 _FEWEST = 6
@@ -126,13 +124,13 @@ def _fitted(samples: Samples) -> CoenergyMap:
     some = points.size - 1
     if samples.incremental_inductance is not None:
         some += some // 2  # inductances tell about the shape between currents
-    basis = b_splines(_breaks(points, some - _CURRENT_DEGREE), _CURRENT_DEGREE)
-    across = b_splines(_breaks(np.log(width), width.size - _GAP_DEGREE), _GAP_DEGREE)
-    rows, targets = _equations(samples, basis, across, width)
+    along = _breaks(points, some - CURRENT_DEGREE)
+    across = _breaks(np.log(width), width.size - GAP_DEGREE)
+    rows, targets = _equations(samples, along, across, width)
     coefficients = _positive_least_squares(rows, targets)
     found = CoenergyMap(
         samples,
-        basis,
+        along,
         across,
         offset,
         coefficients.reshape(some, width.size),
@@ -159,12 +157,13 @@ def _breaks(points: Floats, spans: int) -> Floats:
 
 
 def _equations(
-    samples: Samples, basis: SplineBasis, across: SplineBasis, width: Floats
+    samples: Samples, current_breaks: Floats, width_breaks: Floats, width: Floats
 ) -> tuple[Floats, Floats]:
     """Rows (r, j·k) and right sides (r,) of all samples, each relative to its size.
 
     What vanishes with the current does so in the surface as well, and says nothing there.
     """
+    of_current, of_gap = current_basis(current_breaks), splines(width_breaks, GAP_DEGREE)
     rows: list[Floats] = []
     targets: list[Floats] = []
     for values, by_current, by_gap, weight in (
@@ -175,8 +174,8 @@ def _equations(
     ):
         if values is None:
             continue
-        along = current_basis(basis, by_current)(samples.current)
-        there = gap_derivative(across, width, by_gap)
+        along = of_current(samples.current, by_current)
+        there = gap_derivative(of_gap, width, by_gap)
         telling = (values != 0.0).any(axis=1)
         values, along = values[telling], along[telling]
         scale = weight / (_pull_size(values) if by_gap else np.abs(values))

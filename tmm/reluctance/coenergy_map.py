@@ -12,7 +12,7 @@ from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -20,62 +20,19 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.values import storable
 
-
-@storable
-@dataclass(frozen=True)
-class SplineBasis:
-    """n functions, each a polynomial on every one of s spans."""
-
-    breaks: Floats  #: (s + 1,) Ends of the spans, increasing
-    coefficients: Floats  #: (s, n, p + 1) Of the powers of x − breaks[span]
-
-    def __call__(self, x: Floats, derivative: int = 0) -> Floats:
-        """Functions or a derivative of them at `x` (...,), shape (..., n)."""
-        x = np.asarray(x, dtype=float)
-        span = np.searchsorted(self.breaks[1:-1], x, side="right")
-        c, s = self.coefficients[span], (x - self.breaks[span])[..., None]
-        degree = c.shape[-1] - 1
-        value = np.zeros(c.shape[:-1])
-        for k in range(degree, derivative - 1, -1):
-            value = value * s + math.perm(k, derivative) * c[..., k]
-        return value
-
-    def integral(self) -> SplineBasis:
-        """Integrals of the functions from the first break."""
-        powers = np.arange(1, self.coefficients.shape[-1] + 1)
-        grown = np.concatenate(
-            [np.zeros_like(self.coefficients[..., :1]), self.coefficients / powers], axis=-1
-        )
-        width = np.diff(self.breaks)[:, None, None] ** np.arange(grown.shape[-1])
-        whole = (grown * width).sum(axis=-1)
-        grown[1:, :, 0] = np.cumsum(whole, axis=0)[:-1]
-        return SplineBasis(self.breaks, grown)
+#: Degrees of the inductance in the current and of the surface in ln(g + g0).
+CURRENT_DEGREE, GAP_DEGREE = 2, 3
 
 
-def b_splines(breaks: Floats, degree: int) -> SplineBasis:
-    """S + `degree` B-splines on `breaks` (s + 1,), which sum to 1.
+def splines(breaks: Floats, degree: int) -> Any:
+    """All n B-splines on `breaks` as one SciPy BSpline, which gives values (..., n).
 
-    All are ≥ 0, so a sum of them with coefficients ≥ 0 is so too; they are `degree` − 1
+    They are ≥ 0, so a sum of them with coefficients ≥ 0 is so too, sum to 1, and are `degree` − 1
     times continuously differentiable.
     """
-    breaks = np.asarray(breaks, dtype=float)
-    spans = breaks.size - 1
-    knots = np.concatenate([np.repeat(breaks[:1], degree), breaks, np.repeat(breaks[-1:], degree)])
-    # degree 0: function j is 1 on the span between knots j and j + 1
-    c = np.zeros((spans, knots.size - 1, 1))
-    c[np.arange(spans), degree + np.arange(spans), 0] = 1.0
-    for d in range(1, degree + 1):
-        higher = np.zeros((spans, knots.size - 1 - d, d + 1))
-        for j in range(knots.size - 1 - d):
-            for one, first, last, sign in ((j, j, j + d, 1.0), (j + 1, j + d + 1, j + 1, -1.0)):
-                width = abs(knots[last] - knots[first])
-                if width > 0.0:
-                    # (x − t_first) / width, rising or falling, times the lower function
-                    higher[:, j, 1:] += sign * c[:, one] / width
-                    offset = sign * (breaks[:-1] - knots[first])[:, None]
-                    higher[:, j, :-1] += offset * c[:, one] / width
-        c = higher
-    return SplineBasis(breaks, c)
+    from scipy.interpolate import BSpline  # slow to import
+
+    return BSpline(np.pad(breaks, degree, "edge"), np.eye(breaks.size - 1 + degree), degree)
 
 
 #: How far beyond its ends a map may be asked, relative to its range: rounding of a grid.
@@ -127,8 +84,9 @@ class CoenergyMap:
     """
 
     samples: Samples  #: What it was made from
-    inductance_basis: SplineBasis  #: The B-splines of the current
-    gap_basis: SplineBasis  #: The B-splines of ln(g + g0)
+    #: Breaks of the B-splines of the current (A) and of ln(g + g0), g + g0 in metres
+    current_breaks: Floats
+    width_breaks: Floats
     gap_offset: float  #: g0 (m), about the gap that the rest of the circuit is worth
     coefficients: Floats  #: (j, k) c_jk, all positive
     residual: MapError  #: How far the surface misses its own samples
@@ -136,8 +94,9 @@ class CoenergyMap:
     interpolation_error: MapError
 
     @cached_property
-    def _current_bases(self) -> tuple[SplineBasis, ...]:
-        return tuple(current_basis(self.inductance_basis, order) for order in range(3))
+    def bases(self) -> tuple[Any, Any]:
+        """J_j over the current and Y_k over ln(g + g0)."""
+        return current_basis(self.current_breaks), splines(self.width_breaks, GAP_DEGREE)
 
     @property
     def current_limit(self) -> float:
@@ -198,9 +157,9 @@ class CoenergyMap:
         i, g = np.broadcast_arrays(np.asarray(current, dtype=float), np.asarray(gap, dtype=float))
         size, width = np.abs(i), g + self.gap_offset
         self._check(size, g)
-        along = self._current_bases[by_current](size)
-        across = gap_derivative(self.gap_basis, width, by_gap)
-        value = np.sum((along @ self.coefficients) * across, axis=-1)
+        of_current, of_gap = self.bases
+        across = gap_derivative(of_gap, width, by_gap)
+        value = np.sum((of_current(size, by_current) @ self.coefficients) * across, axis=-1)
         return np.asarray(np.sign(i) * value if by_current == 1 else value)
 
     def _check(self, size: Floats, gap: Floats) -> None:
@@ -220,19 +179,16 @@ class CoenergyMap:
             )
 
 
-def current_basis(inductance_basis: SplineBasis, derivative: int) -> SplineBasis:
-    """Functions of the current in W' (0), λ (1) or ∂λ/∂i (2)."""
-    basis = inductance_basis
-    for _ in range(2 - derivative):
-        basis = basis.integral()
-    return basis
+def current_basis(breaks: Floats) -> Any:
+    """Functions of the current in W': double integrals of B-splines, those of ∂λ/∂i."""
+    return splines(breaks, CURRENT_DEGREE).antiderivative(2)
 
 
-def gap_derivative(gap_basis: SplineBasis, width: Floats, derivative: int) -> Floats:
+def gap_derivative(gap_basis: Any, width: Floats, derivative: int) -> Floats:
     """D^n/dg^n of the functions of ln(g + g0) at `width` = g + g0, n up to 2."""
     y = np.log(width)
     if derivative == 0:
-        return gap_basis(y)
+        return np.asarray(gap_basis(y))
     first = gap_basis(y, 1)
     if derivative == 1:
         return np.asarray(first / width[..., None])
@@ -354,14 +310,11 @@ class CoenergyCells:
 
 
 def cells(found: CoenergyMap) -> CoenergyCells:
-    """Map cell by cell."""
-    along = current_basis(found.inductance_basis, 0)
-    across = found.gap_basis
-    return CoenergyCells(
-        current_breaks=along.breaks,
-        width_breaks=across.breaks,
-        gap_offset=found.gap_offset,
-        coefficients=np.einsum(
-            "ajp,jk,bkq->abpq", along.coefficients, found.coefficients, across.coefficients
-        ),
+    """Map cell by cell: the functions' Taylor series at the breaks."""
+    i, y = found.current_breaks, found.width_breaks
+    along, across = (
+        [basis(breaks[:-1], p) / math.factorial(p) for p in range(basis.k + 1)]
+        for basis, breaks in zip(found.bases, (i, y), strict=True)
     )
+    coefficients = np.einsum("paj,jk,qbk->abpq", along, found.coefficients, across)
+    return CoenergyCells(i, y, found.gap_offset, coefficients)
