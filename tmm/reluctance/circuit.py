@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Numbers
 from tactgen.geometry.device.checks import check_gap
 from tactgen.geometry.device.magnetisation import MU0, MagnetisationCurve, linear
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
@@ -28,18 +28,6 @@ from tactgen.tmm.reluctance.flux_ladder import Ladder
 
 #: Roters' half cylinder between two flush edges, its permeance over µ0 and length.
 _HALF_CYLINDER = 0.26
-
-
-@dataclass(frozen=True)
-class GapPermeance:
-    """Permeance at m gaps, and how much of the collar's bore its tubes take."""
-
-    #: (m,) P (H) and dP/dg (H/m)
-    permeance: Floats
-    d_permeance: Floats
-    #: (m,) Height of the collar's bore that the tubes from the head take (m), and its slope
-    covered: Floats
-    d_covered: Floats
 
 
 def pole_radii(device: Device) -> tuple[float, float]:
@@ -69,15 +57,15 @@ def pole_area(device: Device) -> float:
     return math.pi * (outer**2 - inner**2)
 
 
-def straight(device: Device, gaps: Floats) -> GapPermeance:
-    """P = µ0 A/g: no field beside the pole faces."""
-    p = MU0 * pole_area(device) / gaps
-    none = np.zeros_like(gaps)
-    return GapPermeance(p, -p / gaps, none, none)
+def straight(device: Device, gaps: Numbers) -> Numbers:
+    """Permeance µ0 A/g (m,) in H: no field beside the pole faces."""
+    return np.asarray(MU0 * pole_area(device) / gaps)
 
 
-def with_fringing(device: Device, gaps: Floats) -> GapPermeance:
-    """Pole faces' permeance with the tubes beside them.
+def with_fringing(device: Device, gaps: Numbers) -> tuple[Numbers, Numbers]:
+    """Pole faces' permeance (m,) in H with the tubes beside them, and what these take of the bore.
+
+    The second is the height (m,) of the collar's bore that the tubes from the head take (m).
 
     Outside, head and sleeve are taken as flush.  Inside, the collar's edge faces the plane
     of the head.  From depth d down the bore a quarter circle to the head is s π/2 long,
@@ -86,33 +74,18 @@ def with_fringing(device: Device, gaps: Floats) -> GapPermeance:
     area is that of coaxial cylinders.
     """
     inner, outer = pole_radii(device)
-    flat = straight(device, gaps)
     outside, inside = MU0 * 2.0 * math.pi * outer, MU0 * 2.0 * math.pi * inner
-
     # the half annulus starts all over the head, rim and top, and ends along the sleeve
     depth = min(device.rod.head_thickness + device.rod.head_radius, device.sleeve.length)
     annulus = np.log1p(2.0 * depth / gaps) / math.pi
-    d_annulus = -2.0 * depth / (gaps * (gaps + 2.0 * depth)) / math.pi
-
     c = 2.0 * inner * math.log(inner / device.rod.radius) / math.pi
     end = gaps + device.sleeve.collar_thickness
-
-    def share(s: Floats) -> Floats:
-        return 1.0 / (1.0 + (s / c) ** 2)
-
-    # ∫ 2 share/(π s) ds and ∫ share ds from g to g + collar, and their derivatives by g
-    bore = (2.0 * np.log(end / gaps) + np.log(share(end) / share(gaps))) / math.pi
-    d_bore = 2.0 / math.pi * (share(end) / end - share(gaps) / gaps)
+    # ∫ 2 share/(π s) ds and ∫ share ds from g to g + collar
+    shares = (1.0 + (gaps / c) ** 2) / (1.0 + (end / c) ** 2)
+    bore = (2.0 * np.log(end / gaps) + np.log(shares)) / math.pi
     covered = c * (np.arctan(end / c) - np.arctan(gaps / c))
-
-    return GapPermeance(
-        permeance=flat.permeance
-        + outside * (_HALF_CYLINDER + annulus)
-        + inside * (2.0 * _HALF_CYLINDER + bore),
-        d_permeance=flat.d_permeance + outside * d_annulus + inside * d_bore,
-        covered=covered,
-        d_covered=share(end) - share(gaps),
-    )
+    permeance = straight(device, gaps) + outside * (_HALF_CYLINDER + annulus)
+    return permeance + inside * (2.0 * _HALF_CYLINDER + bore), covered
 
 
 #: Cells in each of the ladder's zones; the error falls with their square.
@@ -120,6 +93,11 @@ CELLS = 24
 
 #: Added to every rung of leakage (H), 1e-9 m of vacuum: a zone of no length stays finite.
 _LEAST_PERMEANCE = 1e-9 * MU0
+
+#: What the gap is moved by along the imaginary axis (m): whatever follows from it has its slope by
+#: the gap as imaginary part then, to rounding (Squire and Trapp, SIAM Review 40 (1998) 110).  Its
+#: sign decides which of two ends at one place counts, as NumPy orders complex numbers.
+_STEP = -1e-30
 
 #: Rings in which the head's radial field is integrated (Gauss points).
 _RINGS = 4
@@ -146,11 +124,9 @@ ONE_GAP = Refinements("perfect", parasitic_gap=False, leakage=False, fringing=Fa
 
 @dataclass(frozen=True)
 class _Path:
-    """The path below the gap in k cells, from the flange up; arrays (m, k) unless said."""
+    """The path below the gap in k cells, from the flange up; arrays (m, k)."""
 
-    #: Axial length of each cell (m) and its derivative by the gap
-    length: Floats
-    d_length: Floats
+    length: Complex  #: Axial length of each cell (m)
     #: What lies there
     in_flange: Bools
     in_coil: Bools
@@ -166,38 +142,44 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
 
     Raises InputError if the parts cannot form the circuit at one of the gaps.
     """
-    path = _path(device, gaps, cells, parasitic_gap=refinements.parasitic_gap)
-    gap = (with_fringing if refinements.fringing else straight)(device, gaps)
+    check_circuit(device, gaps)
+    moved = gaps + 1j * _STEP
+    path = _path(device, moved, cells, parasitic_gap=refinements.parasitic_gap)
+    if refinements.fringing:
+        gap, covered = with_fringing(device, moved)
+    else:
+        gap, covered = straight(device, moved), np.zeros_like(moved)
     flange = path.in_flange[0]
     between = refinements.leakage | flange | np.append(flange[1:], False)
     group = np.concatenate([[0], np.cumsum(between)])
 
-    permeance, d_permeance = _rung_permeance(device, path, gap, refinements)
     there = np.concatenate([[refinements.parasitic_gap], between])
-    reluctance = np.where(there, 1.0 / permeance, 0.0)
-    rungs = np.concatenate([[True], between])
-    top = 1.0 / gap.permeance[:, None]
-    area, length, d_length, cell = _iron(device, gaps, path)
-    density = device.coil.turns / device.coil.length
-    coil = path.in_coil * density
-    above, d_above = _coil_above_sleeve(device, gaps)
+    rungs = np.where(there, 1.0 / _rung_permeance(device, path, covered, refinements), 0.0)
+    kept = np.concatenate([[True], between])
+    reluctance = np.concatenate([rungs[:, kept], 1.0 / gap[:, None]], axis=1)
+    area, length, cell = _iron(device, moved, path)
+    coil = device.coil
+    # turns above the sleeve link the gap
+    above = np.minimum(np.maximum(moved - NOMINAL_GAP - coil.position, 0.0), coil.length)
     last = np.eye(int(group[-1]) + 1)[-1]
+    turns = _grouped(path.in_coil * path.length, group) + above[:, None] * last
+    turns *= coil.turns / coil.length
+    slopes = (part.imag / _STEP for part in (length, reluctance, turns))
+    d_length, d_reluctance, d_turns = slopes
     return Ladder(
         curve=_curve(device, refinements),
         area=area,
-        length=length,
+        length=length.real,
         d_length=d_length,
         cell=group[cell],
-        reluctance=np.concatenate([reluctance[:, rungs], top], axis=1),
-        d_reluctance=np.concatenate(
-            [(-d_permeance * reluctance**2)[:, rungs], -gap.d_permeance[:, None] * top**2], axis=1
-        ),
-        turns=_grouped(coil * path.length, group) + density * above[:, None] * last,
-        d_turns=_grouped(coil * path.d_length, group) + density * d_above[:, None] * last,
+        reluctance=reluctance.real,
+        d_reluctance=d_reluctance,
+        turns=turns.real,
+        d_turns=d_turns,
     )
 
 
-def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _Path:
+def _path(device: Device, gaps: Complex, cells: int, *, parasitic_gap: bool) -> _Path:
     """Divide the path into zones of equal kind, each into equal cells.
 
     Depths are measured in the rod's frame, downward from where the sleeve's top is at the
@@ -205,36 +187,28 @@ def _path(device: Device, gaps: Floats, cells: int, *, parasitic_gap: bool) -> _
     """
     rod, coil, sleeve = device.rod, device.coil, device.sleeve
     top = gaps - NOMINAL_GAP
-    collar = top + sleeve.collar_thickness
-    fixed, moving = np.zeros_like(gaps), np.ones_like(gaps)
-
-    def below_top(position: float) -> tuple[Floats, Floats]:
-        return np.maximum(position, top), np.where(position < top, moving, fixed)
-
-    check_circuit(device, gaps)
-    lowest = np.minimum(rod.flange_position + rod.flange_thickness, top + sleeve.length)
     ends = {
-        "flange": (np.full_like(gaps, rod.flange_position), fixed),
-        "coil_bottom": below_top(coil.position + coil.length),
-        "coil_top": below_top(coil.position),
-        "collar": (collar, moving),
-        "top": (top, moving),
+        "flange": np.full_like(gaps, rod.flange_position),
+        "coil_bottom": np.maximum(coil.position + coil.length, top),
+        "coil_top": np.maximum(coil.position, top),
+        "collar": top + sleeve.collar_thickness,
+        "top": top,
     }
     if parasitic_gap:
-        ends["lowest"] = (lowest, np.where(lowest == top + sleeve.length, moving, fixed))
-    depth, d_depth = (np.stack(part, axis=1) for part in zip(*ends.values(), strict=True))
-    order = np.argsort(-depth, axis=1, kind="stable")
-    depth, d_depth = (np.take_along_axis(part, order, axis=1) for part in (depth, d_depth))
+        lowest = rod.flange_position + rod.flange_thickness
+        ends["lowest"] = np.minimum(lowest, top + sleeve.length)
+    depth = np.stack(list(ends.values()), axis=1)
+    order = np.argsort(-depth.real, axis=1, kind="stable")
+    depth = np.take_along_axis(depth, order, axis=1)
     # by rank, not by depth: a zone of no length still has a kind, and may be about to grow
     rank = dict(zip(ends, np.argsort(order, axis=1).T[..., None], strict=True))
     zone = np.arange(depth.shape[1] - 1)
 
-    def each(values: Floats | Bools) -> Any:
+    def each(values: Complex | Bools) -> Any:
         return np.repeat(values, cells, axis=1)
 
     return _Path(
         length=each((depth[:, :-1] - depth[:, 1:]) / cells),
-        d_length=each((d_depth[:, :-1] - d_depth[:, 1:]) / cells),
         in_flange=each(zone < rank["flange"]),
         in_coil=each((zone >= rank["coil_bottom"]) & (zone < rank["coil_top"])),
         in_collar=each(zone >= rank["collar"]),
@@ -265,14 +239,6 @@ def check_circuit(device: Device, gaps: Floats) -> None:
             raise InputError(f"gap = {gap * 1e3:g} mm {words}")
 
 
-def _coil_above_sleeve(device: Device, gaps: Floats) -> tuple[Floats, Floats]:
-    """Length of coil above the sleeve (m,) and its slope; its turns link the gap."""
-    coil = device.coil
-    top = gaps - NOMINAL_GAP
-    length = np.clip(top - coil.position, 0.0, coil.length)
-    return length, ((length > 0.0) & (length < coil.length)).astype(float)
-
-
 def widest_circuit(device: Device) -> float:
     """Widest gap (m) at which the parts form this circuit: the flange at the collar."""
     rod, sleeve = device.rod, device.sleeve
@@ -280,9 +246,9 @@ def widest_circuit(device: Device) -> float:
 
 
 def _rung_permeance(
-    device: Device, path: _Path, gap: GapPermeance, refinements: Refinements
-) -> tuple[Floats, Floats]:
-    """Permeance of the rungs (m, k + 1) below each cell and above the last, dP/dg.
+    device: Device, path: _Path, covered: Numbers, refinements: Refinements
+) -> Complex:
+    """Permeance (m, k + 1) of the rungs below each cell and above the last.
 
     Coaxial cylinders, 2π µ0/ln(r2/r1) per length; the collar's bore only as far as the tubes
     of the gap's fringing leave it.
@@ -299,19 +265,14 @@ def _rung_permeance(
         leaking * coaxial(rod.radius, sleeve.inner_radius),
     )
     collar = leaking * coaxial(rod.radius, sleeve.collar_radius) / sleeve.collar_thickness
-    free = sleeve.collar_thickness - gap.covered
-    per_length = np.where(path.in_collar, collar * free[:, None], bore)
-    slope = np.where(path.in_collar, -collar * gap.d_covered[:, None], 0.0)
-    half = 0.5 * per_length * path.length
-    d_half = 0.5 * (slope * path.length + per_length * path.d_length)
-    p, d_p = (
-        np.pad(part, ((0, 0), (0, 1))) + np.pad(part, ((0, 0), (1, 0))) for part in (half, d_half)
-    )
-    return p + _LEAST_PERMEANCE, d_p
+    free = sleeve.collar_thickness - covered
+    half = 0.5 * np.where(path.in_collar, collar * free[:, None], bore) * path.length
+    p: Complex = np.pad(half, ((0, 0), (0, 1))) + np.pad(half, ((0, 0), (1, 0)))
+    return p + _LEAST_PERMEANCE
 
 
-def _iron(device: Device, gaps: Floats, path: _Path) -> tuple[Floats, Floats, Floats, Ints]:
-    """Areas, lengths, their slopes (m, E) and the cells (E,) of the iron elements.
+def _iron(device: Device, gaps: Complex, path: _Path) -> tuple[Floats, Complex, Ints]:
+    """Areas, lengths (m, E) and the cells (E,) of the iron elements.
 
     Rod and sleeve beside every cell; in the last cell the shaft up to the middle of the
     head, and rings of the head from the shaft to the middle of the pole.
@@ -338,9 +299,6 @@ def _iron(device: Device, gaps: Floats, path: _Path) -> tuple[Floats, Floats, Fl
     return (
         np.concatenate([rod_area, sleeve_area, np.broadcast_to(head_area, (m, _RINGS + 1))], 1),
         np.concatenate([path.length, path.length, shaft, rings], axis=1),
-        np.concatenate(
-            [path.d_length, path.d_length, np.ones((m, 1)), np.zeros((m, _RINGS))], axis=1
-        ),
         np.concatenate([along, along, np.full(_RINGS + 1, k)]),
     )
 
@@ -354,6 +312,6 @@ def _curve(device: Device, refinements: Refinements) -> MagnetisationCurve | Non
     return linear(curve.highest_permeability)
 
 
-def _grouped(values: Floats, group: Ints) -> Floats:
+def _grouped(values: Complex, group: Ints) -> Complex:
     """Sum `values` (m, k) of the cells that became one; the gap's cell has none."""
     return np.asarray(values @ np.eye(int(group[-1]) + 1)[group[:-1]])
