@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 
-from tactgen.geometry.arrays import Bools, Complex, Floats
+from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.harmonic_balance.balance import (
     LawHarmonics,
@@ -203,12 +204,14 @@ def _determinants(oscillator: Oscillator, orbit: Orbit, law: LawHarmonics, at: F
 #: From frequencies (n,) to entries (n, e).
 Function: TypeAlias = Callable[[Floats], Complex]
 
-#: Degree, and the places between the Chebyshev points at which a polynomial is held against the
-#: function, in units of half an interval.
-_DEGREE = 20
-_CHECKED = np.cos(np.pi * (np.array([0.5, 5.5, 10.5, 14.5, 19.5])) / _DEGREE)
-#: Error of an entry over its largest value on the interval: what the function's rounding leaves.
-_TOLERANCE = 1e-12
+#: Degree of the polynomials, the Chebyshev points that they go through, and what makes their
+#: Chebyshev coefficients of the values there.
+_DEGREE = 24
+_NODES = np.cos(np.pi * np.arange(_DEGREE + 1) / _DEGREE)
+_COEFFICIENTS = np.linalg.inv(chebvander(_NODES, _DEGREE))
+#: Size of the last coefficients over the largest value on the interval, below which a polynomial is
+#: the function: what the function's rounding leaves.
+_LAST, _TOLERANCE = 4, 1e-12
 #: Shortest interval over the frequency at its upper end, and that over the table's.
 _SHORTEST = 1e-4
 #: Intervals in work at once, beyond which what is left is not smooth: rounding above the tolerance
@@ -221,9 +224,6 @@ _FIRST_TABLE, _AT_ONCE = 3000, 1000
 _BEYOND = 1.3
 
 _ALL = slice(None)
-_NODES = np.cos(np.pi * np.arange(_DEGREE + 1) / _DEGREE)
-_WEIGHTS = np.where(np.arange(_DEGREE + 1) % 2, -1.0, 1.0)
-_WEIGHTS[[0, -1]] *= 0.5
 
 
 class Tabulated:
@@ -235,9 +235,9 @@ class Tabulated:
     def __init__(self, function: Function) -> None:
         self._function = function
         self._asked = 0
-        self._ends = np.zeros(1)  # of the intervals, ascending
-        self._values = np.zeros((0, _DEGREE + 1, 0), dtype=complex)
-        self._smooth: Bools = np.zeros(0, dtype=bool)
+        # of the intervals, ascending: upper end, coefficients (degree + 1, e), whether they are it
+        self._done: list[tuple[float, Complex, bool]] = []
+        self._ends = np.zeros(1)
 
     def __call__(self, frequencies: Floats, entries: slice = _ALL) -> Complex:
         """Entries."""
@@ -257,8 +257,8 @@ class Tabulated:
     def _read(self, frequencies: Floats, entries: slice) -> Complex:
         at = np.maximum(np.searchsorted(self._ends, frequencies) - 1, 0)
         low, high = self._ends[at], self._ends[at + 1]
-        values = self._values[..., entries]
-        found = _interpolated(values[at], (2.0 * frequencies - low - high) / (high - low))
+        powers = chebvander((2.0 * frequencies - low - high) / (high - low), _DEGREE)
+        found: Complex = np.matmul(powers[:, None], self._polynomials[..., entries][at])[:, 0]
         rough = ~self._smooth[at]
         if rough.any():
             found[rough] = self._function(frequencies[rough])[:, entries]
@@ -270,42 +270,21 @@ class Tabulated:
         done: list[tuple[float, Complex, bool]] = []
         while pending.size:
             low, high = pending[:, :1], pending[:, 1:]
-            places = np.concatenate([_NODES, _CHECKED])
-            asked = 0.5 * (low + high) + 0.5 * (high - low) * places
-            # the ends exactly, so that rounding leads to no frequency below 0
-            asked[:, 0], asked[:, _DEGREE] = pending[:, 1], pending[:, 0]
+            # the lower end exactly, so that rounding leads to no frequency below 0
+            asked = low + 0.5 * (high - low) * (1.0 + _NODES)
             values = self._function(asked.ravel()).reshape(*asked.shape, -1)
-            nodes, known = values[:, : _DEGREE + 1], values[:, _DEGREE + 1 :]
-            size = np.abs(nodes).max(axis=1, keepdims=True)
-            each = np.repeat(nodes, _CHECKED.size, axis=0)
-            met = _interpolated(each, np.tile(_CHECKED, len(nodes))).reshape(known.shape)
-            smooth = (np.abs(met - known) <= _TOLERANCE * size).all(axis=(1, 2))
+            made = _COEFFICIENTS @ values
+            size = np.abs(values).max(axis=1, keepdims=True)
+            good = (np.abs(made[:, -_LAST:]) <= _TOLERANCE * size).all(axis=(1, 2))
             short = high - low < _SHORTEST * np.maximum(high, _SHORTEST * top)
-            ended = smooth | short[:, 0] | (len(pending) > _MOST)
-            done += [
-                (float(pending[i, 1]), nodes[i], bool(smooth[i])) for i in np.flatnonzero(ended)
-            ]
+            ended = good | short[:, 0] | (len(pending) > _MOST)
+            done += zip(pending[ended, 1], made[ended], good[ended], strict=True)
             left = pending[~ended]
             middle = left.mean(axis=1)
             pending = np.concatenate(
                 [np.stack([left[:, 0], middle], 1), np.stack([middle, left[:, 1]], 1)]
             )
-        done.sort(key=lambda interval: interval[0])
-        made = np.stack([values for _, values, _ in done])
-        self._values = np.concatenate([self._values, made]) if self._smooth.size else made
-        self._ends = np.append(self._ends, [end for end, _, _ in done])
-        self._smooth = np.append(self._smooth, [smooth for _, _, smooth in done])
-
-
-def _interpolated(values: Complex, places: Floats) -> Complex:
-    """Polynomials (n, e) through values (n, degree + 1, e) at places (n,) from −1 to 1.
-
-    By the barycentric formula (Berrut and Trefethen, SIAM Review 46 (2004) 501).
-    """
-    apart = places[:, None] - _NODES
-    hit = apart == 0.0
-    factor = _WEIGHTS / np.where(hit, 1.0, apart)
-    on_node = hit.any(axis=1)
-    factor[on_node] = hit[on_node]
-    found = np.matmul(factor[:, None, :], values)[:, 0]
-    return np.asarray(found / factor.sum(axis=1)[:, None])
+        self._done += sorted(done, key=lambda interval: interval[0])
+        ends, polynomials, smooth = zip(*self._done, strict=True)
+        self._ends = np.array([0.0, *ends])
+        self._polynomials, self._smooth = np.array(polynomials), np.array(smooth)
