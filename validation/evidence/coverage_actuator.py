@@ -17,7 +17,7 @@ from tactgen.geometry.reluctance.sector_tets import Sector
 from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import Linearised
 from tactgen.tmm.generator.transient.time_integration import output_at, simulate
-from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources
+from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.reluctance.calibrated import VALUES, State, sizes
 from tactgen.tmm.reluctance.circuit import CELLS
 from tactgen.tmm.reluctance.map_range import map_grid, network_map
@@ -265,7 +265,7 @@ def _judged(rng: np.random.Generator) -> list[Judged]:
     found = scene_machine(scene, coil="voltage", volts=10.0)
     velocity = np.zeros(found.rest.size)
     velocity[0] = speed
-    coil = Constant(between(rng, 1e-3, 0.05) * (ohms + 20.0))
+    coil = Step(between(rng, 1e-3, 0.05) * (ohms + 20.0))
     drive = Sine(between(rng, 1.0, 50.0), between(rng, 50.0, 2000.0))
     run, finer = (
         simulate(

@@ -9,7 +9,7 @@ import numpy as np
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.equilibrium import AxialForces, axial_forces, settled_place
 from tactgen.tmm.generator.transient.time_integration import output_at, simulate
-from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Waveform
+from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step, Waveform
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.tmm.reluctance.network import DirectForce, network_samples
 from tactgen.validation.engine.solve import solve
@@ -125,7 +125,7 @@ _UNDAMPED = (
     _FREE, "contact.relaxation_time=0 s", "guide.axial_damping=0 N*s/m",
     "piezo.quality_factor=1e9", "contact.friction=0.001",
 )  # fmt: skip
-_OFF = Constant(0.0)
+_OFF = Step(0.0)
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ _LOSSLESS = tuple(
 _CIRCUITS = tuple(
     _Run(
         f"source of {ohms:g} ohm", (_FREE, f"coil.source_resistance={ohms:g} ohm"), 2e-4,
-        coil=Constant(0.05 * ohms), by_voltage=True,
+        coil=Step(0.05 * ohms), by_voltage=True,
     )
     for ohms in (1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
 )  # fmt: skip

@@ -16,14 +16,8 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.checks import check_linear_ceramic, check_one_plane
 from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.generator.transient.machine import (
-    LOWER,
-    UPPER,
-    BimorphModes,
-    Machine,
-    bimorph_modes,
-    machine,
-)
+from tactgen.tmm.generator.transient.machine import BimorphModes, Machine, bimorph_modes, machine
+from tactgen.tmm.generator.transient.system import RoughPoint
 from tactgen.tmm.generator.transient.time_integration import Answer, simulate
 from tactgen.tmm.generator.transient.waveform import Sources
 from tactgen.tmm.ports.elements import chain_of
@@ -109,8 +103,9 @@ def run_scene(
         found.system, sources, until, position=found.rest, accuracy=accuracy, announce=tell
     )
     forces = {}
-    stops = (element for element in found.system.elements if element.name in (LOWER, UPPER))
-    for element in stops:
+    for element in found.system.elements:
+        if not isinstance(element.law, RoughPoint):
+            continue
         deformed = answer.run.position @ element.direction.T + element.offset
         rate = answer.run.velocity @ element.direction.T
         forces[element.name] = np.asarray(element.law.force(deformed, rate).sum(axis=1))

@@ -23,15 +23,7 @@ from tactgen.geometry.files import written_whole
 from tactgen.geometry.meshing.mesh import surface_of
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER
-from tactgen.tmm.generator.transient.waveform import (
-    Chirp,
-    Constant,
-    Sampled,
-    Sine,
-    Square,
-    Step,
-    Waveform,
-)
+from tactgen.tmm.generator.transient.waveform import Chirp, Sampled, Sine, Square, Step, Waveform
 from tactgen.validation.models.transient import Simulation, phases
 from tactgen.validation.scene.conditions import answer_head
 from tactgen.validation.scene.files import leaves
@@ -386,7 +378,7 @@ def _made(kind: str, level: float, given: dict[str, float], option: str, text: s
     delay = given.get("delay", 0.0)
     match kind:
         case "constant":
-            return Constant(level)
+            return Step(level)
         case "sine":
             return Sine(level, given["frequency"], given.get("phase", 0.0), delay)
         case "square":

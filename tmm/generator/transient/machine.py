@@ -15,7 +15,7 @@ set by hand on the standing device.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -43,7 +43,7 @@ from tactgen.tmm.generator.transient.system import (
     System,
 )
 from tactgen.tmm.ports.elements import Chain
-from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, CoenergyPoint, cells
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, cells
 
 
 @dataclass(frozen=True)
@@ -290,66 +290,6 @@ def _rim(name: str, law: RoughContact, upwards: float, offset: float, n: int) ->
     direction[:, 2] = law.radius * np.cos(np.pi * (np.arange(pairs) + 0.5) / pairs)
     point = RoughPoint(law.reference_load / pairs, law.decay_length, law.relaxation_time)
     return Element(name, point, direction, offset)
-
-
-#: Below this square of the relative change no correction is made: the mean's own error, of third
-#: order, is then 1e-15 of the energy, and the correction would be made of rounding.
-_LEAST_CHANGE = 1e-10
-
-
-class Means(NamedTuple):
-    """Pull (N), current (A) and the source's work (J) over a step."""
-
-    pull: float
-    current: float
-    work: float
-
-
-def held_current(
-    i0: float, g0: float, p0: CoenergyPoint, i1: float, g1: float, p1: CoenergyPoint, width: float
-) -> Means:
-    """Means between two states of which the currents are given.
-
-    `width` (m) is the gap that the whole circuit is worth.  The work is ∫ i dλ.
-    """
-    di, dg = i1 - i0, g1 - g0
-    pull = 0.5 * (p0.force + p1.force)
-    linkage = 0.5 * (p0.flux_linkage + p1.flux_linkage)
-    current = 0.5 * (i0 + i1)
-    # relative changes of current and gap
-    size = max(abs(i0), abs(i1))
-    ci = di / size if size > 0.0 else 0.0
-    cg = dg / width
-    s = ci * ci + cg * cg
-    work = current * (p1.flux_linkage - p0.flux_linkage)
-    if s > _LEAST_CHANGE:
-        short = (p1.coenergy - p0.coenergy - linkage * di + pull * dg) / s
-        pull -= short * cg / width
-        work -= short * ci * ci
-    return Means(pull, current, work)
-
-
-def held_linkage(
-    i0: float, g0: float, p0: CoenergyPoint, i1: float, g1: float, p1: CoenergyPoint, width: float
-) -> Means:
-    """Means between two states whose flux linkages are those of the points.
-
-    The work is what goes into the field and the mechanics: mean current times change of λ.
-    """
-    dl, dg = p1.flux_linkage - p0.flux_linkage, g1 - g0
-    pull = 0.5 * (p0.force + p1.force)
-    current = 0.5 * (i0 + i1)
-    size = max(abs(p0.flux_linkage), abs(p1.flux_linkage))
-    cl = dl / size if size > 0.0 else 0.0
-    cg = dg / width
-    s = cl * cl + cg * cg
-    if s > _LEAST_CHANGE:
-        stored = i1 * p1.flux_linkage - i0 * p0.flux_linkage - (p1.coenergy - p0.coenergy)
-        short = (stored - current * dl - pull * dg) / s
-        pull += short * cg / width
-        if size > 0.0:
-            current += short * cl / size
-    return Means(pull, current, current * dl)
 
 
 #: Inputs besides the coil's, and outputs besides the coil's current, each with its unit.

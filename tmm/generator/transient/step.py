@@ -23,12 +23,70 @@ from typing import NamedTuple
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.tmm.generator.transient.machine import Means, held_current, held_linkage
 from tactgen.tmm.generator.transient.system import Element, Friction, System
 from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint
 
 #: Of a system without a coil.
 NO_FIELD = CoenergyPoint(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+#: Below this square of the relative change no correction is made: the mean's own error, of third
+#: order, is then 1e-15 of the energy, and the correction would be made of rounding.
+_LEAST_CHANGE = 1e-10
+
+
+class Means(NamedTuple):
+    """Pull (N), current (A) and the source's work (J) over a step."""
+
+    pull: float
+    current: float
+    work: float
+
+
+def coil_means(
+    start: tuple[float, float, CoenergyPoint],
+    end: tuple[float, float, CoenergyPoint],
+    width: float,
+    *,
+    by_voltage: bool,
+) -> Means:
+    """Means between two states of current, gap and field; the work is ∫ i dλ.
+
+    Of a circuit whose flux linkages are given, by_voltage, else of given currents.  `width` (m) is
+    the gap that the whole circuit is worth.
+    """
+    (i0, g0, p0), (i1, g1, p1) = start, end
+    change, more = g1 - g0, p1.flux_linkage - p0.flux_linkage
+    pull = 0.5 * (p0.force + p1.force)
+    linkage = 0.5 * (p0.flux_linkage + p1.flux_linkage)
+    current = 0.5 * (i0 + i1)
+    rise = p1.coenergy - p0.coenergy
+    if by_voltage:  # by the energy i λ − W' over λ
+        stored = i1 * p1.flux_linkage - i0 * p0.flux_linkage - rise
+        ends = p0.flux_linkage, p1.flux_linkage
+        current, pull = _discrete_gradient(stored, ends, change, current, pull, width)
+        return Means(pull, current, current * more)
+    exact, push = _discrete_gradient(rise, (i0, i1), change, linkage, -pull, width)
+    # the means of i and λ give ∫ i dλ + ∫ λ di, the change of their product
+    return Means(-push, current, current * more + (linkage - exact) * (i1 - i0))
+
+
+def _discrete_gradient(
+    rise: float, ends: tuple[float, float], opened: float, by_x: float, by_gap: float, width: float
+) -> tuple[float, float]:
+    """Slopes with which changes of x and of the gap make up a function's `rise` (Gonzalez 1996).
+
+    From the means of the slopes at both ends, corrected along the relative changes.
+    """
+    first, last = ends
+    size = max(abs(first), abs(last))
+    cx = (last - first) / size if size > 0.0 else 0.0
+    cg = opened / width
+    square = cx * cx + cg * cg
+    if square <= _LEAST_CHANGE:
+        return by_x, by_gap
+    short = (rise - by_x * (last - first) - by_gap * opened) / square
+    return by_x + (short * cx / size if size > 0.0 else 0.0), by_gap + short * cg / width
 
 
 class Answer(NamedTuple):
@@ -130,8 +188,8 @@ class Answers:
             return Answer(forces, pushed, slope, NO_FIELD, Means(0.0, 0.0, 0.0), loss)
         gap = start[1] + _product(self.opens, y)
         field = self.coil.coenergy.at(current, gap)
-        mean = held_linkage if self.by_voltage else held_current
-        means = mean(*start, current, gap, field, self.coil.width)
+        end = current, gap, field
+        means = coil_means(start, end, self.coil.width, by_voltage=self.by_voltage)
         half = 0.5 * field.force_gradient
         for k, opened in self._opening:
             forces[k] -= opened * means.pull
@@ -251,50 +309,102 @@ class Structure(NamedTuple):
     noises: Lists
 
 
-class Before(NamedTuple):
-    """State at the start of a step, as laws and coil read it."""
+@dataclass(frozen=True, slots=True)
+class State:
+    """The machine at one time."""
 
-    near: list[float]  #: (m,) Coordinates (m or rad)
-    deformations: tuple[list[float], ...]  #: Of each element (m)
-    #: A, m
+    #: (n,)
+    position: Floats
+    velocity: Floats
+    change: Floats  #: (n,) Of the position over the step before; 0 at the start
+    acceleration: Floats  #: (n,) Mean over the step before; 0 at the start
+    #: (m,) Of the coordinates that are read, by the two steps before; 0 where there are none
+    jerk: Floats
+    lasted: float  #: The step before (s); 0 at the start and after a jump
+    voltage: float  #: Across the bimorph (V)
+    #: In the winding (A); m
     current: float
     gap: float
     field: CoenergyPoint  #: At that current and gap
+    deformations: tuple[list[float], ...]  #: Of each element
 
 
-def settled(
-    answers: Answers,
-    before: Before,
-    h: float,
-    free: list[float],
-    structure: Structure,
-    first: list[float],
-    source: tuple[float, float],
-) -> tuple[Answer, float]:
-    """Converged forces over a step of `h` seconds, and the current after it.
+@dataclass(frozen=True, slots=True)
+class Equations:
+    """What a step has to fulfil at the m coordinates read, and a circuit's current."""
 
-    `free` (m,) are the changes without laws and coil, `first` (m,) is a first guess of them, and
-    `source` is what the coil's waveform says at both ends of the step (A, or V).
+    answers: Answers  #:
+    before: State  #:
+    near: list[float]  #: (m,) Coordinates before (m or rad)
+    h: float  #: Length of the step (s)
+    free: list[float]  #: (m,) Changes without laws and coil
+    structure: Structure  #:
+    source: tuple[float, float]  #: What the coil's waveform says at both ends of the step (A or V)
+
+    def answer(self, unknown: list[float]) -> Answer:
+        """Forces with the changes, and the current after the step, of a guess."""
+        before, (first, last) = self.before, self.source
+        if self.answers.by_voltage:
+            first, last = before.current, unknown[-1]
+        start = first, before.gap, before.field
+        y = unknown[: len(self.free)]
+        return self.answers.over(before.deformations, start, y, last, self.h)
+
+    def sizes(self, found: Answer, change: list[float]) -> tuple[list[float], list[float]]:
+        """Sizes (m,) of the structure's and of the laws' forces at a change (N or N m)."""
+        three = zip(self.free, change, self.near, strict=False)  # without a circuit's current
+        terms = [abs(a) + abs(b) + abs(c) for a, b, c in three]
+        rows = self.structure.sizes
+        return [sum(map(mul, row, terms)) for row in rows], self.answers.sizes(found)
+
+    def residual(self, found: Answer, unknown: list[float]) -> list[float]:
+        """Residuals (N or N m, and Wb of a circuit)."""
+        extra = list(map(sub, unknown, self.free))  # without a circuit's current
+        residual = [
+            sum(map(mul, row, extra)) - force
+            for row, force in zip(self.structure.stiffness, found.forces, strict=True)
+        ]
+        coil = self.answers.coil
+        if coil is not None and self.answers.by_voltage:
+            drop = 0.5 * sum(self.source) - coil.resistance * found.means.current
+            more = found.field.flux_linkage - self.before.field.flux_linkage
+            residual.append(more - self.h * drop)
+        return residual
+
+    def slopes(self, found: Answer) -> Lists:
+        """Residuals' derivatives by the changes, and by the current of a circuit."""
+        pairs = zip(self.structure.stiffness, found.slope, strict=True)
+        matrix = [list(map(add, row, steep)) for row, steep in pairs]
+        coil, opens, field = self.answers.coil, self.answers.opens, found.field
+        if coil is None or not self.answers.by_voltage:
+            return matrix
+        for row, opened in zip(matrix, opens, strict=True):
+            row.append(-0.5 * field.motional * opened)
+        own = field.inductance + 0.5 * self.h * coil.resistance
+        matrix.append([*(field.motional * b for b in opens), own])
+        return matrix
+
+
+def settled(equations: Equations, first: list[float]) -> tuple[Answer, float]:
+    """Converged forces over a step from a first guess (m,) of the changes; the current after it.
 
     Raises StepTooLongError if the iteration does not settle.
     """
-    count, by_voltage = len(free), answers.by_voltage
-    stiffness = structure.stiffness
-    start = (before.current if by_voltage else source[0], before.gap, before.field)
-    deformed = before.deformations
-    current = before.current if by_voltage else source[1]
-    found = answers.over(deformed, start, first, current, h)
-    inertia, forces = _sizes(answers, before, found, free, first, structure)
+    before, source, h = equations.before, equations.source, equations.h
+    by_voltage = equations.answers.by_voltage
+    currents = [before.current] if by_voltage else []
+    unknown = [*first, *currents]
+    found = equations.answer(unknown)
+    inertia, forces = equations.sizes(found, unknown)
     if any(f > _DEEP * i for f, i in zip(forces, inertia, strict=True)):
         # Rough surfaces push as an exponential: from deep inside, a correction changes the force
         # by a factor of e only, and rounding of such forces covers it.  Standing still is safe.
-        first = [0.0] * count
-        found = answers.over(deformed, start, first, current, h)
-        inertia, forces = _sizes(answers, before, found, free, first, structure)
-    unknown = [*first, before.current] if by_voltage else first
+        unknown = [*([0.0] * len(first)), *currents]
+        found = equations.answer(unknown)
+        inertia, forces = equations.sizes(found, unknown)
     size = list(map(add, inertia, forces))
-    still = list(map(abs, first))
-    noise = [sum(map(mul, row, size)) for row in structure.noises]
+    still = list(map(abs, unknown[: len(first)]))
+    noise = [sum(map(mul, row, size)) for row in equations.structure.noises]
     if by_voltage:
         linked = abs(before.field.flux_linkage) + h * max(abs(source[0]), abs(source[1]))
         size.append(linked)
@@ -305,84 +415,33 @@ def settled(
     last = [0.0] * len(unknown)
     for turn in range(_ITERATIONS):
         done = False
-        residual = _residual(answers, before, found, stiffness, unknown, free, h, source)
+        residual = equations.residual(found, unknown)
         off = max([abs(r) / s for r, s in zip(residual, size, strict=True) if s], default=0.0)
         if off <= _NOISE and known:
-            return found, current
+            break
         if off > _WORSE * worst and halvings < _HALVINGS:
             halvings += 1
             last, came = [0.5 * step for step in last], 0.0
             unknown = [u + step for u, step in zip(unknown, last, strict=True)]
         else:
             worst, halvings = off, 0
-            matrix = _slopes(answers, found, stiffness, h)
-            last = _solved(matrix, residual)
+            last = _solved(equations.slopes(found), residual)
             share = _STANDS if turn < _PATIENCE else _ROUNDED
             sizes = list(map(abs, last))
             ample = list(map(max, map(abs, unknown), still))
             if all(c <= max(share * a, n) for c, a, n in zip(sizes, ample, noise, strict=True)):
-                return found, current
+                break
             unknown = list(map(sub, unknown, last))
             ample = list(map(max, map(abs, unknown), still))
             rest = max([c / a for c, a in zip(sizes, ample, strict=True) if a], default=0.0)
             done = rest <= _LAST or rest**3 <= _LEFT * came**2
             came = rest
-        current = unknown[-1] if by_voltage else current
-        found = answers.over(deformed, start, unknown[:count], current, h)
+        found = equations.answer(unknown)
         if done:
-            return found, current
-    raise StepTooLongError(f"a step of {h:.3g} s does not settle")
-
-
-def _sizes(
-    answers: Answers,
-    before: Before,
-    found: Answer,
-    free: list[float],
-    change: list[float],
-    structure: Structure,
-) -> tuple[list[float], list[float]]:
-    """Sizes (m,) of the structure's and of the laws' forces at a change (N or N m)."""
-    terms = [abs(a) + abs(b) + abs(c) for a, b, c in zip(free, change, before.near, strict=True)]
-    return [sum(map(mul, row, terms)) for row in structure.sizes], answers.sizes(found)
-
-
-def _residual(
-    answers: Answers,
-    before: Before,
-    found: Answer,
-    stiffness: Lists,
-    unknown: list[float],
-    free: list[float],
-    h: float,
-    source: tuple[float, float],
-) -> list[float]:
-    """Residuals (N or N m, and Wb of a circuit)."""
-    extra = list(map(sub, unknown, free))  # without a circuit's current
-    residual = [
-        sum(map(mul, row, extra)) - force
-        for row, force in zip(stiffness, found.forces, strict=True)
-    ]
-    coil = answers.coil
-    if coil is not None and answers.by_voltage:
-        drop = 0.5 * (source[0] + source[1]) - coil.resistance * found.means.current
-        residual.append(found.field.flux_linkage - before.field.flux_linkage - h * drop)
-    return residual
-
-
-def _slopes(answers: Answers, found: Answer, stiffness: Lists, h: float) -> Lists:
-    """Residuals' derivatives by the changes, and by the current of a circuit."""
-    matrix = [list(map(add, row, steep)) for row, steep in zip(stiffness, found.slope, strict=True)]
-    coil = answers.coil
-    if coil is None or not answers.by_voltage:
-        return matrix
-    field = found.field
-    for row, opened in zip(matrix, answers.opens, strict=True):
-        row.append(-0.5 * field.motional * opened)
-    matrix.append(
-        [field.motional * b for b in answers.opens] + [field.inductance + 0.5 * h * coil.resistance]
-    )
-    return matrix
+            break
+    else:
+        raise StepTooLongError(f"a step of {h:.3g} s does not settle")
+    return found, unknown[-1] if by_voltage else source[1]
 
 
 def _solved(rows: Lists, right: list[float]) -> list[float]:
@@ -413,26 +472,6 @@ def _solved(rows: Lists, right: list[float]) -> list[float]:
 
 #: Step lengths whose matrices are kept at once.
 _KEPT = 512
-
-
-@dataclass(frozen=True, slots=True)
-class State:
-    """The machine at one time."""
-
-    #: (n,)
-    position: Floats
-    velocity: Floats
-    change: Floats  #: (n,) Of the position over the step before; 0 at the start
-    acceleration: Floats  #: (n,) Mean over the step before; 0 at the start
-    #: (m,) Of the coordinates that are read, by the two steps before; 0 where there are none
-    jerk: Floats
-    lasted: float  #: The step before (s); 0 at the start and after a jump
-    voltage: float  #: Across the bimorph (V)
-    #: In the winding (A); m
-    current: float
-    gap: float
-    field: CoenergyPoint  #: At that current and gap
-    deformations: tuple[list[float], ...]  #: Of each element
 
 
 class Flow(NamedTuple):
@@ -511,7 +550,7 @@ class Stepper:
     ) -> tuple[State, Flow]:
         """State after a step of `h` seconds, and the exchanged energies.
 
-        `voltage` (V) is that across the bimorph at the end, `source` as of :func:`settled`.
+        `voltage` (V) is that across the bimorph at the end, `source` as of :class:`Equations`.
 
         Raises StepTooLongError if the iteration does not settle.
         """
@@ -525,12 +564,11 @@ class Stepper:
         # the mean acceleration on which the iteration starts, by that of the steps before
         ahead = was + (0.5 * (h + lasted)) * state.jerk
         first = h * (state.velocity[at] + (0.5 * h) * ahead)
-        near = state.position[at]
-        before = Before(near.tolist(), state.deformations, state.current, state.gap, state.field)
-        found, current = settled(
-            self._answers, before, h, change[at].tolist(), factors.structure,
-            first.tolist(), source,
+        equations = Equations(
+            self._answers, state, state.position[at].tolist(), h, change[at].tolist(),
+            factors.structure, source,
         )  # fmt: skip
+        found, current = settled(equations, first.tolist())
         change += factors.by_forces @ found.forces
         position = state.position + change
         velocity = (2.0 / h) * change - state.velocity

@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import exp, expm1
-from typing import Literal, Protocol, TypeAlias
+from typing import ClassVar, Literal, Protocol, TypeAlias
 
 import numpy as np
 
@@ -43,10 +43,6 @@ class Law(Protocol):
         """Stored energy (J)."""
         ...
 
-    def force(self, deformation: Floats, rate: Floats) -> Floats:
-        """Force (N) at a deformation (m) and its rate (m/s)."""
-        ...
-
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
         """Mean forces over a step of so many seconds that changes deformations by `moved`.
 
@@ -60,19 +56,11 @@ class Stop:
     """A spring that pushes only: its stiffness k acts while δ > 0."""
 
     stiffness: float  #: N/m
-
-    @property
-    def apart(self) -> float:
-        """Deformation (m) up to which nothing acts."""
-        return 0.0
+    apart: ClassVar[float] = 0.0
 
     def energy(self, deformation: Floats) -> Floats:
         """K δ²/2 in contact (J)."""
         return np.asarray(0.5 * self.stiffness * np.maximum(deformation, 0.0) ** 2)
-
-    def force(self, deformation: Floats, rate: Floats) -> Floats:
-        """Force (N) at a deformation (m) and its rate (m/s)."""
-        return np.asarray(self.stiffness * np.maximum(deformation, 0.0))
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
         """Mean forces over a step."""
@@ -157,20 +145,12 @@ class CubicSpring:
 
     linear: float
     cubic: float = 0.0
-
-    @property
-    def apart(self) -> float:
-        """It always acts."""
-        return -math.inf
+    apart: ClassVar[float] = -math.inf
 
     def energy(self, deformation: Floats) -> Floats:
         """K δ²/2 + k₃ δ⁴/4 (J)."""
         square = np.square(deformation)
         return np.asarray(0.5 * self.linear * square + 0.25 * self.cubic * square * square)
-
-    def force(self, deformation: Floats, rate: Floats) -> Floats:
-        """Force (N) at a deformation (m)."""
-        return np.asarray(self.linear * deformation + self.cubic * np.power(deformation, 3))
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
         """Mean forces over a step."""

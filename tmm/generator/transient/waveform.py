@@ -1,4 +1,4 @@
-"""Waveforms: constants, steps, sines, squares, chirps, sampled curves.
+"""Waveforms: steps and constants, sines, squares, chirps, sampled curves.
 
 A waveform is smooth between its breaks.  At a break it may jump, so a value is asked for with a
 time inside the piece that is meant.
@@ -43,25 +43,10 @@ class Waveform(ABC):
 
 
 @dataclass(frozen=True)
-class Constant(Waveform):
-    """The same at all times."""
+class Step(Waveform):
+    """0 before `start`, then `level`, after `stop` 0 again; by default the same at all times."""
 
     level: float
-
-    def value(self, time: float, inside: float) -> float:
-        """Level."""
-        return self.level
-
-    @property
-    def peak(self) -> float:
-        """Size of the level."""
-        return abs(self.level)
-
-
-@dataclass(frozen=True)
-class Step(Constant):
-    """0 before `start`, then `level`, after `stop` 0 again."""
-
     start: float = 0.0
     stop: float = math.inf
 
@@ -72,6 +57,11 @@ class Step(Constant):
     def value(self, time: float, inside: float) -> float:
         """Level between start and stop."""
         return self.level if self.start <= inside < self.stop else 0.0
+
+    @property
+    def peak(self) -> float:
+        """Size of the level."""
+        return abs(self.level)
 
 
 @dataclass(frozen=True)
@@ -205,8 +195,8 @@ class Sampled(Waveform):
 class Sources:
     """Sources: volts across the bimorph, amperes or volts in the coil."""
 
-    bimorph: Waveform = Constant(0.0)
-    coil: Waveform = Constant(0.0)
+    bimorph: Waveform = Step(0.0)
+    coil: Waveform = Step(0.0)
 
 
 def between_breaks(sources: Sources, until: float) -> Iterator[tuple[float, float]]:

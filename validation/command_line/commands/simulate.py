@@ -140,10 +140,10 @@ def _run_held(
 def _run_doubts(result: Simulation | HeldRun, waveforms: tuple[Waveform, ...]) -> list[str]:
     """Limits of any run's validity."""
     from tactgen.geometry.formats import share
-    from tactgen.tmm.generator.transient.waveform import Constant
+    from tactgen.tmm.generator.transient.waveform import Step
 
     doubts, answer = [], result.answer
-    if set(waveforms) == {Constant(0.0)}:
+    if set(waveforms) == {Step(0.0)}:
         volts = f"{result.scene.drive.voltage:g} V sine 100 Hz"
         options = "--voltage or --coil" if len(waveforms) > 1 else "--voltage"
         doubts.append(f'nothing drives it; give {options}, for example --voltage "{volts}"')

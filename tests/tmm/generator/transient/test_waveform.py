@@ -6,11 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from tactgen.tmm.generator.transient.waveform import Chirp, Constant, Sampled, Sine, Square, Step
+from tactgen.tmm.generator.transient.waveform import Chirp, Sampled, Sine, Square, Step
 
 #: Each with the time over which it changes smoothly.
 WAVES = [
-    (Constant(-3.0), math.inf),
+    (Step(-3.0), math.inf),
     (Step(-3.0, 0.2, 0.7), math.inf),
     (Sine(-2.0, 5.0, 0.3, 0.1), 0.2),
     (Square(1.0, 4.0, -2.0, 0.3), math.inf),

@@ -20,7 +20,7 @@ from tactgen.tmm.generator.transient.machine import machine
 from tactgen.tmm.generator.transient.step import Stepper
 from tactgen.tmm.generator.transient.system import Element, Friction, Output, Stop, System
 from tactgen.tmm.generator.transient.time_integration import simulate_steps
-from tactgen.tmm.generator.transient.waveform import Constant, Sine, Sources, Step
+from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.ports.elements import chain_of
 from tactgen.tmm.ports.multiport import respond, terminate
 from tactgen.tmm.reluctance.map_range import network_map
@@ -260,7 +260,7 @@ def test_what_a_run_is_warned_of():
         load_misfit=0.02, sideways=np.array([0.0, 1e-6, 3e-6, 2.5e-6]), flange_gap=2e-6,
         answer=answer,
     )  # fmt: skip
-    driven = Constant(1.0), Constant(0.0)
+    driven = Step(1.0), Step(0.0)
     load, errors, rod = simulate._doubts(result, driven)
     assert "up to 2 % off its law of frequency" in load
     assert "the accuracy of 0.1 holds until 1.5 ms" in errors

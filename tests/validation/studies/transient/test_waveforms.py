@@ -13,15 +13,7 @@ from ideal_gap import IdealGap
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.system import Coil, Element, Output, Stop, System
 from tactgen.tmm.generator.transient.time_integration import simulate
-from tactgen.tmm.generator.transient.waveform import (
-    Chirp,
-    Constant,
-    Sampled,
-    Sine,
-    Sources,
-    Square,
-    Step,
-)
+from tactgen.tmm.generator.transient.waveform import Chirp, Sampled, Sine, Sources, Square, Step
 from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
@@ -30,8 +22,8 @@ from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
 @pytest.mark.parametrize(
     ("text", "waveform"),
     [
-        ("10 V", Constant(10.0)),
-        ("-5 mA constant", Constant(-5e-3)),
+        ("10 V", Step(10.0)),
+        ("-5 mA constant", Step(-5e-3)),
         ("10V sine 0.2 kHz phase 90 deg delay 1 ms", Sine(10.0, 200.0, math.pi / 2, 1e-3)),
         ("1 V square 100 Hz low -1 V duty 0.25", Square(1.0, 100.0, -1.0, 0.25)),
         ("5 V step at 1 ms until 3 ms", Step(5.0, 1e-3, 3e-3)),
