@@ -67,13 +67,8 @@ def unit_ports(
 
 def _rigid(frequencies: Floats, device: Device) -> Multiport:
     """Rod and coil as a rigid mass over the motion of the rod's top face."""
-    body = moving_rod(device)
-    coupling = -body.mass * body.centre
-    mass = np.array([[body.mass, coupling], [coupling, body.inertia_about(0.0)]])
-    omega2 = (2.0 * np.pi * frequencies)[:, None, None] ** 2
-    return Multiport(
-        frequencies, -omega2 * mass + 0j, (Port("w_rod", LATERAL), Port("psi_rod", ROTATION))
-    )
+    d = -((2.0 * np.pi * frequencies)[:, None, None] ** 2) * moving_rod(device).mass_matrix + 0j
+    return Multiport(frequencies, d, (Port("w_rod", LATERAL), Port("psi_rod", ROTATION)))
 
 
 def joined(

@@ -340,9 +340,11 @@ class RigidBody:
     centre: float  #: Height of its centre of mass (m), 0 at the rod's top face: usually negative
     inertia: float  #: About a transverse axis through the centre of mass (kg m²)
 
-    def inertia_about(self, height: float) -> float:
-        """Inertia about a transverse axis at a height (kg m²), by Steiner."""
-        return self.inertia + self.mass * (self.centre - height) ** 2
+    @property
+    def mass_matrix(self) -> Floats:
+        """Over lateral motion and tilt at the rod's top face (2, 2), in kg, kg m and kg m²."""
+        lever = -self.mass * self.centre
+        return np.array([[self.mass, lever], [lever, self.inertia + self.mass * self.centre**2]])
 
 
 def moving_rod(device: Device) -> RigidBody:

@@ -323,7 +323,7 @@ def pressed_support(
         rotational_stiffness=rocking + guide,
         rotational_damping=contact.relaxation_time * rocking,
         lateral_stiffness=float(contact.tangential_stiffness(load)) + lateral_guide(device).at_rest,
-        rotational_inertia=moving_rod(device).inertia_about(0.0),
+        rotational_inertia=float(moving_rod(device).mass_matrix[1, 1]),
     )
 
 

@@ -212,19 +212,14 @@ def _sorted(poles: Numbers) -> Complex:
 def _mass(device: Device, beam: Beam) -> Floats:
     """Rigid rod's mass matrix; along the axis the bimorph's mass is in it."""
     body = moving_rod(device)
-    coupling = -body.mass * body.centre
-    carried = sum(
+    mass = np.zeros((3, 3))
+    mass[:2, :2], mass[2, 2] = body.mass_matrix, body.mass
+    mass[2, 2] += sum(
         float(np.real(element.m)) * length
         for element, length in sections(device, Support(kind="clamped"), beam, lossy=False)
         if isinstance(element, Section)
     )
-    return np.array(
-        [
-            [body.mass, coupling, 0.0],
-            [coupling, body.inertia_about(0.0), 0.0],
-            [0.0, 0.0, body.mass + carried],
-        ]
-    )
+    return mass
 
 
 def _contact(device: Device, place: RestingPlace, tilt: float) -> tuple[Floats, Floats]:

@@ -38,8 +38,6 @@ GROUPS = (
     "steel at 10 kA/m",
 )  # fmt: skip
 _GAP, _TURNS = 0, 1
-#: Names of the values that it corrects, in order.
-VALUES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
 #: Fields (A/m) at which the curve of a steel is read.
 _FIELDS = (1e3, 1e4)
 #: Share of W'/g, and of λ/i, that the error of a slope is never small beside.
@@ -57,6 +55,10 @@ class State(NamedTuple):
     flux_linkage: Floats
     coenergy: Floats
     incremental_inductance: Floats
+
+
+#: Names of the values that it corrects, in order.
+VALUES = State._fields
 
 
 @dataclass(frozen=True)

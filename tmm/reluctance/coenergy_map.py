@@ -259,23 +259,20 @@ class Coenergy(Protocol):
 
 @dataclass(frozen=True)
 class CoenergyCells:
-    """A co-energy map cell by cell."""
+    """A co-energy map cell by cell.
+
+    In lists, as a scalar read from an array costs more than the arithmetic.
+    """
 
     #: (c + 1,) Ends of the cells: |i| (A), and ln of g + g0 in metres
-    current_breaks: Floats
-    width_breaks: Floats
+    current_breaks: list[float]
+    width_breaks: list[float]
     gap_offset: float  #: g0 (m)
-    coefficients: Floats  #: (c, d, 5, 4) a_pq (J)
-
-    def __post_init__(self) -> None:
-        # plain lists: a scalar read from an array costs more than the arithmetic
-        object.__setattr__(self, "_i", self.current_breaks.tolist())
-        object.__setattr__(self, "_y", self.width_breaks.tolist())
-        object.__setattr__(self, "_a", self.coefficients.tolist())
+    coefficients: list[list[list[list[float]]]]  #: (c, d, 5, 4) a_pq (J)
 
     def at(self, current: float, gap: float) -> CoenergyPoint:
         """W' and its derivatives at a current (A, either sign) and gap (m)."""
-        i, y, a = self._i, self._y, self._a  # type: ignore[attr-defined]
+        i, y, a = self.current_breaks, self.width_breaks, self.coefficients
         size, width = abs(current), gap + self.gap_offset
         # an iteration that strays below the iron is led back by the steep end of the map
         level = math.log(max(width, 1e-3 * self.gap_offset))
@@ -317,4 +314,4 @@ def cells(found: CoenergyMap) -> CoenergyCells:
         for basis, breaks in zip(found.bases, (i, y), strict=True)
     )
     coefficients = np.einsum("paj,jk,qbk->abpq", along, found.coefficients, across)
-    return CoenergyCells(i, y, found.gap_offset, coefficients)
+    return CoenergyCells(i.tolist(), y.tolist(), found.gap_offset, coefficients.tolist())

@@ -9,22 +9,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.checks import widest_gap
 from tactgen.geometry.device.magnetisation import MU0
-from tactgen.geometry.device.parameters import Coil, Device, Rod, Sleeve, Spring, Steel
+from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import pole_area, widest_circuit
+from tactgen.tmm.reluctance.coenergy_fit import fit
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force
-
-if TYPE_CHECKING:
-    from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
-
 
 #: The map begins at this share of the lower stop's gap: rough surfaces give way a little.
 _BELOW_STOP = 0.8
@@ -141,15 +138,10 @@ def network_map(device: Device) -> CoenergyMap:
     Raises InputError if the parts cannot form the circuit.
     """
     coil = device.coil.model_copy(update={"history": "rising"})  # no matter to the circuit
-    return _network_pull(device.rod, coil, device.sleeve, device.spring, device.steel, device.gap)
+    parts = {name: getattr(device, name) for name in ("rod", "sleeve", "spring", "steel", "gap")}
+    return _network_pull(Device(coil=coil, **parts))
 
 
 @lru_cache(maxsize=32)
-def _network_pull(
-    rod: Rod, coil: Coil, sleeve: Sleeve, spring: Spring, steel: Steel, gap: float
-) -> CoenergyMap:
-    from tactgen.tmm.reluctance.coenergy_fit import fit
-    from tactgen.tmm.reluctance.network import network_samples
-
-    circuit = Device(rod=rod, coil=coil, sleeve=sleeve, spring=spring, steel=steel, gap=gap)
+def _network_pull(circuit: Device) -> CoenergyMap:
     return fit(network_samples(circuit, *map_grid(circuit)))

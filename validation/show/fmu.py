@@ -132,11 +132,11 @@ def _header(machine: Machine) -> str:
         "REST": machine.rest,
         "TIP": system.outputs["lateral_tip"].row,
         "RIM": upper.direction[:, 2],
-        "CURRENT_BREAKS": cells.current_breaks,
-        "WIDTH_BREAKS": cells.width_breaks,
-        "COEFFICIENTS": cells.coefficients,
+        "CURRENT_BREAKS": np.array(cells.current_breaks),
+        "WIDTH_BREAKS": np.array(cells.width_breaks),
+        "COEFFICIENTS": np.array(cells.coefficients),
     }
-    rows, columns = cells.coefficients.shape[:2]
+    rows, columns = np.shape(cells.coefficients)[:2]
     counts = {
         "N": system.mass.shape[0],
         "POINTS": upper.direction.shape[0],

@@ -203,8 +203,7 @@ def machine(
     loaded = np.vstack([tip, np.eye(n)[3 + k :]])
     mass = loaded.T @ load.mass @ loaded
     mass[0, 0] += body.mass + modes.rigid[0, 0] + load.carried
-    lever = -body.mass * body.centre
-    mass[1:3, 1:3] += modes.rigid + np.array([[body.mass, lever], [lever, body.inertia_about(0.0)]])
+    mass[1:3, 1:3] += modes.rigid + body.mass_matrix
     mass[own, 1:3] += modes.inertia
     mass[1:3, own] += modes.inertia.T
     mass[own, own] += np.eye(k)
