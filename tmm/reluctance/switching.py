@@ -1,4 +1,4 @@
-"""Switching, equilibria and finger force of the normal actuator on its spring.
+"""Switching and finger force of the normal actuator on its spring.
 
 Plain functions of a co-energy map, whichever model it came from.  Static and without
 friction: the rod moves as soon as a force difference lets it.
@@ -6,7 +6,6 @@ friction: the rod moves as soon as a force difference lets it.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -27,16 +26,6 @@ _CURRENTS = 41
 
 #: Halvings of a bracket: down to rounding.
 _HALVINGS = 50
-
-
-@dataclass(frozen=True)
-class Equilibrium:
-    """Where the rod can rest."""
-
-    gap: float  #: Working gap there (m)
-    #: ``upper stop``, ``lower stop``, ``stable`` or ``unstable``, the last two floating between the
-    #: stops
-    kind: str
 
 
 @dataclass(frozen=True)
@@ -128,25 +117,6 @@ def resting_gaps(device: Device, pull: CoenergyMap, currents: Floats, *, rising:
     return np.asarray(np.where(held.any(axis=1), gaps[np.argmax(held, axis=1)], gaps[-1]))
 
 
-def equilibria(device: Device, pull: CoenergyMap, current: float) -> tuple[Equilibrium, ...]:
-    """All places where the rod can rest at a constant current, from the top down.
-
-    Floating is stable if the spring stiffens faster than the pull: ∂F/∂g + k > 0.
-    """
-    gaps = between_stops(device, _POSITIONS)
-    opening = finger_force(device, pull, current, gaps)
-    found = []
-    if opening[-1] >= 0.0:
-        found.append(Equilibrium(float(gaps[-1]), "upper stop"))
-    for k in np.flatnonzero(np.sign(opening[1:]) * np.sign(opening[:-1]) < 0.0)[::-1]:
-        gap = _root(device, pull, current, float(gaps[k]), float(gaps[k + 1]))
-        slope = float(pull.force_gradient(current, gap)) + device.spring.stiffness
-        found.append(Equilibrium(gap, "stable" if slope > 0.0 else "unstable"))
-    if opening[0] <= 0.0:
-        found.append(Equilibrium(float(gaps[0]), "lower stop"))
-    return tuple(found)
-
-
 def between_stops(device: Device, count: int) -> Floats:
     """`count` gaps from the lower stop to the upper (m).
 
@@ -172,15 +142,3 @@ def _extreme(
     closer = balance_current(device, pull, near)
     best = int(pick(closer))
     return float(near[best]), float(closer[best])
-
-
-def _root(device: Device, pull: CoenergyMap, current: float, low: float, high: float) -> float:
-    """Gap between `low` and `high` where the forces balance (m)."""
-    sign = math.copysign(1.0, float(finger_force(device, pull, current, low)))
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        if sign * float(finger_force(device, pull, current, middle)) > 0.0:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)

@@ -1,4 +1,4 @@
-"""Switching, equilibria and heat of the normal actuator, on a map with closed forms."""
+"""Switching and heat of the normal actuator, on a map with closed forms."""
 
 import numpy as np
 import pytest
@@ -89,27 +89,6 @@ def test_drop_out_below_holding(pull):
     assert found.lift_off == pytest.approx(0.0, abs=1e-9)
     assert found.drop_out == pytest.approx(0.0, abs=1e-9)
     assert found.holding == pytest.approx(balance(0.0, 500.0, 20e-6), rel=CLOSE)
-
-
-@pytest.mark.parametrize(
-    ("preload", "stiffness", "current", "kinds"),
-    [
-        (0.1, 100.0, 0.0, ["upper stop"]),
-        (0.1, 100.0, 0.06, ["upper stop", "unstable", "lower stop"]),
-        (0.1, 100.0, 0.2, ["lower stop"]),
-        (0.02, 1500.0, 0.045, ["stable"]),
-        (0.02, 1500.0, 0.07, ["stable", "unstable", "lower stop"]),
-    ],
-)
-def test_equilibria(pull, preload, stiffness, current, kinds):
-    """Where the rod can rest, and how it rests there; floating ones solve S = F."""
-    built = device(preload, stiffness)
-    found = normal_actuator.equilibria(built, pull, current)
-    assert [place.kind for place in found] == kinds
-    assert list(found) == sorted(found, key=lambda place: -place.gap)
-    for place in found:
-        if "stop" not in place.kind:
-            assert balance(preload, stiffness, place.gap) == pytest.approx(current, rel=CLOSE)
 
 
 def test_the_way_of_the_rod(pull):

@@ -14,12 +14,12 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.parts import below_head
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.formats import engineering
+from tactgen.tmm.generator.equilibrium import axial_forces, resting_places
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.network import largest_rms_current, thermal_statement
 from tactgen.tmm.reluctance.switching import (
     balance_current,
     between_stops,
-    equilibria,
     finger_force,
     resting_gaps,
     spring_force,
@@ -133,15 +133,15 @@ def _forces(axis: Any, shown: Families, pull: CoenergyMap) -> None:
     for colour, current in zip(shades(shown.currents.size), shown.currents, strict=True):
         axis.plot(gaps * 1e6, pull.force(current, gaps) * 1e3, color=colour)
         axis.plot([], [], color=colour, label=engineering(current, "A", 4))
-        for place in equilibria(device, pull, float(current)):
-            held = place.kind != "unstable"
+        for place in resting_places(axial_forces(device, pull), float(current)):
+            gap = device.gap + place.lift
             axis.plot(
-                place.gap * 1e6,
-                float(spring_force(device, place.gap)) * 1e3,
+                gap * 1e6,
+                float(spring_force(device, gap)) * 1e3,
                 "o",
                 color=colour,
                 markersize=7,
-                markerfacecolor=colour if held else "white",
+                markerfacecolor=colour if place.stable else "white",
                 zorder=3,
                 clip_on=False,
             )
@@ -382,7 +382,7 @@ def _beside_the_paper(actuator: NormalActuator) -> Context | None:
     inside = low <= stated.GAP <= high and pull.current_limit >= stated.PULL_IN
     if not (actuator.is_papers and inside):
         return None
-    places = equilibria(device, pull, stated.HELD)
+    places = resting_places(axial_forces(device, pull), stated.HELD)
     return {
         "force": actuator.point_by_reference(stated.PULL_IN, stated.GAP).force,
         "driven": actuator.point_by_reference(stated.DRIVEN, stated.GAP).force,
@@ -391,7 +391,7 @@ def _beside_the_paper(actuator: NormalActuator) -> Context | None:
         "turns_are_set": actuator.turns_are_set,
         "held": any(place.kind == "lower stop" for place in places),
         # smallest gap (m) from which the spring takes over
-        "held_up_to": min((p.gap for p in places if p.kind == "unstable"), default=None),
+        "held_up_to": min((device.gap + p.lift for p in places if not p.stable), default=None),
         "found": actuator.switching[actuator.pull_model],
         "height_below_tip": stated.TOTAL_HEIGHT - below_head(device),
         "below_head": below_head(device),
