@@ -69,6 +69,10 @@ class RoughContact:
         """Moment M = ∂V/∂ψ (N m) that tilts the head by ψ at this approach."""
         return np.asarray(self._derivatives(approach, tilt, 2)[1])
 
+    def efforts(self, approach: Floats | float, tilt: Floats | float) -> Floats:
+        """Load and moment (..., 2)."""
+        return np.moveaxis(self._derivatives(approach, tilt, 2), 0, -1)
+
     def tangent(self, approach: Floats | float, tilt: Floats | float) -> Floats:
         """Stiffness (..., 2, 2), ∂(N, M)/∂(δ, ψ): symmetric, positive definite."""
         return _symmetric(self._derivatives(approach, tilt, 3) / self.decay_length)
@@ -164,10 +168,6 @@ def _symmetric(entries: Floats) -> Floats:
     return np.moveaxis(entries[[[0, 1], [1, 2]]], (0, 1), (-2, -1))
 
 
-#: A stop's approach and tilt per lift and tilt of the head: of the upper one, of the lower one.
-_AS_IS, _TURNED = np.array([1.0, 1.0]), np.array([-1.0, 1.0])
-
-
 @dataclass(frozen=True)
 class Stops:
     """Both stops and the way between them.
@@ -187,16 +187,12 @@ class Stops:
 
         What must act on the head from elsewhere, upwards and turning, to hold it there.
         """
-        low = self._lowered(lift)
-        along = self.upper.load(lift, tilt) - self.lower.load(low, tilt)
-        turning = self.upper.moment(lift, tilt) + self.lower.moment(low, tilt)
-        return np.stack(np.broadcast_arrays(along, turning), axis=-1)
+        return np.asarray(sum(law.efforts(at, tilt) * sign for law, sign, at in self._sides(lift)))
 
     def tangent(self, lift: Floats | float, tilt: Floats | float) -> Floats:
         """Stiffness (..., 2, 2) over (u, ψ): symmetric, positive definite."""
-        upper = self.upper.tangent(lift, tilt)
-        lower = self.lower.tangent(self._lowered(lift), tilt)
-        return np.asarray(upper + lower * np.outer(_TURNED, _TURNED))
+        sides = self._sides(lift)
+        return np.asarray(sum(law.tangent(at, tilt) * np.outer(s, s) for law, s, at in sides))
 
     def moving(
         self, lift: Floats, tilt: Floats, rate: Floats
@@ -220,10 +216,7 @@ class Stops:
         """
         n = lift.size
         forces, each = np.zeros((n, 2)), np.zeros((3, n, 2, 2))
-        for law, sign, at in (
-            (self.upper, _AS_IS, lift),
-            (self.lower, _TURNED, self._lowered(lift)),
-        ):
+        for law, sign, at in self._sides(lift):
             if law.is_apart(at, tilt):
                 continue
             efforts, stiffness, change = law.moving(at, tilt, rate * sign)
@@ -244,10 +237,14 @@ class Stops:
 
     def loads(self, lift: Floats | float, tilt: Floats | float = 0.0) -> tuple[Floats, Floats]:
         """Loads of the upper and the lower stop (N), both positive."""
-        return self.upper.load(lift, tilt), self.lower.load(self._lowered(lift), tilt)
+        upper, lower = (law.load(at, tilt) for law, _, at in self._sides(lift))
+        return upper, lower
 
-    def _lowered(self, lift: Floats | float) -> Floats:
-        return np.asarray(-np.asarray(lift, dtype=float) - self.stroke)
+    def _sides(self, lift: Floats | float) -> tuple[tuple[RoughContact, Floats, Floats], ...]:
+        """Laws of both stops, their approach and tilt per lift and tilt, and the approach (m)."""
+        up, down = np.array([1.0, 1.0]), np.array([-1.0, 1.0])
+        at = np.asarray(lift, dtype=float)
+        return (self.upper, up, at), (self.lower, down, -at - self.stroke)
 
 
 def stops_of(device: Device) -> Stops:

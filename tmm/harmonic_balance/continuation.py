@@ -8,7 +8,7 @@ far and the parameter relative to its range.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -27,6 +27,7 @@ from tactgen.tmm.harmonic_balance.balance import (
 from tactgen.tmm.harmonic_balance.steady import Resolution, at_fixed_drive, equilibrium, resolved
 
 Parameter = Literal["omega", "level"]
+_RESOLUTION = Resolution()
 
 #: First, longest and shortest step, in lengths of which the whole range is 1.
 _FIRST, _LONGEST, _SHORTEST = 5e-3, 0.03, 1e-7
@@ -50,14 +51,10 @@ class Course:
     low: float
     high: float
     scales: Floats  #: (k,) Size of each coordinate
-    _weights: dict[int, Floats] = field(init=False, default_factory=dict, compare=False)
 
     def weights(self, harmonics: int) -> Floats:
         """Size (m + 1,) of each unknown, the parameter last."""
-        if harmonics not in self._weights:
-            sizes = np.tile(self.scales, 2 * harmonics + 1)
-            self._weights[harmonics] = np.append(sizes, self.high - self.low)
-        return self._weights[harmonics]
+        return np.append(np.tile(self.scales, 2 * harmonics + 1), self.high - self.low)
 
     def pack(self, orbit: Orbit) -> Floats:
         """Orbit's unknowns with the parameter, each over its size."""
@@ -108,8 +105,8 @@ def follow(
     low: float,
     high: float,
     *,
+    resolution: Resolution = _RESOLUTION,
     direction: int = 1,
-    resolution: Resolution | None = None,
     most: int = 3000,
     announce: Callable[[Orbit], None] = lambda _: None,
 ) -> Branch:
@@ -128,7 +125,6 @@ def follow(
     announce : callable
         Told each orbit.
     """
-    resolution = resolution or Resolution()
     course = Course(parameter, low, high, _sizes(oscillator, start))
     step = Step(start, _tangent(oscillator, start, course, direction), course, _FIRST)
     steps, missing, length, ended = [step], missing_motion(oscillator, start), _FIRST, ""
@@ -323,7 +319,7 @@ _MOST = 300
 
 
 def steady_orbit(
-    oscillator: Oscillator, omega: float, level: float, *, resolution: Resolution | None = None
+    oscillator: Oscillator, omega: float, level: float, *, resolution: Resolution = _RESOLUTION
 ) -> Orbit:
     """Orbit at a frequency (rad/s) to which the drive leads when it is raised from rest.
 
@@ -331,7 +327,6 @@ def steady_orbit(
 
     Raises NoConvergence if none is found.
     """
-    resolution = resolution or Resolution()
     rest = Orbit(omega, 0.0, equilibrium(oscillator).spectrum).with_harmonics(resolution.least)
     try:
         return resolved(oscillator, Orbit(omega, level, rest.spectrum), resolution)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeAlias
 
 import numpy as np
@@ -78,16 +79,19 @@ def resolved(oscillator: Oscillator, guess: Orbit, resolution: Resolution) -> Or
 
     Raises NoConvergence if none is found.
     """
-    found = at_fixed_drive(oscillator, guess.with_harmonics(max(guess.harmonics, resolution.least)))
-    while missing_motion(oscillator, found) > resolution.missing:
-        if found.harmonics >= resolution.most:
-            break
-        more = resolution.more(found.harmonics)
-        found = at_fixed_drive(oscillator, found.with_harmonics(more))
-    return found
+    return _resolved(oscillator, partial(at_fixed_drive, oscillator), guess, resolution)
 
 
-_NEWTON_STEPS = 40
+def _resolved(
+    oscillator: Oscillator, solve: Callable[[Orbit], Orbit], guess: Orbit, resolution: Resolution
+) -> Orbit:
+    orbit = guess.with_harmonics(max(guess.harmonics, resolution.least))
+    while True:
+        orbit = solve(orbit)
+        enough = missing_motion(oscillator, orbit) <= resolution.missing
+        if enough or orbit.harmonics >= resolution.most:
+            return orbit
+        orbit = orbit.with_harmonics(resolution.more(orbit.harmonics))
 
 
 def free_oscillation(
@@ -100,16 +104,10 @@ def free_oscillation(
 
     Raises NoConvergence if none is found, or its frequency is not positive.
     """
-    orbit = guess.with_harmonics(max(guess.harmonics, resolution.least))
-    while True:
-        orbit = _solved(oscillator, turning_point, orbit)
-        enough = missing_motion(oscillator, orbit) <= resolution.missing
-        if enough or orbit.harmonics >= resolution.most:
-            return orbit
-        orbit = orbit.with_harmonics(resolution.more(orbit.harmonics))
+    return _resolved(oscillator, partial(_free, oscillator, turning_point), guess, resolution)
 
 
-def _solved(oscillator: Oscillator, turning_point: float, guess: Orbit) -> Orbit:
+def _free(oscillator: Oscillator, turning_point: float, guess: Orbit) -> Orbit:
     k, harmonics = oscillator.size, guess.harmonics
     # of the real unknowns (and of the equations) those that are cosines
     harmonic = np.repeat(np.arange(2 * harmonics + 1), k)
@@ -131,7 +129,7 @@ def _solved(oscillator: Oscillator, turning_point: float, guess: Orbit) -> Orbit
 
     start = np.append(guess.spectrum.real.ravel(), guess.omega)
     scale = np.append(np.tile(oscillator.scales, harmonics + 1), guess.omega)
-    found, _, _ = converge(evaluate, start, scale, _NEWTON_STEPS)
+    found, _, _ = converge(evaluate, start, scale, _STEPS)
     return orbit(found)
 
 

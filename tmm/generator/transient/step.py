@@ -17,6 +17,7 @@ import dataclasses
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from operator import add, mul, sub
 from typing import NamedTuple
 
@@ -506,7 +507,7 @@ class Stepper:
         self.system = system
         self._answers = Answers(system)
         self._at = self._answers.at
-        self._factors: dict[float, _Factors] = {}
+        self._factored = lru_cache(_KEPT)(self._factors)
 
     def start(self, position: Floats, velocity: Floats, voltage: float, current: float) -> State:
         """State (n,), (n,), V, A."""
@@ -555,7 +556,7 @@ class Stepper:
         Raises StepTooLongError if the iteration does not settle.
         """
         at, coil = self._at, self.system.coil
-        factors = self._factors.get(h) or self._factored(h)
+        factors = self._factored(h)
         change = factors.by_velocity @ state.velocity
         change += factors.by_position @ state.position
         change += factors.by_load
@@ -594,14 +595,14 @@ class Stepper:
             wire = h * coil.resistance * found.means.current**2
         return new, Flow(work + wire, found.loss, wire)
 
-    def _factored(self, h: float) -> _Factors:
+    def _factors(self, h: float) -> _Factors:
         s, at = self.system, self._at
         matrix = (2.0 / h**2) * s.mass + s.damping / h + 0.5 * s.stiffness
         inverse = _inverted(matrix)
         compliance = inverse[np.ix_(at, at)]
         stiffness = _inverted(compliance)
         noises = _NOISE * np.abs(compliance)
-        found = _Factors(
+        return _Factors(
             inverse @ ((2.0 / h) * s.mass),
             -inverse @ s.stiffness,
             inverse @ s.load,
@@ -609,10 +610,6 @@ class Stepper:
             inverse[:, at],
             Structure(stiffness.tolist(), np.abs(stiffness).tolist(), noises.tolist()),
         )
-        if len(self._factors) >= _KEPT:
-            self._factors.clear()
-        self._factors[h] = found
-        return found
 
 
 def _inverted(matrix: Floats) -> Floats:
