@@ -18,8 +18,7 @@ No friction, no adhesion; nothing is said about speed but the relaxation time.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -27,7 +26,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.device.parts import MM, Ring, moving_rings
+from tactgen.geometry.device.parts import MM, moving_rings
 from tactgen.geometry.errors import InputError
 
 #: Largest exponent of a pressure: a solver's stray guess gives a huge number, not an overflow.
@@ -346,30 +345,20 @@ class RigidBody:
 
 def moving_rod(device: Device) -> RigidBody:
     """Rod and coil as one body; the bimorph on top is not in it."""
-    rings = list(_weighed(device))
-    mass = sum(m for _, m in rings)
-    centre = sum(m * _middle(ring) for ring, m in rings) / mass
-    inertia = sum(m * (_turned_inertia(ring) + (_middle(ring) - centre) ** 2) for ring, m in rings)
-    return RigidBody(mass, centre, inertia)
-
-
-def _weighed(device: Device) -> Iterator[tuple[Ring, float]]:
-    """Yield the rings with the mass of each (kg)."""
     density = {
         "rod": device.rod.density,
         "coil": device.coil.copper_density * device.coil.fill_factor,
     }
-    for name, rings in moving_rings(device).items():
-        for ring in rings:
-            area = math.pi * (ring.outer**2 - ring.inner**2) / MM**2
-            yield ring, density[name] * area * (ring.high - ring.low) / MM
-
-
-def _middle(ring: Ring) -> float:
-    return 0.5 * (ring.low + ring.high) / MM
-
-
-def _turned_inertia(ring: Ring) -> float:
-    """Inertia over mass about a transverse axis through the ring's centre (m²)."""
-    radii, height = ring.inner**2 + ring.outer**2, (ring.high - ring.low) ** 2
-    return (3.0 * radii + height) / 12.0 / MM**2
+    rings = [
+        (density[name], ring.inner, ring.outer, ring.low, ring.high)
+        for name, rings in moving_rings(device).items()
+        for ring in rings
+    ]
+    rho, inner, outer, low, high = np.array(rings).T * np.array([[1.0], *[[1.0 / MM]] * 4])
+    masses = rho * np.pi * (outer**2 - inner**2) * (high - low)
+    middle = 0.5 * (low + high)
+    mass = float(masses.sum())
+    centre = float(masses @ middle) / mass
+    # each about a transverse axis through its own centre, then through that of all
+    own = (3.0 * (inner**2 + outer**2) + (high - low) ** 2) / 12.0
+    return RigidBody(mass, centre, float(masses @ (own + (middle - centre) ** 2)))

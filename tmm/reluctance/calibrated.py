@@ -17,7 +17,7 @@ import json
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -101,14 +101,6 @@ class Fit:
         return np.where(within, change / np.where(more > less, more - less, 1.0), 0.0)
 
 
-@dataclass(frozen=True)
-class Calibration:
-    """Fits for straight magnetisation curves and for saturating ones."""
-
-    straight: Fit
-    saturating: Fit
-
-
 def _widening(fit: Fit, at: Floats) -> float:
     """Factor on the errors at ratios (g,): as often as the end of the range is doubled.
 
@@ -120,22 +112,19 @@ def _widening(fit: Fit, at: Floats) -> float:
     return float(fit.beyond ** max(1.0, farthest)) if outside else 1.0
 
 
-def calibration_from(record: dict[str, Any]) -> Calibration:
-    """Calibration as read from a file."""
-    fits = (
-        Fit(
-            Products(*(np.array(one[name]) for name in ("low", "high", "powers"))),
-            np.array(one["coefficients"]), np.array(one["errors"]), one["beyond"],
-        )
-        for one in (record["straight"], record["saturating"])
-    )  # fmt: skip
-    return Calibration(*fits)
-
-
 @cache
-def calibration() -> Calibration:
-    """Calibration that is shipped."""
-    return calibration_from(json.loads(FILE.read_text(encoding="utf-8")))
+def calibration() -> dict[str, Fit]:
+    """Fits that are shipped, for straight magnetisation curves and for saturating ones."""
+    record = json.loads(FILE.read_text(encoding="utf-8"))
+    return {
+        kind: Fit(
+            Products(*(np.array(record[kind][name]) for name in ("low", "high", "powers"))),
+            np.array(record[kind]["coefficients"]),
+            np.array(record[kind]["errors"]),
+            record[kind]["beyond"],
+        )
+        for kind in ("straight", "saturating")
+    }
 
 
 def sizes(state: State, current: Floats, gap: Floats) -> Floats:
@@ -184,7 +173,7 @@ def groups(device: Device, current: Floats, gap: Floats) -> Floats:
 
 def fit_of(device: Device) -> Fit:
     """Fit that is shipped for a device's steel."""
-    return calibration().straight if is_straight(device) else calibration().saturating
+    return calibration()["straight" if is_straight(device) else "saturating"]
 
 
 def corrected(

@@ -88,13 +88,7 @@ def thinned(found: CoenergyMap) -> tuple[CoenergyMap, float]:
 def _check(samples: Samples) -> None:
     """Refuse samples that no co-energy map can be made from."""
     i, g, shape = samples.current, samples.gap, (samples.current.size, samples.gap.size)
-    tables = {
-        "flux_linkage": samples.flux_linkage,
-        "force": samples.force,
-        "coenergy": samples.coenergy,
-        "incremental_inductance": samples.incremental_inductance,
-    }
-    given = {name: values for name, values in tables.items() if values is not None}
+    given = _tables(samples)
     for name, values in {"current": i, "gap": g, **given}.items():
         if not np.isfinite(values).all():
             raise InputError(f"samples of {name} are not all finite; leave out what did not solve")
@@ -114,6 +108,12 @@ def _check(samples: Samples) -> None:
             raise InputError(f"samples of {name} must increase from 0 or above; sort them")
     if not (np.diff(samples.flux_linkage, axis=0) > 0.0).all():
         raise InputError("samples of flux_linkage must increase with the current at every gap")
+
+
+def _tables(samples: Samples) -> dict[str, Floats]:
+    """What a map is fitted to, over currents and gaps, as far as the model has it."""
+    names = ("flux_linkage", "force", "coenergy", "incremental_inductance")
+    return {n: getattr(samples, n) for n in names if getattr(samples, n) is not None}
 
 
 def _fitted(samples: Samples) -> CoenergyMap:
@@ -221,18 +221,8 @@ def _kept(samples: Samples) -> tuple[Ints, Ints]:
 
 
 def _picked(samples: Samples, i: Ints, g: Ints) -> Samples:
-    grid = np.ix_(i, g)
-    return replace(
-        samples,
-        current=samples.current[i],
-        gap=samples.gap[g],
-        flux_linkage=samples.flux_linkage[grid],
-        force=samples.force[grid],
-        coenergy=None if samples.coenergy is None else samples.coenergy[grid],
-        incremental_inductance=None
-        if samples.incremental_inductance is None
-        else samples.incremental_inductance[grid],
-    )
+    tables: dict[str, Any] = {n: v[np.ix_(i, g)] for n, v in _tables(samples).items()}
+    return replace(samples, current=samples.current[i], gap=samples.gap[g], **tables)
 
 
 def _miss(found: CoenergyMap, samples: Samples) -> MapError:

@@ -55,7 +55,7 @@ def test_all_values_are_slopes_of_one_coenergy(current, gap):
 def test_values_go_on_beyond_the_range():
     """No jump at the widest gap, nor at the fewest and the most ampere turns."""
     of = device("steel.curve=armco")
-    fit = calibration().saturating
+    fit = calibration()["saturating"]
     r, low, high = of.rod.head_radius, fit.products.low, fit.products.high
     widest = r * np.exp(high[0])
     inside, outside = (at(of, 0.3, widest * (1.0 + s))[0] for s in (-1e-6, 1e-6))

@@ -301,11 +301,17 @@ class StepTooLongError(ArithmeticError):
     """The iteration of a step did not settle."""
 
 
-class Structure(NamedTuple):
-    """Linear response of the structure over a step, at the m coordinates read."""
+class Factors(NamedTuple):
+    """The structure over one step length: the change is linear in state and few forces."""
 
-    stiffness: Lists  #: (m, m) D, force per change over the step, symmetric and positive definite
-    #: (m, m) |D|, and roundings of |D⁻¹|, below which a correction is noise
+    by_velocity: Floats
+    by_position: Floats
+    by_load: Floats
+    by_voltage: Floats
+    by_forces: Floats
+    #: At the m coordinates read: (m, m) D, force per change over the step, symmetric and positive
+    #: definite; |D|; and roundings of |D⁻¹|, below which a correction is noise
+    stiffness: Lists
     sizes: Lists
     noises: Lists
 
@@ -339,7 +345,7 @@ class Equations:
     near: list[float]  #: (m,) Coordinates before (m or rad)
     h: float  #: Length of the step (s)
     free: list[float]  #: (m,) Changes without laws and coil
-    structure: Structure  #:
+    structure: Factors  #: For such a step
     source: tuple[float, float]  #: What the coil's waveform says at both ends of the step (A or V)
 
     def answer(self, unknown: list[float]) -> Answer:
@@ -489,17 +495,6 @@ class Flow(NamedTuple):
 _STILL = Flow(0.0, 0.0, 0.0)
 
 
-class _Factors(NamedTuple):
-    """Factors of one step length: the change is linear in state and few forces."""
-
-    by_velocity: Floats
-    by_position: Floats
-    by_load: Floats
-    by_voltage: Floats
-    by_forces: Floats
-    structure: Structure
-
-
 class Stepper:
     """Steps of one system; matrices are kept for each step length."""
 
@@ -567,7 +562,7 @@ class Stepper:
         first = h * (state.velocity[at] + (0.5 * h) * ahead)
         equations = Equations(
             self._answers, state, state.position[at].tolist(), h, change[at].tolist(),
-            factors.structure, source,
+            factors, source,
         )  # fmt: skip
         found, current = settled(equations, first.tolist())
         change += factors.by_forces @ found.forces
@@ -595,20 +590,22 @@ class Stepper:
             wire = h * coil.resistance * found.means.current**2
         return new, Flow(work + wire, found.loss, wire)
 
-    def _factors(self, h: float) -> _Factors:
+    def _factors(self, h: float) -> Factors:
         s, at = self.system, self._at
         matrix = (2.0 / h**2) * s.mass + s.damping / h + 0.5 * s.stiffness
         inverse = _inverted(matrix)
         compliance = inverse[np.ix_(at, at)]
         stiffness = _inverted(compliance)
         noises = _NOISE * np.abs(compliance)
-        return _Factors(
+        return Factors(
             inverse @ ((2.0 / h) * s.mass),
             -inverse @ s.stiffness,
             inverse @ s.load,
             inverse @ s.coupling,
             inverse[:, at],
-            Structure(stiffness.tolist(), np.abs(stiffness).tolist(), noises.tolist()),
+            stiffness.tolist(),
+            np.abs(stiffness).tolist(),
+            noises.tolist(),
         )
 
 

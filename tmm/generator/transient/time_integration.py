@@ -85,69 +85,44 @@ class Run:
         return float(np.abs(self.imbalance).max()) / whole if whole > 0.0 else 0.0
 
 
-class Record:
-    """Collects a run, state by state; its energies are worked out at the end, all at once."""
+#: Time (s), state, energies exchanged on the way, what the coil's source says.
+Record = list[tuple[float, State, Flow, float]]
 
-    def __init__(self, system: System) -> None:
-        self._system = system
-        self._states: list[State] = []
-        self._rows: list[tuple[float, ...]] = []
 
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    def add(self, time: float, state: State, flow: Flow, source: float) -> None:
-        """Add a state and the energies exchanged on the way."""
-        field = state.field
-        self._states.append(state)
-        self._rows.append(
-            (
-                time, state.voltage, source, state.current, state.gap, field.flux_linkage,
-                field.force, field.coenergy, *flow,
-            )
-        )  # fmt: skip
-
-    def run(self) -> Run:
-        """Collected run."""
-        s, states = self._system, self._states
-        position = np.array([state.position for state in states])
-        velocity = np.array([state.velocity for state in states])
-        change = np.array([state.change for state in states])
-        time, voltage, source, current, gap, linkage, pull, coenergy, *flows = np.array(
-            self._rows
-        ).T
-        step = np.array([state.lasted for state in states])
-        before = np.concatenate([voltage[:1], voltage[:-1]])
-        given = change @ s.coupling + s.capacitance * (voltage - before)
-        bimorph = 0.5 * (before + voltage) * given
-        # nothing moves where no time passes
-        structure = _squares(change, s.damping) / np.where(step > 0.0, step, 1.0)
-        energies = np.array(
-            [
-                0.5 * _squares(velocity, s.mass),
-                0.5 * _squares(position, s.stiffness),
-                self._stored(position),
-                -position @ s.load,
-                current * linkage - coenergy,
-                0.5 * s.capacitance * voltage**2,
-            ]
-        )
-        coil, elements, wire = flows
-        exchanged = np.array([bimorph, coil, structure, elements, wire])
-        moved = np.abs(np.diff(energies, prepend=energies[:, :1])).sum(axis=0)
-        sums = np.cumsum(np.vstack([exchanged, moved + np.abs(exchanged).sum(axis=0)]), axis=1)
-        return Run(
-            time, position, velocity, voltage, source, current, linkage, gap, pull,
-            position @ s.coupling + s.capacitance * voltage, *energies, *sums,
-        )  # fmt: skip
-
-    def _stored(self, position: Floats) -> Floats:
-        """Energy stored in springs and stops (k,), in J."""
-        whole = np.zeros(position.shape[0])
-        for element in self._system.elements:
-            rows = np.atleast_2d(element.direction)
-            whole += element.law.energy(position @ rows.T + element.offset).sum(axis=1)
-        return whole
+def recorded(system: System, record: Record) -> Run:
+    """Run of its states; the energies are worked out all at once."""
+    s, (times, states, flows, sources) = system, zip(*record, strict=True)
+    position, velocity, change, step, voltage, current, gap = (
+        np.array([getattr(state, name) for state in states])
+        for name in ("position", "velocity", "change", "lasted", "voltage", "current", "gap")
+    )
+    coenergy, linkage, pull = np.array([state.field[:3] for state in states]).T
+    before = np.concatenate([voltage[:1], voltage[:-1]])
+    given = change @ s.coupling + s.capacitance * (voltage - before)
+    # nothing moves where no time passes
+    structure = _squares(change, s.damping) / np.where(step > 0.0, step, 1.0)
+    stored = np.zeros(len(record))
+    for element in s.elements:
+        deformed = position @ np.atleast_2d(element.direction).T + element.offset
+        stored += element.law.energy(deformed).sum(axis=1)
+    energies = np.array(
+        [
+            0.5 * _squares(velocity, s.mass),
+            0.5 * _squares(position, s.stiffness),
+            stored,
+            -position @ s.load,
+            current * linkage - coenergy,
+            0.5 * s.capacitance * voltage**2,
+        ]
+    )
+    coil, elements, wire = np.array(flows).T
+    exchanged = np.array([0.5 * (before + voltage) * given, coil, structure, elements, wire])
+    moved = np.abs(np.diff(energies, prepend=energies[:, :1])).sum(axis=0)
+    sums = np.cumsum(np.vstack([exchanged, moved + np.abs(exchanged).sum(axis=0)]), axis=1)
+    return Run(
+        np.array(times), position, velocity, voltage, np.array(sources), current, linkage, gap,
+        pull, position @ s.coupling + s.capacitance * voltage, *energies, *sums,
+    )  # fmt: skip
 
 
 def _squares(rows: Floats, matrix: Floats) -> Floats:
@@ -280,7 +255,8 @@ class Marcher:
 
     def choose(self, first: State, longest: float, local: float) -> tuple[list[Piece], Run]:
         """Steps whose local errors are below `local`, and the run with them."""
-        record, state, chosen = Record(self._system), first, []
+        record: Record = []
+        state, chosen = first, []
         for start, end in between_breaks(self._sources, self._until):
             inside = 0.5 * (start + end)
             state = self._jumped(state, start, inside, record)
@@ -289,7 +265,6 @@ class Marcher:
             level = self._first_level(state, (end - start) / count)
             ends: list[tuple[float, float]] = []
             earlier: list[tuple[float, State]] = []
-            before = start
             while done < whole:
                 ticks = 1 << (_DEEPEST - level)
                 time = start + (end - start) * ((done + ticks) / whole)
@@ -305,16 +280,16 @@ class Marcher:
                     level += 1
                     continue
                 self._keep(record, time, new, flow, inside)
-                earlier, state, before = [*earlier[-1:], (h, state)], new, time
+                earlier, state = [*earlier[-1:], (h, state)], new
                 ends.append((time, h))
                 done += ticks
                 if len(record) > MOST_STEPS:
                     raise InputError(_too_many(time))
                 if level > 0 and off < _EASY * local and done % (2 * ticks) == 0:
                     level -= 1
-                self._announce(2.0 / 7.0 * before / self._until)
+                self._announce(2.0 / 7.0 * time / self._until)
             chosen.append((inside, start, ends))
-        return chosen, record.run()
+        return chosen, recorded(self._system, record)
 
     def follow(
         self,
@@ -330,7 +305,8 @@ class Marcher:
         `share` is what is done of the whole work before and afterwards.  A `rough` run may leave
         what is known of the coil: it only judges another run.
         """
-        record, state, shared = Record(self._system), first, []
+        record: Record = []
+        state, shared = first, []
         done, all_done = share
         for inside, start, ends in pieces:
             state = self._jumped(state, start, inside, record)
@@ -344,7 +320,7 @@ class Marcher:
                         state = new
                         shared.append(part == parts and at == time)
                 self._announce(done + (all_done - done) * end / self._until)
-        return record.run(), np.array(shared)
+        return recorded(self._system, record), np.array(shared)
 
     def _first_level(self, state: State, longest: float) -> int:
         """Halvings of the longest step after a break, where sources may jump.
@@ -392,7 +368,7 @@ class Marcher:
         source = self._sources.coil.value(time, inside)
         voltage = self._sources.bimorph.value(time, inside)
         new, flow = self._stepper.jump(state, voltage, source)
-        record.add(time, new, flow, source)
+        record.append((time, new, flow, source))
         return new
 
     def _local_error(
@@ -434,7 +410,7 @@ class Marcher:
                 f"{low * 1e6:.6g} to {high * 1e6:.6g} um of the co-energy map; give the stops more "
                 "stiffness or drive the coil less"
             )
-        record.add(time, new, flow, self._sources.coil.value(time, inside))
+        record.append((time, new, flow, self._sources.coil.value(time, inside)))
 
 
 def _bend(earlier: list[tuple[float, State]], state: State, new: State, h: float) -> float:
