@@ -20,7 +20,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Bools, Complex, Floats, Ints, Numbers
 from tactgen.geometry.device.checks import check_gap
-from tactgen.geometry.device.magnetisation import MU0, MagnetisationCurve, linear
+from tactgen.geometry.device.magnetisation import MU0, linear
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
@@ -158,6 +158,11 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
     kept = np.concatenate([[True], between])
     reluctance = np.concatenate([rungs[:, kept], 1.0 / gap[:, None]], axis=1)
     area, length, cell = _iron(device, moved, path)
+    curve = magnetisation_curve(device.steel)
+    if refinements.iron == "linear":
+        curve = linear(curve.highest_permeability)
+    elif refinements.iron == "perfect":
+        area, length, cell = area[:, :0], length[:, :0], cell[:0]
     coil = device.coil
     # turns above the sleeve link the gap
     above = np.minimum(np.maximum(moved - NOMINAL_GAP - coil.position, 0.0), coil.length)
@@ -167,7 +172,7 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
     slopes = (part.imag / _STEP for part in (length, reluctance, turns))
     d_length, d_reluctance, d_turns = slopes
     return Ladder(
-        curve=_curve(device, refinements),
+        curve=curve,
         area=area,
         length=length.real,
         d_length=d_length,
@@ -301,15 +306,6 @@ def _iron(device: Device, gaps: Complex, path: _Path) -> tuple[Floats, Complex, 
         np.concatenate([path.length, path.length, shaft, rings], axis=1),
         np.concatenate([along, along, np.full(_RINGS + 1, k)]),
     )
-
-
-def _curve(device: Device, refinements: Refinements) -> MagnetisationCurve | None:
-    if refinements.iron == "perfect":
-        return None
-    curve = magnetisation_curve(device.steel)
-    if refinements.iron == "saturating":
-        return curve
-    return linear(curve.highest_permeability)
 
 
 def _grouped(values: Complex, group: Ints) -> Complex:

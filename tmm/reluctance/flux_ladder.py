@@ -16,6 +16,7 @@ one function, with no difference quotient.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,9 +40,12 @@ _GUESSED = 1.0
 
 @dataclass(frozen=True)
 class Ladder:
-    """The circuit at m gaps: n cells, E iron elements; `d_` is the derivative by the gap."""
+    """The circuit at m gaps: n cells, E iron elements; `d_` is the derivative by the gap.
 
-    curve: MagnetisationCurve | None  #: The iron's; None for iron without reluctance
+    Iron without reluctance has no elements.
+    """
+
+    curve: MagnetisationCurve  #: The iron's
     area: Floats  #: (m, E) Cross-sections of the iron elements (m²)
     #: (m, E) Their lengths (m)
     length: Floats
@@ -103,9 +107,8 @@ def solve(ladder: Ladder, currents: Floats) -> LadderSolution:
 def _first_guess(ladder: Ladder, drive: Floats) -> Floats:
     """Fluxes with the iron's reluctivity as it is at one flux density."""
     diagonal, beside = _rungs(ladder, drive.shape)
-    if ladder.curve is not None:
-        reluctivity = float(ladder.curve.field_strength(np.array(_GUESSED)))
-        diagonal = diagonal + _to_cells(ladder, reluctivity * ladder.length / ladder.area)
+    reluctivity = float(ladder.curve.field_strength(np.array(_GUESSED)))
+    diagonal = diagonal + _to_cells(ladder, reluctivity * ladder.length / ladder.area)
     return _tridiagonal(diagonal, beside, drive)
 
 
@@ -138,9 +141,8 @@ def _across_rungs(flux: Floats) -> Floats:
 def _energy(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floats]:
     """Π (c, m) and its rounding (c, m)."""
     stored = 0.5 * (ladder.reluctance * _across_rungs(flux) ** 2).sum(axis=-1)
-    if ladder.curve is not None:
-        density = ladder.curve.energy_density(np.abs(_flux_density(ladder, flux)))
-        stored = stored + (ladder.area * ladder.length * density).sum(axis=-1)
+    density = ladder.curve.energy_density(np.abs(_flux_density(ladder, flux)))
+    stored = stored + (ladder.area * ladder.length * density).sum(axis=-1)
     supplied = (drive * flux).sum(axis=-1)
     return stored - supplied, _ROUNDING * (stored + np.abs(supplied))
 
@@ -149,20 +151,16 @@ def _energy_slope(ladder: Ladder, flux: Floats, currents: Floats) -> Floats:
     """∂Π/∂g (c, m) at fixed fluxes."""
     rungs = 0.5 * (ladder.d_reluctance * _across_rungs(flux) ** 2).sum(axis=-1)
     total = rungs - currents[:, None] * (ladder.d_turns * flux).sum(axis=-1)
-    if ladder.curve is not None:
-        density = ladder.curve.energy_density(np.abs(_flux_density(ladder, flux)))
-        total = total + (ladder.area * ladder.d_length * density).sum(axis=-1)
-    return np.asarray(total)
+    density = ladder.curve.energy_density(np.abs(_flux_density(ladder, flux)))
+    return np.asarray(total + (ladder.area * ladder.d_length * density).sum(axis=-1))
 
 
 def _gradient(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floats]:
     """∂Π/∂φ (c, m, n), the residual mmf, and its tolerance (A)."""
     rungs = ladder.reluctance * _across_rungs(flux)
-    gradient = rungs[..., :-1] - rungs[..., 1:] - drive
-    if ladder.curve is not None:
-        b = _flux_density(ladder, flux)
-        drop = np.sign(b) * ladder.curve.field_strength(np.abs(b)) * ladder.length
-        gradient = gradient + _to_cells(ladder, drop)
+    b = _flux_density(ladder, flux)
+    drop = np.sign(b) * ladder.curve.field_strength(np.abs(b)) * ladder.length
+    gradient = rungs[..., :-1] - rungs[..., 1:] - drive + _to_cells(ladder, drop)
     # the flux through a rung is a small difference of large fluxes
     cancelled = np.abs(flux) * (ladder.reluctance[:, :-1] + ladder.reluctance[:, 1:])
     negligible = _RESIDUAL * drive.sum(axis=-1, keepdims=True) + _ROUNDING * cancelled
@@ -172,10 +170,8 @@ def _gradient(ladder: Ladder, flux: Floats, drive: Floats) -> tuple[Floats, Floa
 def _hessian(ladder: Ladder, flux: Floats) -> tuple[Floats, Floats]:
     """Diagonal (c, m, n) and off-diagonal (c, m, n − 1) of ∂²Π/∂φ²."""
     diagonal, beside = _rungs(ladder, flux.shape)
-    if ladder.curve is not None:
-        slope = ladder.curve.slope(np.abs(_flux_density(ladder, flux)))
-        diagonal = diagonal + _to_cells(ladder, slope * ladder.length / ladder.area)
-    return diagonal, beside
+    slope = ladder.curve.slope(np.abs(_flux_density(ladder, flux)))
+    return diagonal + _to_cells(ladder, slope * ladder.length / ladder.area), beside
 
 
 def _rungs(ladder: Ladder, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
@@ -186,7 +182,7 @@ def _rungs(ladder: Ladder, shape: tuple[int, ...]) -> tuple[Floats, Floats]:
 
 def _to_cells(ladder: Ladder, values: Floats) -> Floats:
     """Sum the elements' `values` (..., E) over their cells, (..., n)."""
-    cells, points = ladder.turns.shape[-1], values[..., 0].size
+    cells, points = ladder.turns.shape[-1], math.prod(values.shape[:-1])
     place = (cells * np.arange(points)[:, None] + ladder.cell).ravel()
     found = np.bincount(place, values.ravel(), cells * points)
     return np.asarray(found, dtype=float).reshape(*values.shape[:-1], cells)

@@ -93,7 +93,7 @@ def iron_beyond_table(device: Device, current: float, gap: float) -> float:
     Zero for a curve that goes on until the steel is saturated.
     """
     ladder = circuit(device, np.array([gap]), FULL, CELLS)
-    if ladder.curve is None or not ladder.curve.ends_early:
+    if not ladder.curve.ends_early:
         return 0.0
     flux = solve(ladder, np.array([current])).flux[0, 0]
     b, volumes = np.abs(flux[ladder.cell]) / ladder.area[0], ladder.area[0] * ladder.length[0]
