@@ -3,6 +3,11 @@
 Static and without friction.  Along the axis act the return spring, the finger that presses the
 tip down, the magnetic pull, and the stops by the law of their contact.  The rod's lift u is told
 as in tmm.generator.contact: 0 at the upper stop, negative downwards.
+
+The head tilts towards where the spring presses.  In that direction the contact is softer, ∂M/∂ψ,
+than beside it, M/ψ.  Between the axes a turn in the plane of bending then needs a moment in the
+other one as well, where rod and bimorph, which hardly bends across its width, rock on the same
+contact.  Seen from the plane of bending they are a resonator on the head.
 """
 
 from __future__ import annotations
@@ -13,9 +18,11 @@ from typing import Literal, Protocol
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.geometry.bimorph.boundary_conditions import Springs
-from tactgen.geometry.device.parameters import Device, Support
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Law, Springs, TipLoad
+from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam.sections import section_across
+from tactgen.tmm.beam.transfer_matrix import chain, sections
 from tactgen.tmm.generator.contact import (
     RoughContact,
     Stops,
@@ -25,7 +32,8 @@ from tactgen.tmm.generator.contact import (
     stops_of,
     tilt_guide,
 )
-from tactgen.tmm.ports.elements import base_stiffness
+from tactgen.tmm.ports.elements import base_stiffness, load_tip
+from tactgen.tmm.ports.multiport import hold, reduce
 
 #: Lifts between the stops at which forces are compared, and at each stop, that reach so many
 #: decay lengths of the contact to both sides.
@@ -353,7 +361,7 @@ def held_support(
     return place, pressed_support(device, law, place.contact_force, tilt)
 
 
-def on_board(base: Springs, device: Device, place: RestingPlace) -> Springs:
+def _on_board(base: Springs, device: Device, place: RestingPlace) -> Springs:
     """Springs of a contact, with those of the upper board if it is not rigid.
 
     Statics and undamped modes have the board at rest on its springs.
@@ -368,3 +376,52 @@ def on_board(base: Springs, device: Device, place: RestingPlace) -> Springs:
 
     at_rest = float(board(np.zeros(1))[0].real) + guide
     return replace(base, lateral_stiffness=at_rest, law=law)
+
+
+def turn_across(
+    device: Device, beam: Beam, tip: TipLoad | Law, base: Complex, frequencies: Floats
+) -> Complex:
+    """Turn of the head per moment (n,) in rad/(N m) in the plane across the width.
+
+    At frequencies (n,) in Hz, the load being alike in all lateral directions.  `base` (n, 2, 2) is
+    the dynamic stiffness of rod, contact and guide over motion and turn of the head.
+    """
+    row = sections(device, Support(kind="clamped"), beam, lossy=True, section_of=section_across)
+    loaded = hold(load_tip(chain(row, frequencies), tip), "voltage")
+    bimorph = reduce(loaded, ("w_base", "psi_base"))
+    return np.asarray(np.linalg.inv(bimorph.stiffness + base)[:, 1, 1])
+
+
+def on_contact(ends: Ends, device: Device, beam: Beam, place: RestingPlace) -> Ends:
+    """Ends of the bimorph on the contact of the rod's head, from those on the contact's springs.
+
+    A tilted head holds both planes and may tie them together.  Statics and undamped modes take the
+    other plane at rest.
+    """
+    assert ends.base is not None
+    law, tilt = stops_of(device).holding(place.lift), resting_tilt(device, place)
+    base = _on_board(ends.base, device, place)
+    if not tilt:
+        return replace(ends, base=base, across=base)
+    contact, guide = rocking_stiffness(device, law, place.contact_force, tilt)
+    across = replace(
+        base,
+        rotational_stiffness=float(contact[1, 1] + guide[1, 1]),
+        rotational_damping=law.relaxation_time * float(contact[1, 1]),
+        law=None,
+    )
+    if not device.spring.tilts_both_planes:
+        return replace(ends, base=base, across=across)
+
+    def both(frequencies: Floats, tip: TipLoad | Law = ends.tip) -> tuple[Complex, Complex]:
+        omega = 2.0 * np.pi * np.asarray(frequencies, dtype=float)
+        lateral, rotational = base_stiffness(base, frequencies)
+        turning = guide + contact * (1.0 + 1j * omega * law.relaxation_time)[:, None, None]
+        other = np.zeros((omega.size, 2, 2), dtype=complex)
+        other[:, 0, 0] = lateral
+        other[:, 1, 1] = turning[:, 1, 1] - omega**2 * base.rotational_inertia
+        turn = turn_across(device, beam, tip, other, frequencies)
+        return lateral, rotational - turning[:, 0, 1] ** 2 * turn
+
+    at_rest = float(both(np.zeros(1), ends.conservative_tip)[1][0].real)
+    return Ends(replace(base, rotational_stiffness=at_rest, law=both), ends.tip, across)

@@ -28,7 +28,6 @@ from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.device.winding import winding
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.transfer_matrix import sections
-from tactgen.tmm.generator.both_planes import turn_across
 from tactgen.tmm.generator.contact import (
     Stops,
     lateral_guide,
@@ -46,6 +45,7 @@ from tactgen.tmm.generator.equilibrium import (
     pressed_support,
     resting_tilt,
     spring_direction,
+    turn_across,
 )
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.steady import Tabulated
@@ -90,7 +90,6 @@ class Linearised:
     motional: float = 0.0  #: T = ∂λ/∂u (V s/m), of a current that the supply makes positive
     inductance: float = 0.0  #: L = ∂λ/∂i (H), the rod held
     resistance: float = 0.0  #: Of wire, leads and supply (Ω)
-    tilt: float = 0.0  #: Of the head at rest (rad)
     #: Dynamic stiffness (n, 3, 3) over frequency (Hz) that an upper board on springs and the plane
     #: across the width add
     added: Callable[[Floats], Complex] | None = None
@@ -139,7 +138,6 @@ def linearised(
         motional=float(magnetic.motional_coefficient(current, gap)),
         inductance=float(magnetic.incremental_inductance(current, gap)),
         resistance=winding(device.coil).resistance + device.coil.source_resistance,
-        tilt=tilt,
         added=added if board or device.spring.tilts_both_planes else None,
     )
 

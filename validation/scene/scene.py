@@ -7,7 +7,6 @@ there and nowhere else; unknown keys are refused with the nearest valid name.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import lru_cache
 from math import sqrt
 from pathlib import Path
@@ -175,12 +174,9 @@ class Scene(p.Device):
         found = ends_of(self.held, self.load)
         if self.rest is None or found.base is None:
             return found
-        from tactgen.tmm.generator.both_planes import coupled
-        from tactgen.tmm.generator.equilibrium import on_board
+        from tactgen.tmm.generator.equilibrium import on_contact
 
-        place = self.rest[0]
-        ends = replace(found, base=on_board(found.base, self.device, place))
-        return coupled(replace(ends, across=found.base), self.device, self.beam, place)
+        return on_contact(found, self.device, self.beam, self.rest[0])
 
     @property
     def held(self) -> p.Support:

@@ -69,8 +69,9 @@ def test_rod_and_bimorph_rock_as_one_body_with_five_motions():
     # springs, contact and masses over (w, ψ, u, w, ψ), and the bimorph in both planes
     from tactgen.tmm.generator.small_signal import _contact, _spring_and_guide
 
-    stiffness, damping = _contact(device, place, rod.tilt)
-    stiffness = stiffness + _spring_and_guide(device, rod.tilt)
+    tilt = resting_tilt(device, place)
+    stiffness, damping = _contact(device, place, tilt)
+    stiffness = stiffness + _spring_and_guide(device, tilt)
     damping[2, 2] += device.guide.axial_damping
     stiffness[2, 2] = rod.stiffness[2, 2]
     mass = np.zeros((5, 5))
