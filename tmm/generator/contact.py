@@ -130,7 +130,7 @@ class RoughContact:
         N R/2 of a ring and N R/4 of a disc: a measure of where softening counts, since rough
         surfaces unload gradually.
         """
-        upright_bend = 0.5 if self.shape == "ring" else 0.25  # S'' of the upright head
+        upright_bend = _WEIGHTS[self.shape][2, 0]  # S'' of the upright head
         return np.asarray(np.asarray(load) * self.radius * upright_bend)
 
     def tipping_moment(self, load: Floats | float) -> Floats:

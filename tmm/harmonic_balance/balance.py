@@ -123,17 +123,12 @@ def samples(harmonics: int) -> int:
     return int(2 ** np.ceil(np.log2(wanted)))
 
 
-def rates(orbit: Orbit) -> Orbit:
-    """Q̇ as an orbit."""
-    n = np.arange(orbit.harmonics + 1)[:, None]
-    return Orbit(orbit.omega, orbit.level, 1j * n * orbit.omega * orbit.spectrum)
-
-
 def law_harmonics(oscillator: Oscillator, orbit: Orbit) -> LawHarmonics:
     """Harmonics of the law along an orbit."""
     count, highest, k = samples(orbit.harmonics), 2 * orbit.harmonics, oscillator.size
     # motions and rates, then all that the law says, in one transform each
-    both = np.concatenate([orbit.spectrum, rates(orbit).spectrum], axis=1)
+    rates = 1j * orbit.omega * np.arange(orbit.harmonics + 1)[:, None] * orbit.spectrum
+    both = np.concatenate([orbit.spectrum, rates], axis=1)
     moved = replace(orbit, spectrum=both).motion(count)
     at = oscillator.law(moved[:, :k], moved[:, k:])
     tangents = (t.reshape(count, k * k) for t in (at.by_motion, at.by_rate))

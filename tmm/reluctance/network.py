@@ -51,15 +51,9 @@ def network_samples(
     gaps = np.atleast_1d(np.asarray(gaps, dtype=float))
     found, coarse = fine_and_coarse(device, currents, gaps, refinements, cells)
     return Samples(
-        current=currents,
-        gap=gaps,
-        flux_linkage=found.flux_linkage,
-        force=found.force,
-        coenergy=found.coenergy,
-        incremental_inductance=found.incremental_inductance,
-        force_error=force_error(found, coarse),
-        model="network",
-    )
+        currents, gaps, found.flux_linkage, found.force, found.coenergy,
+        found.incremental_inductance, force_error(found, coarse), "network",
+    )  # fmt: skip
 
 
 def fine_and_coarse(

@@ -518,11 +518,6 @@ class Stepper:
             where, speed, still, still, calm, 0.0, voltage, current, gap, field, deformations
         )
 
-    def charge(self, state: State) -> float:
-        """Charge on the bimorph (C)."""
-        s = self.system
-        return float(s.coupling @ state.position) + s.capacitance * state.voltage
-
     def jump(self, state: State, voltage: float, current: float) -> tuple[State, Flow]:
         """State after sources jumped while nothing moved; a circuit keeps its λ."""
         coil = self.system.coil

@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import exp, expm1
-from typing import ClassVar, Literal, Protocol, TypeAlias
+from typing import ClassVar, Literal, TypeAlias
 
 import numpy as np
 
@@ -27,28 +27,8 @@ _SMALL_CHANGE = 1e-6
 #: stray guess of an iteration is cut off.
 _APART, _LARGEST = -60.0, 500.0
 #: Of each spring: force over a step, its slope by the deformation after it, its elastic part
-#: (N, N/m, N).
+#: (N, N/m, N), which times the change of the deformation is that of the energy, to rounding.
 Means: TypeAlias = tuple[Sequence[float], Sequence[float], Sequence[float]]
-
-
-class Law(Protocol):
-    """A spring's law over its deformation δ (m)."""
-
-    @property
-    def apart(self) -> float:
-        """Deformation (m) up to which nothing acts and nothing is stored; −inf if there is none."""
-        ...
-
-    def energy(self, deformation: Floats) -> Floats:
-        """Stored energy (J)."""
-        ...
-
-    def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
-        """Mean forces over a step of so many seconds that changes deformations by `moved`.
-
-        The elastic part times `moved` is the change of the energy, to rounding.
-        """
-        ...
 
 
 @dataclass(frozen=True)
@@ -63,7 +43,7 @@ class Stop:
         return np.asarray(0.5 * self.stiffness * np.maximum(deformation, 0.0) ** 2)
 
     def means(self, before: Sequence[float], moved: Sequence[float], step: float) -> Means:
-        """Mean forces over a step."""
+        """Mean forces over a step of so many seconds that changes deformations by `moved`."""
         forces, slopes = [], []
         for b, m in zip(before, moved, strict=True):
             p0, p1 = max(b, 0.0), max(b + m, 0.0)
@@ -162,6 +142,10 @@ class CubicSpring:
             bend = squares + 2.0 * total * after
             slopes.append(0.5 * self.linear + 0.25 * self.cubic * bend)
         return forces, slopes, forces
+
+
+#: A spring's law over its deformation δ (m).  Up to `apart` (m) nothing acts and nothing is stored.
+Law: TypeAlias = Stop | RoughPoint | CubicSpring
 
 
 @dataclass(frozen=True)

@@ -284,7 +284,11 @@ class Marcher:
                 ends.append((time, h))
                 done += ticks
                 if len(record) > MOST_STEPS:
-                    raise InputError(_too_many(time))
+                    raise InputError(
+                        f"more than {MOST_STEPS} steps are needed, and {time * 1e3:.6g} ms were "
+                        "reached; ask for a shorter time or a larger accuracy, or make stops and "
+                        "circuit less stiff"
+                    )
                 if level > 0 and off < _EASY * local and done % (2 * ticks) == 0:
                     level -= 1
                 self._announce(2.0 / 7.0 * time / self._until)
@@ -429,13 +433,6 @@ def _never_settles(time: float) -> str:
     )
 
 
-def _too_many(time: float) -> str:
-    return (
-        f"more than {MOST_STEPS} steps are needed, and {time * 1e3:.6g} ms were reached; ask for "
-        "a shorter time or a larger accuracy, or make stops and circuit less stiff"
-    )
-
-
 #: Longest step as a share of the fastest waveform's period, and of the whole time.
 _PER_PERIOD, _PER_RUN = 1.0 / 64.0, 0.01
 #: Local tolerance of the first round over the accuracy asked for.
@@ -473,8 +470,8 @@ def simulate(
     sources: Sources,
     until: float,
     *,
-    position: Floats | None = None,
-    velocity: Floats | None = None,
+    position: Floats | float = 0.0,
+    velocity: Floats | float = 0.0,
     accuracy: float = 1e-3,
     longest: float = math.inf,
     announce: Callable[[float], None] = lambda _: None,
@@ -484,7 +481,7 @@ def simulate(
     Parameters
     ----------
     position, velocity : (n,) float, optional
-        At the start; 0 by default.
+        At the start.
     accuracy : float
         Error of the outputs, over their scales, that is aimed at.
     longest : float
@@ -526,8 +523,8 @@ def simulate_steps(
     until: float,
     steps: int,
     *,
-    position: Floats | None = None,
-    velocity: Floats | None = None,
+    position: Floats | float = 0.0,
+    velocity: Floats | float = 0.0,
 ) -> Run:
     """Run in equal steps, `steps` between every two breaks of the sources."""
     first = _at_start(system, sources, until, position, velocity)
@@ -539,17 +536,19 @@ def simulate_steps(
 
 
 def _at_start(
-    system: System, sources: Sources, until: float, position: Floats | None, velocity: Floats | None
+    system: System,
+    sources: Sources,
+    until: float,
+    position: Floats | float,
+    velocity: Floats | float,
 ) -> State:
     """State with the bimorph's voltage and the coil's current as they are just after the start."""
     by_current = system.coil is not None and system.coil.source == "current"
     inside = 0.5 * next(between_breaks(sources, until))[1]
     current = sources.coil.value(0.0, inside) if by_current else 0.0
     still = np.zeros(system.mass.shape[0])
-    return Stepper(system).start(
-        still if position is None else position, still if velocity is None else velocity,
-        sources.bimorph.value(0.0, inside), current,
-    )  # fmt: skip
+    voltage = sources.bimorph.value(0.0, inside)
+    return Stepper(system).start(still + position, still + velocity, voltage, current)
 
 
 def _read(row: Floats, run: Run) -> Floats:
