@@ -115,18 +115,22 @@ def linearised(
     damping[2, 2] += device.guide.axial_damping
     gap = device.gap + place.lift
     stiffness[2, 2] += float(magnetic.force_gradient(current, gap))
-    mass, board = _mass(device, beam), _board(device, place)
+    mass = _mass(device, beam)
+    law = stops_of(device).holding(place.lift)
+    board = sprung_board(device, place.lift, place.contact_force)
+    along = float(law.tangential_stiffness(place.contact_force))
 
     def added(frequencies: Floats) -> Complex:
         found = np.zeros((frequencies.size, 3, 3), dtype=complex)
-        sprung = np.zeros(1, dtype=complex) if board is None else board(frequencies)
-        found[:, 0, 0] = sprung
         omega = 2.0 * np.pi * frequencies[:, None, None]
+        if board is not None:  # in place of the contact alone
+            rigid = along * (1.0 + 1j * omega[:, 0, 0] * law.relaxation_time)
+            found[:, 0, 0] = board(frequencies) - rigid
         whole: Complex = stiffness + 1j * omega * damping
         ties = whole[:, :3, 4]
         if ties.any():
             base: Complex = whole[:, 3:, 3:] - omega**2 * mass[:2, :2]
-            base[:, 0, 0] += sprung
+            base[:, 0, 0] += found[:, 0, 0]
             turn = turn_across(device, beam, tip, base, frequencies)
             found -= turn[:, None, None] * ties[:, :, None] * ties[:, None, :]
         return found
@@ -140,20 +144,6 @@ def linearised(
         resistance=winding(device.coil).resistance + device.coil.source_resistance,
         added=added if board or device.spring.tilts_both_planes else None,
     )
-
-
-def _board(device: Device, place: RestingPlace) -> Callable[[Floats], Complex] | None:
-    sprung = sprung_board(device, place.lift, place.contact_force)
-    if sprung is None:
-        return None
-    law = stops_of(device).holding(place.lift)
-    along = float(law.tangential_stiffness(place.contact_force))
-
-    def added(frequencies: Floats) -> Complex:
-        rigid = along * (1.0 + 2j * np.pi * frequencies * law.relaxation_time)
-        return np.asarray(sprung(frequencies) - rigid)
-
-    return added
 
 
 def rod_ports(linear: Linearised, frequencies: Floats) -> Multiport:

@@ -147,18 +147,10 @@ class Answers:
         opens = np.zeros(self.at.size) if coil is None else np.asarray(coil.direction)[self.at]
         self.opens: list[float] = opens.tolist()
         self._opening = [(k, opened) for k, opened in enumerate(self.opens) if opened]
-        count = [p.offsets.size for p in self._points]
-        self._split = [slice(sum(count[:k]), sum(count[: k + 1])) for k in range(len(count))]
-        if count:
-            self._directions = np.vstack([p.directions for p in self._points])
-            self._offsets = np.concatenate([p.offsets for p in self._points])
 
     def deformations(self, near: Floats) -> tuple[list[float], ...]:
         """Deformation of each element, from the coordinates (m,) that are read."""
-        if not self._points:
-            return ()
-        each = (self._directions @ near + self._offsets).tolist()
-        return tuple(each[part] for part in self._split)
+        return tuple((p.directions @ near + p.offsets).tolist() for p in self._points)
 
     def over(
         self,

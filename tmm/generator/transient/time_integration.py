@@ -264,7 +264,7 @@ class Marcher:
             done, whole = 0, count << _DEEPEST
             level = self._first_level(state, (end - start) / count)
             ends: list[tuple[float, float]] = []
-            earlier: list[tuple[float, State]] = []
+            earlier: list[State] = []
             while done < whole:
                 ticks = 1 << (_DEEPEST - level)
                 time = start + (end - start) * ((done + ticks) / whole)
@@ -280,7 +280,7 @@ class Marcher:
                     level += 1
                     continue
                 self._keep(record, time, new, flow, inside)
-                earlier, state = [*earlier[-1:], (h, state)], new
+                earlier, state = [*earlier[-1:], state], new
                 ends.append((time, h))
                 done += ticks
                 if len(record) > MOST_STEPS:
@@ -375,9 +375,7 @@ class Marcher:
         record.append((time, new, flow, source))
         return new
 
-    def _local_error(
-        self, earlier: list[tuple[float, State]], state: State, new: State, h: float
-    ) -> float:
+    def _local_error(self, earlier: list[State], state: State, new: State, h: float) -> float:
         """Step's error over the outputs' scales, by its distance from a predictor."""
         if not earlier:
             return 0.0
@@ -417,9 +415,10 @@ class Marcher:
         record.append((time, new, flow, self._sources.coil.value(time, inside)))
 
 
-def _bend(earlier: list[tuple[float, State]], state: State, new: State, h: float) -> float:
+def _bend(earlier: list[State], state: State, new: State, h: float) -> float:
     """Distance of the current from the parabola through the three before it (A)."""
-    (h2, first), (h1, second) = earlier
+    first, second = earlier
+    h1, h2 = state.lasted, second.lasted
     slope1 = (state.current - second.current) / h1
     slope2 = (second.current - first.current) / h2
     curve = (slope1 - slope2) / (h1 + h2)
