@@ -274,9 +274,7 @@ def _one_driven(alone: Ladder, current: float, pull: float, display: Display, ov
     if pull <= 0.0:
         return 0.0
     own = _SMALL * gap / (math.sqrt(pull / less) - 1.0)
-    levels = head_levels(display, over / own)
-    at = (display.rows - 1) // 2 * display.columns + (display.columns - 1) // 2
-    return pull * float(levels[at]) ** 2
+    return pull * float(head_levels(display, over / own).max()) ** 2  # that of the driven one
 
 
 def head_levels(display: Display, ratio: float) -> Floats:

@@ -166,8 +166,8 @@ def circuit(device: Device, gaps: Floats, refinements: Refinements, cells: int =
     coil = device.coil
     # turns above the sleeve link the gap
     above = np.minimum(np.maximum(moved - NOMINAL_GAP - coil.position, 0.0), coil.length)
-    last = np.eye(int(group[-1]) + 1)[-1]
-    turns = _grouped(path.in_coil * path.length, group) + above[:, None] * last
+    into = np.eye(int(group[-1]) + 1)[group]
+    turns = (path.in_coil * path.length) @ into[:-1] + above[:, None] * into[-1]
     turns *= coil.turns / coil.length
     slopes = (part.imag / _STEP for part in (length, reluctance, turns))
     d_length, d_reluctance, d_turns = slopes
@@ -306,8 +306,3 @@ def _iron(device: Device, gaps: Complex, path: _Path) -> tuple[Floats, Complex, 
         np.concatenate([path.length, path.length, shaft, rings], axis=1),
         np.concatenate([along, along, np.full(_RINGS + 1, k)]),
     )
-
-
-def _grouped(values: Complex, group: Ints) -> Complex:
-    """Sum `values` (m, k) of the cells that became one; the gap's cell has none."""
-    return np.asarray(values @ np.eye(int(group[-1]) + 1)[group[:-1]])

@@ -19,6 +19,7 @@ from tactgen.geometry.files import written_whole
 from tactgen.tmm.reluctance.coenergy_map import (
     CURRENT_DEGREE,
     GAP_DEGREE,
+    TABLES,
     CoenergyMap,
     MapError,
     Samples,
@@ -112,8 +113,7 @@ def _check(samples: Samples) -> None:
 
 def _tables(samples: Samples) -> dict[str, Floats]:
     """What a map is fitted to, over currents and gaps, as far as the model has it."""
-    names = ("flux_linkage", "force", "coenergy", "incremental_inductance")
-    return {n: getattr(samples, n) for n in names if getattr(samples, n) is not None}
+    return {n: getattr(samples, n) for n in TABLES if getattr(samples, n) is not None}
 
 
 def _fitted(samples: Samples) -> CoenergyMap:
@@ -178,20 +178,14 @@ def _equations(
         there = gap_derivative(of_gap, width, by_gap)
         telling = (values != 0.0).any(axis=1)
         values, along = values[telling], along[telling]
-        scale = weight / (_pull_size(values) if by_gap else np.abs(values))
+        size = np.abs(values)
+        if by_gap:  # a pull grows with the current until the steel saturates, then may fall to 0
+            size = np.maximum(size, _SMALL * np.maximum.accumulate(size, axis=0))
+        scale = weight / size
         block = np.einsum("ij,gk,ig->igjk", along, there, scale)
         rows.append(block.reshape(values.size, -1))
         targets.append((np.abs(scale) * values).ravel())
     return np.concatenate(rows), np.concatenate(targets)
-
-
-def _pull_size(values: Floats) -> Floats:
-    """Scale of a force (c, m): itself, or a tenth of a lower current's.
-
-    It grows with the current until the steel is saturated; then it may fall, through zero.
-    """
-    size = np.abs(values)
-    return np.asarray(np.maximum(size, _SMALL * np.maximum.accumulate(size, axis=0)))
 
 
 def _positive_least_squares(rows: Floats, targets: Floats) -> Floats:

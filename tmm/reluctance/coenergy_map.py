@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
@@ -35,6 +35,8 @@ def splines(breaks: Floats, degree: int) -> Any:
     return BSpline(np.pad(breaks, degree, "edge"), np.eye(breaks.size - 1 + degree), degree)
 
 
+#: Names of what a map is fitted to, over currents and gaps.
+TABLES = ("flux_linkage", "force", "coenergy", "incremental_inductance")
 #: How far beyond its ends a map may be asked, relative to its range: rounding of a grid.
 _ROUNDING = 1e-9
 
@@ -139,16 +141,8 @@ class CoenergyMap:
     def sampled(self, currents: Floats, gaps: Floats) -> Samples:
         """Map values on a grid of currents (c,) and gaps (m,)."""
         i, g = np.asarray(currents, dtype=float)[:, None], np.asarray(gaps, dtype=float)[None]
-        return Samples(
-            current=i[:, 0],
-            gap=g[0],
-            flux_linkage=self.flux_linkage(i, g),
-            force=self.force(i, g),
-            coenergy=self.coenergy(i, g),
-            incremental_inductance=self.incremental_inductance(i, g),
-            model=self.samples.model,
-            device=self.samples.device,
-        )
+        tables: dict[str, Any] = {name: getattr(self, name)(i, g) for name in TABLES}
+        return replace(self.samples, current=i[:, 0], gap=g[0], force_error=None, **tables)
 
     def _surface(
         self, current: Floats | float, gap: Floats | float, by_current: int, by_gap: int

@@ -110,10 +110,8 @@ def resting_gaps(device: Device, pull: CoenergyMap, currents: Floats, *, rising:
     gaps = between_stops(device, _CLOSE_POSITIONS)
     needed = balance_current(device, pull, gaps)
     if rising:
-        held = needed > currents[:, None]
-        last = held.shape[1] - 1 - np.argmax(held[:, ::-1], axis=1)
-        return np.asarray(np.where(held.any(axis=1), gaps[last], gaps[0]))
-    held = needed <= currents[:, None]
+        gaps, needed = gaps[::-1], needed[::-1]
+    held = needed > currents[:, None] if rising else needed <= currents[:, None]
     return np.asarray(np.where(held.any(axis=1), gaps[np.argmax(held, axis=1)], gaps[-1]))
 
 
