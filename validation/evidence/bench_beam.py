@@ -142,7 +142,9 @@ def _attached(f: Floats) -> tuple[tuple[Complex, Complex], Complex]:
 def _velocity(path: str, f: Floats, base: tuple[Complex, Complex], tip: Complex) -> Complex:
     omega = 2.0 * np.pi * f
     if path == _NAIVE:
-        return textbook_beam.tip_velocity(_BEAM, _LENGTH, f, base=base, tip=tip)
+        a = textbook_beam.transfer(_BEAM, _LENGTH, f)
+        velocity, _ = textbook_beam.response(a, f, base=base, tip=tip)
+        return velocity
     if path == _CASCADE:
         loads = {"w_base": base[0], "psi_base": base[1], "w_tip": tip}
         port = terminate(chain([(_BEAM, _LENGTH)], f), loads)

@@ -77,7 +77,8 @@ def by_printed_formulas(beam: Section, length: float, frequency: float, ends: En
     exact = reference.dynamic_stiffness(reference.constants(beam), length, omega)
     base, tip = _attached(ends, frequency)
     w_tip, *_ = reference.tip_motion(exact, base, tip)
-    velocity = textbook_beam.tip_velocity(beam, length, f, base=base, tip=tip)[0]
+    a = textbook_beam.transfer(beam, length, f)
+    velocity = textbook_beam.response(a, f, base=base, tip=tip)[0, 0]
     return max(
         _entry_error(textbook_beam.dynamic_stiffness(beam, length, f)[0], exact),
         _finite(reference.relative_error(velocity / (1j * omega), w_tip)),

@@ -18,7 +18,6 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Device, Support
-from tactgen.geometry.device.profile import UNIFORM
 from tactgen.tmm.beam.printed_formulas import (
     FORMULAS,
     MISPRINTS,
@@ -35,6 +34,7 @@ from tactgen.tmm.beam.sections import section as section_constants
 from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.tmm.ports.loads import finger_impedance
 from tactgen.validation.evidence.cases import exact_beam as reference
+from tactgen.validation.evidence.cases import textbook_beam
 from tactgen.validation.scene.scene import Scene
 
 
@@ -61,7 +61,7 @@ def _exact_formulas(
 
     From T over [w, ψ, M, F, q, U]: C2 = −T_wM/a, β⁴ = −T_Fψ a²/T_wM, C3 = T_FM l/β⁴,
     σ C3 = T_ψM l/a − T_MF/l, τ C3 = −T_Fw a l/β⁴ − T_MF/l, and so on; cosh λ₁ and cos λ₂
-    from the traces of T and T².  Eqs 46 and 48 are left out without piezoelectric coupling.
+    from the traces of T and T².
     """
     f, l = mp.mpf(float(frequency)), mp.mpf(length)
     jw = 2j * mp.pi * f
@@ -69,7 +69,7 @@ def _exact_formulas(
     t = reference.transfer(c, l, 2 * mp.pi * f)
     rates = (jw, jw, 1, 1, jw)
     places = (0, 1, 2, 3, 5)
-    found: dict[int, tuple[Any, ...]] = {
+    entries = {
         equation: (t[i, places[j]] * rates[i] / (1 if j in (2, 3, 4) else jw),)
         for equation, (i, j) in PLACES.items()
     }
@@ -83,7 +83,7 @@ def _exact_formulas(
     squares = sum(t[i, j] * t[j, i] for i in range(4) for j in range(4)) / 4 + 1
     # cosh λ₁ and cos λ₂ have this sum, and these squares' sum
     apart = mp.sqrt(2 * squares - half_trace**2)
-    found |= {
+    return entries | {
         7: (mp.mpf(support.lateral_stiffness) / jw,),
         8: (
             jw * mp.mpf(support.rotational_inertia)
@@ -99,12 +99,10 @@ def _exact_formulas(
         43: (beta4,),
         44: (c3,),
         45: (a,),
+        46: (t[1, 5] * l / (a * c.K) - c3 * sigma,),
         47: (mp.acosh((half_trace + apart) / 2), mp.acos((half_trace - apart) / 2)),
+        48: (t[2, 5] / c.K + 1 - sigma * c2,),
     }
-    if c.K != 0:  # the electrical entries alone hold C4 and C5
-        found[46] = (t[1, 5] * l / (a * c.K) - c3 * sigma,)
-        found[48] = (t[2, 5] / c.K + 1 - sigma * c2,)
-    return found
 
 
 #: Frequencies at which the effects are stated (Hz).
@@ -136,8 +134,7 @@ class Audit:
     """
 
     rows: tuple[AuditRow, ...]
-    velocity: Floats
-    current: Floats
+    velocity: Floats  #: (n,) Relative size of the change that all misprints make
     residual: float
 
     def row(self, equation: int) -> AuditRow:
@@ -146,58 +143,35 @@ class Audit:
 
 
 def audit(scene: Scene) -> Audit:
-    """Hold every formula against the exact one, for the scene's bimorph.
+    """Hold every formula against the exact one, for the scene's uniform bimorph.
 
-    As the paper has it: uniform, layers and electrodes without gaps, on the springs (the
-    paper's, unless the scene states its own), under the finger.
+    As the paper has it: on the springs (the paper's, unless the scene states its own), under the
+    finger.
     """
-    bare = {
-        "width_profile": UNIFORM, "piezo_thickness_profile": UNIFORM,
-        "shim_thickness_profile": UNIFORM, "bare_below": 0.0, "bare_above": 0.0,
-        "glue_thickness": 0.0,
-    }  # fmt: skip
-    device = scene.device
-    device = device.model_copy(update={"bimorph": device.bimorph.model_copy(update=bare)})
-    length = device.bimorph.length
-    beam = section_constants(Piece("bimorph", length), device, scene.beam, lossy=True)
-    correct = _response(scene, device, beam, frozenset())
+    length = scene.bimorph.length
+    beam = section_constants(Piece("bimorph", length), scene.device, scene.beam, lossy=True)
+    correct = _response(scene, beam, frozenset())
+
+    def change(*misprints: int) -> Floats:
+        """Relative size (2, n) of the change of tip velocity and current."""
+        return np.asarray(np.abs(_response(scene, beam, frozenset(misprints)) / correct - 1.0))
+
     with mp.workdps(reference.DIGITS):
-        deviations = _deviations(scene, device, beam)
+        deviations = _deviations(scene, beam)
     rows = []
     for formula in FORMULAS:
-        effect: Any = (None, None)
-        if formula.equation in MISPRINTS:
-            effect = _change(scene, device, beam, frozenset({formula.equation}), correct)
-        rows.append(AuditRow(formula, deviations.get(formula.equation), *effect))
-    joint = _change(scene, device, beam, frozenset(MISPRINTS), correct)
-    return Audit(tuple(rows), joint[0], joint[1], _residual(scene, beam, length, correct))
+        number = formula.equation
+        effect = change(number) if number in MISPRINTS else (None, None)
+        rows.append(AuditRow(formula, deviations.get(number), *effect))
+    return Audit(tuple(rows), change(*MISPRINTS)[0], _residual(scene, beam, correct))
 
 
-def _change(
-    scene: Scene, device: Device, beam: Section, misprints: frozenset[int], correct: Complex
-) -> Floats:
-    """Relative size (2, n) of the change of tip velocity and current."""
-    wrong = _response(scene, device, beam, misprints)
-    with np.errstate(invalid="ignore"):  # 0/0 without piezoelectric coupling: shown as n/a
-        return np.asarray(np.abs(wrong / correct - 1.0))
-
-
-def _response(scene: Scene, device: Device, beam: Section, misprints: frozenset[int]) -> Complex:
+def _response(scene: Scene, beam: Section, misprints: frozenset[int]) -> Complex:
     """Tip velocity and current (2, n) per volt from A with springs and finger."""
-    beam = printed_section(beam, device, misprints)
-    a = matrix_a(beam, device.bimorph.length, AT, misprints)
-    jw = 2j * np.pi * AT
+    beam = printed_section(beam, scene.device, misprints)
+    a = matrix_a(beam, scene.bimorph.length, AT, misprints)
     lateral, rotational, load = _ends(scene, AT)
-    # below: M = R32 psi', F = R41 v;  above: M = 0, F + L41 v = 0
-    start = np.zeros((AT.size, 5, 3), dtype=complex)
-    start[:, 0, 0] = start[:, 1, 1] = start[:, 4, 2] = 1.0
-    start[:, 3, 0], start[:, 2, 1] = lateral / jw, rotational / jw
-    end = a @ start
-    conditions = end[:, 2:4].copy()
-    conditions[:, 1] += (load / jw)[:, None] * end[:, 0]
-    unknown = np.linalg.solve(conditions[:, :, :2], -conditions[:, :, 2:])[:, :, 0]
-    state = np.einsum("nij,nj->ni", end[:, :, :2], unknown) + end[:, :, 2]
-    return np.asarray(state[:, [0, 4]].T)
+    return textbook_beam.response(a, AT, base=(lateral, rotational), tip=load)
 
 
 def _ends(scene: Scene, frequencies: Floats) -> tuple[Complex, Complex, Complex]:
@@ -209,11 +183,11 @@ def _ends(scene: Scene, frequencies: Floats) -> tuple[Complex, Complex, Complex]
     return *base_stiffness(ends.base, frequencies), tip_stiffness(ends.tip, frequencies)
 
 
-def _residual(scene: Scene, beam: Section, length: float, correct: Complex) -> float:
+def _residual(scene: Scene, beam: Section, correct: Complex) -> float:
     errors = []
     for i, frequency in enumerate(AT):
         omega = 2 * mp.pi * mp.mpf(float(frequency))
-        d = reference.dynamic_stiffness(reference.constants(beam), length, omega)
+        d = reference.dynamic_stiffness(reference.constants(beam), scene.bimorph.length, omega)
         lateral, rotational, load = (complex(v[0]) for v in _ends(scene, AT[i : i + 1]))
         exactly = reference.tip_motion(d, (lateral, rotational), load)[:2]
         for value, exact in zip(correct[:, i], exactly, strict=True):
@@ -221,15 +195,15 @@ def _residual(scene: Scene, beam: Section, length: float, correct: Complex) -> f
     return max(errors)
 
 
-def _deviations(scene: Scene, device: Device, beam: Section) -> dict[int, float]:
+def _deviations(scene: Scene, beam: Section) -> dict[int, float]:
     """Largest relative deviation of each formula as printed."""
     found = {}
-    printed = _printed_sections(device, beam)
-    for equation, exact in _exact_sections(device, scene.beam).items():
+    printed = _printed_sections(scene.device, beam)
+    for equation, exact in _exact_sections(scene.device, scene.beam).items():
         found[equation] = reference.relative_error(printed[equation], exact)
-    by_frequency = _printed_formulas(scene, device, beam)
+    by_frequency = _printed_formulas(scene, beam)
     for i, frequency in enumerate(_COMPARED):
-        exact_here = _exact_formulas(scene.support, beam, device.bimorph.length, frequency)
+        exact_here = _exact_formulas(scene.support, beam, scene.bimorph.length, frequency)
         for equation, exacts in exact_here.items():
             here = [
                 reference.relative_error(value[i], exact)
@@ -254,11 +228,9 @@ def _printed_sections(device: Device, beam: Section) -> dict[int, complex]:
     }
 
 
-def _printed_formulas(
-    scene: Scene, device: Device, beam: Section
-) -> dict[int, tuple[Complex, ...]]:
+def _printed_formulas(scene: Scene, beam: Section) -> dict[int, tuple[Complex, ...]]:
     """Values (n,) of eqs 7-48 as printed, each with all others right."""
-    f, length = _COMPARED, device.bimorph.length
+    f, length = _COMPARED, scene.bimorph.length
     jw = 2j * np.pi * f
     lateral, rotational, load = _ends(scene, f)
     right = wave_parameters(beam, length, f)

@@ -59,7 +59,7 @@ _APPENDIX = case(
         )
         for equation, deviation in _DEVIATIONS.items()
     ],
-    model="the audit of the printed formulas, of which the scene report shows what each does",
+    model="the audit of the printed formulas, of which notebook 2 shows what each does",
     source="the paper's Appendix A, equations 13 to 55", tolerance=1e-9,
     reason="what is right as printed agrees to 1e-11", tier="validation",
 )  # fmt: skip

@@ -1,6 +1,7 @@
 """The paper's own way of computing: its matrix A, corrected, in plain double precision.
 
-What the transfer-matrix model is compared with for accuracy and speed; nothing else uses it.
+What the transfer-matrix model is compared with for accuracy and speed, and what the audit of the
+printed formulas asks for the effect of each.
 """
 
 from __future__ import annotations
@@ -38,14 +39,12 @@ def dynamic_stiffness(beam: Section, length: float, frequencies: Floats) -> Comp
     return np.stack([-below[:, 1], -below[:, 0], above[:, 1], above[:, 0], above[:, 2]], axis=1)
 
 
-def tip_velocity(
-    beam: Section, length: float, frequencies: Floats, *, base: tuple[Any, Any] | None, tip: Any
-) -> Complex:
-    """Tip velocity per volt (n,): paper eqs 6-12, the boundary conditions through A.
+def response(a: Complex, frequencies: Floats, *, base: tuple[Any, Any] | None, tip: Any) -> Complex:
+    """Tip velocity and current per volt (2, n): paper eqs 6-12, boundary conditions through A.
 
     Dynamic stiffnesses `base` (lateral, rotational; None is a clamp) and `tip` hold the ends.
     """
-    a, jw = transfer(beam, length, frequencies), 2j * np.pi * np.asarray(frequencies, float)
+    jw = 2j * np.pi * np.asarray(frequencies, float)
     start = np.zeros((jw.size, 5, 3), dtype=complex)  # below: two unknowns, and U
     with np.errstate(all="ignore"):
         if base is None:
@@ -57,8 +56,8 @@ def tip_velocity(
         above = a @ start
         conditions = np.stack([above[:, 2], above[:, 3] + (tip / jw)[:, None] * above[:, 0]], 1)
         unknown = _solved(conditions[:, :, :2], -conditions[:, :, 2:])[:, :, 0]
-        velocity = np.einsum("nk,nk->n", above[:, 0, :2], unknown) + above[:, 0, 2]
-    return np.asarray(velocity)
+        state = np.einsum("nij,nj->in", above[:, [0, 4], :2], unknown) + above[:, [0, 4], 2].T
+    return np.asarray(state)
 
 
 def _solved(matrix: Complex, right: Complex) -> Any:
