@@ -143,7 +143,7 @@ def _velocity(path: str, f: Floats, base: tuple[Complex, Complex], tip: Complex)
     omega = 2.0 * np.pi * f
     if path == _NAIVE:
         a = textbook_beam.transfer(_BEAM, _LENGTH, f)
-        velocity, _ = textbook_beam.response(a, f, base=base, tip=tip)
+        velocity: Complex = textbook_beam.response(a, f, base=base, tip=tip)[0]
         return velocity
     if path == _CASCADE:
         loads = {"w_base": base[0], "psi_base": base[1], "w_tip": tip}
