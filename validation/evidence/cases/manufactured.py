@@ -7,12 +7,13 @@ frequency with losses; and the resonance of a plate, whose exact frequency is kn
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, reduce
 from typing import Any, Literal
 
 import numpy as np
+from scipy import sparse
 
 from tactgen.fem.elements.line_basis import gauss_values
 from tactgen.fem.magnetics.axisymmetric_field import solve_field
@@ -21,7 +22,7 @@ from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, Vec
 from tactgen.fem.piezo.system import Material, volts_per_unit
 from tactgen.fem.piezo.tetrahedra import SkfemBody
 from tactgen.fem.solvers.linear_solver import factorise
-from tactgen.geometry.arrays import Bools, Floats, Numbers, Sparse
+from tactgen.geometry.arrays import Bools, Floats, Sparse
 from tactgen.geometry.bimorph.bricks import Axis
 from tactgen.geometry.device.magnetisation import TEAM20, MagnetisationCurve
 from tactgen.geometry.device.material_library import LIBRARY
@@ -105,9 +106,8 @@ class Space:
     walls: Bools  # (n,) which nodes are on the boundary
     points: Floats  # (3, n_points) of a quadrature rule
     weights: Floats
-    values: Callable[[Numbers], Numbers]  # from nodal values (n,) to those (n_points,)
-    slopes: Callable[[Numbers], Numbers]  # and to gradients (3, n_points)
-    against: Callable[[Numbers], Numbers]  # from a density (n_points,) to its integrals (n,)
+    values: Sparse  # (n_points, n) of the functions there
+    slopes: tuple[Sparse, ...]  # the same along x, y and z
 
 
 def manufactured_errors(space: Space, material: Material, unit: float, frequency: float) -> Floats:
@@ -122,15 +122,15 @@ def manufactured_errors(space: Space, material: Material, unit: float, frequency
     angle = _WAVES @ space.points + _PHASE[:, None]
     value = _AMPLITUDE[:, None] * np.sin(angle)
     slope = (_AMPLITUDE[:, None] * np.cos(angle))[:, None] * _WAVES[:, :, None]
-    load = np.stack([space.against(f) for f in load_of @ value], axis=-1).ravel()
+    load = (space.values.T @ (space.weights * (load_of @ value)).T).ravel()
     found = (_AMPLITUDE * np.sin(space.nodes @ _WAVES.T + _PHASE)).ravel().astype(load.dtype)
     given = np.repeat(space.walls, 4)
     dynamic = (space.stiffness - omega2 * space.mass).tocsr()
     right = (load - dynamic[:, given] @ found[given])[~given]
     found[~given] = factorise(dynamic[~given][:, ~given].tocsr()).solve(right)
     by_component = found.reshape(-1, 4).T
-    off = np.stack([space.values(y) for y in by_component]) - value
-    bent = np.stack([space.slopes(y) for y in by_component]) - slope
+    off = (space.values @ by_component.T).T - value
+    bent = np.stack([(along @ by_component.T).T for along in space.slopes], axis=1) - slope
     return np.array(
         [
             np.sqrt((np.abs(wrong) ** 2 @ space.weights).sum() / (right**2 @ space.weights).sum())
@@ -141,28 +141,24 @@ def manufactured_errors(space: Space, material: Material, unit: float, frequency
 
 def cells_space(mesh: Mesh, material: Material) -> tuple[Space, float]:
     """Space of tetrahedra or hexahedra by scikit-fem, and the potential's unit (V)."""
-    from skfem import LinearForm
-
     known = {mesh.regions[0]: material}
     unit = volts_per_unit(known)
     body = SkfemBody(replace(mesh, faces={}), known, unit, None)
     basis: Any = body.basis
     walls = np.zeros(basis.N, dtype=bool)
     walls[basis.get_dofs().flatten()] = True
-    shape = basis.dx.shape
+    functions, count = [function for (function,) in basis.basis], basis.dx.size
+    columns = np.repeat(basis.element_dofs, basis.dx.shape[1], axis=1)
+    places = np.broadcast_to(np.arange(count), columns.shape).ravel(), columns.ravel()
 
-    def against(density: Numbers) -> Numbers:
-        at = density.reshape(shape)
-        form = LinearForm(lambda v, _: at * v, dtype=at.dtype)
-        return np.asarray(form.assemble(basis))
-
-    def of(y: Numbers) -> Any:
-        return basis.interpolate(y)
+    def matrix(of: list[Floats]) -> Sparse:
+        values = np.stack([np.broadcast_to(f, basis.dx.shape) for f in of])
+        return sparse.csr_matrix((values.ravel(), places), shape=(count, basis.N))
 
     space = Space(
         *body.matrices, basis.doflocs.T, walls,
         np.asarray(basis.global_coordinates()).reshape(3, -1), basis.dx.ravel(),
-        lambda y: np.asarray(of(y)).ravel(), lambda y: of(y).grad.reshape(3, -1), against,
+        matrix(functions), tuple(matrix([f.grad[axis] for f in functions]) for axis in range(3)),
     )  # fmt: skip
     return space, unit
 
@@ -171,31 +167,20 @@ def bricks_space(degree: int, intervals: int, material: Material) -> tuple[Space
     """Space of bricks of one degree along all axes, and the potential's unit (V)."""
     axis = even(EDGE, intervals, degree)
     box = block((axis,) * 3, material)
-    points, weights, both = _line(axis)
-    value, slope = both
-    shape = box.bricks.shape
-
-    def product(y: Numbers, kinds: tuple[Floats, Floats, Floats]) -> Numbers:
-        return np.asarray(np.einsum("abc,ia,jb,kc->ijk", y, *kinds, optimize=True))
-
-    def slopes(y: Numbers) -> Numbers:
-        cube = y.reshape(shape)
-        kinds = ((slope, value, value), (value, slope, value), (value, value, slope))
-        return np.stack([product(cube, kind).ravel() for kind in kinds])
-
-    at = np.stack(np.meshgrid(points, points, points, indexing="ij")).reshape(3, -1)
-    weight = np.einsum("i,j,k->ijk", weights, weights, weights)
+    points, weights, value, slope = _line(axis)
+    kinds = (value,) * 3, (slope, value, value), (value, slope, value), (value, value, slope)
+    values, *slopes = (sparse.csr_matrix(reduce(sparse.kron, kind)) for kind in kinds)
     nodes = np.stack([c.ravel() for c in box.grid], axis=-1)
     space = Space(
-        *box.matrices, nodes, ((nodes == 0.0) | (nodes == EDGE)).any(axis=1), at, weight.ravel(),
-        lambda y: product(y.reshape(shape), (value,) * 3).ravel(), slopes,
-        lambda f: product(f.reshape(weight.shape) * weight, (value.T,) * 3).ravel(),
+        *box.matrices, nodes, ((nodes == 0.0) | (nodes == EDGE)).any(axis=1),
+        np.stack(np.meshgrid(points, points, points, indexing="ij")).reshape(3, -1),
+        reduce(np.kron, (weights,) * 3), values, tuple(slopes),
     )  # fmt: skip
     return space, box.unit
 
 
-def _line(axis: Axis) -> tuple[Floats, Floats, Floats]:
-    """Gauss points and weights of an axis, and values and slopes (2, points, nodes)."""
+def _line(axis: Axis) -> tuple[Floats, Floats, Floats, Floats]:
+    """Gauss points and weights of an axis, and values and slopes (points, nodes) of each."""
     p, lengths = axis.degree, np.diff(axis.breaks)
     weights, local = gauss_values(p)
     reference, _ = np.polynomial.legendre.leggauss(p + 1)
@@ -207,23 +192,21 @@ def _line(axis: Axis) -> tuple[Floats, Floats, Floats]:
         )
     return (
         points.ravel(), (0.5 * lengths[:, None] * weights).ravel(),
-        both.reshape(2, -1, axis.nodes.size),
+        *both.reshape(2, -1, axis.nodes.size),
     )  # fmt: skip
 
 
 @cache
-def solid_error(cells: Cells, divisions: int, driven: bool) -> Floats:
-    """Errors of gradients and values on a cube; `driven` at a frequency, with losses."""
-    material = ceramic(lossy=driven)
-    space, unit = cells_space(cube(cells, divisions), material)
-    return manufactured_errors(space, material, unit, FREQUENCY if driven else 0.0)
+def solid_error(kind: Cells | int, driven: bool, divisions: int) -> Floats:
+    """Errors of gradients and values on a cube of cells, or of bricks of a degree.
 
-
-@cache
-def bricks_error(degree: int, intervals: int, driven: bool) -> Floats:
-    """Error on bricks."""
+    At rest; `driven` at a frequency, with losses.
+    """
     material = ceramic(lossy=driven)
-    space, unit = bricks_space(degree, intervals, material)
+    if isinstance(kind, int):
+        space, unit = bricks_space(kind, divisions, material)
+    else:
+        space, unit = cells_space(cube(kind, divisions), material)
     return manufactured_errors(space, material, unit, FREQUENCY if driven else 0.0)
 
 

@@ -23,13 +23,14 @@ from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.validation.evidence.boxes import block, even, held, natural_frequencies
 from tactgen.validation.evidence.case import Case, Check, Refinement, case
-from tactgen.validation.evidence.cases import manufactured
 from tactgen.validation.evidence.cases.laminates import bending_bimorph
 from tactgen.validation.evidence.cases.manufactured import (
     Cells,
     cube_error,
+    plate_error,
     quarter_wave_error,
     rings_error,
+    solid_error,
 )
 
 Error = Callable[[int], float]
@@ -63,10 +64,6 @@ def _rows(
     yield _bound(what, error, 2 * coarse, bound, reason, heavy)
 
 
-def _halved(error: Error, *levels: int, order: int) -> Refinement:
-    return Refinement(levels, error, f"order {order}")
-
-
 # --- frequencies on bricks of one degree ---------------------------------------------------------
 
 
@@ -86,71 +83,52 @@ def _bimorph_error(degree: int, intervals: int) -> float:
     return abs(float(natural_frequencies(box, 1)[0]) / 6981.984969234867 - 1.0)
 
 
-def _rod_bound(degree: int, intervals: int) -> float:
-    return 2.0 * quarter_wave_error(degree, intervals)
-
-
-def _printed_bound(_degree: int, _intervals: int) -> float:
-    return 1e-5
-
-
 _FREQUENCIES = tuple(
     case(
         name, title, problem,
         [
-            *(_order(f"Bricks of degree {p}", 2 * p, partial(error, p), n)
-              for p, n in coarse.items()),
-            *(
-                Check(f"Degree {p} on {2 * n} intervals is off by no more than its bound.",
-                      (0.0, bound(p, 2 * n)), "1", partial(error, p, 2 * n), 0.0, reason)
-                for p, n in coarse.items()
-            ),
+            *(_order(f"Bricks of degree {p}", 2 * p, partial(error, p), n) for p, n, _ in rows),
+            *(_bound(f"Bricks of degree {p}", partial(error, p), 2 * n, bound, reason)
+              for p, n, bound in rows),
         ],
         model=_BRICKS + ", one degree along z at a time",
         source="a frequency converges with twice the degree (G. Strang, G. J. Fix, An Analysis of "
         "the Finite Element Method, ch. 6)",
-        refinement=_halved(partial(error, max(coarse)), 1, 2, 4, 8, order=2 * max(coarse)),
+        refinement=Refinement(
+            (1, 2, 4, 8), partial(error, rows[-1][0]), f"order {2 * rows[-1][0]}"
+        ),
     )
-    for name, title, problem, error, coarse, bound, reason in (
+    for name, title, problem, error, rows, reason in (
         ("ROD", "Orders on a rod",
          "A rod without Poisson's ratio, one end held: the lowest axial frequency, 1/4 √(E/ρ)/L.",
-         _rod_error, {1: 16, 2: 6, 3: 2, 4: 1}, _rod_bound,
+         _rod_error, [(p, n, 2.0 * quarter_wave_error(p, 2 * n))
+                      for p, n in ((1, 16), (2, 6), (3, 2), (4, 1))],
          "twice the leading term of the error"),
         ("CYLO", "Orders on the bimorph in cylindrical bending",
          ("The bimorph of case CYL2, two PZT-5A layers of 1 mm poled towards each other, one half "
           "wave of 20 mm, both faces at 0 V: first bending frequency on bricks of equal length and "
           "one degree along z."),
-         _bimorph_error, {2: 6, 3: 3}, _printed_bound, "below what a report prints"),
+         _bimorph_error, [(2, 6, 1e-5), (3, 3, 1e-5)], "below what a report prints"),
     )
 )  # fmt: skip
 
 # --- the piezoelectric solid -------------------------------------------------------------------
 
 
-def interpolation_error(degree: int, divisions: int) -> float:
-    """2 (kh/4)^(p+1)/(p+1)!, the largest error of a wave's interpolation over cells h.
+def _solid(
+    what: str, degree: int, kind: Cells | int, driven: bool, coarse: int, heavy: bool
+) -> Iterator[Check]:
+    """Rows of the values; a wave's interpolation over cells h errs by 2 (kh/4)^(p+1)/(p+1)!.
 
     k is the shortest wave's of the manufactured solution, 1.6 over the edge.
     """
-    return 2.0 * (1.6 / divisions / 4.0) ** (degree + 1) / math.factorial(degree + 1)
-
-
-def _solid(what: str, degree: int, error: Error, coarse: int, heavy: bool) -> Iterator[Check]:
-    bound = 2.0 * interpolation_error(degree, 2 * coarse)
+    bound = 4.0 * (1.6 / (2 * coarse) / 4.0) ** (degree + 1) / math.factorial(degree + 1)
     reason = "twice the largest error of interpolating its shortest wave"
-    return _rows(what, degree + 1, error, coarse, bound, reason, heavy)
+    return _rows(what, degree + 1, _values(kind, driven), coarse, bound, reason, heavy)
 
 
-def _bricks(degree: int, driven: bool, intervals: int) -> float:
-    return float(manufactured.bricks_error(degree, intervals, driven)[1])
-
-
-def _cells(cells: Cells, driven: bool, divisions: int) -> float:
-    return float(manufactured.solid_error(cells, divisions, driven)[1])
-
-
-def _slopes(cells: Cells, divisions: int) -> float:
-    return float(manufactured.solid_error(cells, divisions, False)[0])
+def _values(kind: Cells | int, driven: bool = False) -> Error:
+    return lambda divisions: float(solid_error(kind, driven, divisions)[1])
 
 
 _STATES = ((False, "at rest"), (True, "at 0.5 MHz with losses"))
@@ -170,9 +148,10 @@ _WAVE = "(kh)²/12 of the shortest wave"
 def _cells_rows(cells: Cells, coarse: int, name: str) -> Iterator[Check]:
     costly = cells == "hexahedra"
     for driven, state in _STATES:
-        yield from _solid(f"Values on {name}, {state},", 2, partial(_cells, cells, driven),
+        yield from _solid(f"Values on {name}, {state},", 2, cells, driven,
                           max(4, coarse) if driven else coarse, driven or costly)  # fmt: skip
-    yield from _rows(f"Gradients on {name}, at rest,", 2, partial(_slopes, cells), coarse,
+    yield from _rows(f"Gradients on {name}, at rest,", 2,
+                     lambda divisions: float(solid_error(cells, False, divisions)[0]), coarse,
                      (1.6 / (2 * coarse)) ** 2 / 12.0, _WAVE, costly)  # fmt: skip
 
 
@@ -183,17 +162,17 @@ _SOLIDS = (
             row
             for degree, coarse in ((1, 8), (2, 4), (3, 2), (4, 2))
             for driven, state in _STATES
-            for row in _solid(f"Values on bricks of degree {degree}, {state},", degree,
-                              partial(_bricks, degree, driven), coarse, degree != 3)
+            for row in _solid(f"Values on bricks of degree {degree}, {state},", degree, degree,
+                              driven, coarse, degree != 3)
         ],
         model=_BRICKS + ", degrees 1 to 4", source=_STRANG,
-        refinement=_halved(partial(_bricks, 3, False), 1, 2, 4, order=4),
+        refinement=Refinement((1, 2, 4), _values(3), "order 4"),
     ),
     case(
         "MMSC", "Manufactured solution on cells of ten and twenty nodes", _PROBLEM,
         [row for cells in _CELLS for row in _cells_rows(*cells)],
         model="the cells of the model cad: quadratic tetrahedra; quadratic hexahedra beside them",
-        source=_STRANG, refinement=_halved(partial(_cells, "curved", False), 2, 3, 4, 6, order=3),
+        source=_STRANG, refinement=Refinement((2, 3, 4, 6), _values("curved"), "order 3"),
     ),
     case(
         "MMSE", "Thickness resonance on cells of ten and twenty nodes",
@@ -202,12 +181,12 @@ _SOLIDS = (
         [
             row
             for cells, _, name in _CELLS
-            for row in _rows(f"Frequencies on {name}", 4, partial(manufactured.plate_error, cells),
+            for row in _rows(f"Frequencies on {name}", 4, partial(plate_error, cells),
                              6, 2.0 * quarter_wave_error(2, 12),
                              "twice the leading term of a rod's", cells == "curved")
         ],
         model="as case MMSC", source=f"IEEE Std 176-1987, in closed form; {_STRANG}",
-        refinement=_halved(partial(manufactured.plate_error, "straight"), 3, 6, 12, 24, order=4),
+        refinement=Refinement((3, 6, 12, 24), partial(plate_error, "straight"), "order 4"),
     ),
 )  # fmt: skip
 
@@ -254,7 +233,7 @@ _BEAMS = case(
     ],
     model="beam elements of degree five",
     source=f"exact spans of the transfer-matrix model; {_STRANG}",
-    refinement=_halved(_mode_error, 8, 12, 16, 32, order=10),
+    refinement=Refinement((8, 12, 16, 32), _mode_error, "order 10"),
 )  # fmt: skip
 
 # --- magnetic fields ---------------------------------------------------------------------------
@@ -290,7 +269,7 @@ _FIELDS = (
                              "interpolation of its steepest derivative")
         ],
         model="axisymmetric field, orders 2 and 4", source=_STRANG,
-        refinement=_halved(partial(rings_error, TEAM20, 4), 2, 4, 8, order=4),
+        refinement=Refinement((2, 4, 8), partial(rings_error, TEAM20, 4), "order 4"),
     ),
     case(
         "MAGO", "Manufactured field in three dimensions",
@@ -305,7 +284,7 @@ _FIELDS = (
                              (wave / (2 * coarse)) ** 2 / 12.0, _WAVE, potential == "phi")
         ],
         model="magnetic3d: second-order edge elements for A, quadratic ones for φ", source=_STRANG,
-        refinement=_halved(partial(cube_error, "A", "curved"), 1, 2, 3, 4, order=2),
+        refinement=Refinement((1, 2, 3, 4), partial(cube_error, "A", "curved"), "order 2"),
     ),
 )  # fmt: skip
 
