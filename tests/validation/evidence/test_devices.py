@@ -20,7 +20,7 @@ def test_bands_multiply_the_effects_of_what_is_unknown():
         return np.array([3.0 * values["a"] * values["b"], 5.0 if model == "tmm" else 10.0])
 
     numbers = (Published("product", 1.0, 2.0, "m"), Published("model", 1.0, 2.0, "m"))
-    (low, high), by_model = devices.bands(devices.Device("x", numbers, unknowns, predict))
+    (low, high), by_model = devices.bands(devices.Device("x", "", numbers, unknowns, predict))
     # the same by 2e5 draws; logarithms between the ends are interpolated
     log = np.interp(np.random.default_rng(1).uniform(0.5, 2.0, (2, 200_000)), [0.5, 1.0, 2.0],
                     np.log([0.5, 1.0, 2.0]))  # fmt: skip

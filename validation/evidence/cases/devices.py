@@ -7,7 +7,7 @@ at both ends of its range; the effects multiply, and the band holds 95 % of the 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import NamedTuple
 
@@ -27,9 +27,10 @@ _MILLI, _MICRO = 1e-3, 1e-6
 
 @dataclass(frozen=True)
 class Device:
-    """A device, what was measured on it, and its prediction."""
+    """A device, what was measured on it and by whom, and its prediction."""
 
     name: str
+    source: str
     numbers: tuple[Published, ...]
     unknowns: tuple[Unknown, ...]
     #: Predictions of the numbers in order, by a model
@@ -192,7 +193,7 @@ def _bender(sheet: _Sheet, bender: _Bender) -> Device:
         _around("blocking force over stroke", bender.force / stroke, stiffness_by, "N/m"),
         _around("resonance", bender.frequency, sheet.frequency_by, "Hz"),
     )
-    return Device(bender.name, numbers, unknowns, predict)
+    return Device(bender.name, sheet.source, numbers, unknowns, predict)
 
 
 # --- harvesters --------------------------------------------------------------------------------
@@ -276,7 +277,7 @@ def _harvester(harvester: _Harvester) -> Device:
         _around("resonance in short circuit", harvester.short, _FOUND, "Hz"),
         _around("resonance in open circuit", harvester.open, _FOUND, "Hz"),
     )
-    return Device(harvester.name, numbers, unknowns, predict)
+    return Device(harvester.name, harvester.source, numbers, unknowns, predict)
 
 
 #: Half of the last printed digit, and a peak found from a sweep.
@@ -289,19 +290,6 @@ def _mean_of_others(devices: tuple[Device, ...], at: int, number: int) -> float:
     return float(np.exp(np.mean(np.log(others))))
 
 
-def _rows(devices: tuple[Device, ...], source: str, light: tuple[int, ...]) -> list[Check]:
-    """Rows of a family; those of `light` devices take a second."""
-    return [
-        Check(f"{device.name}: {published.words}.", (published.low, published.high),
-              published.unit, partial(_band, device, number), source=source, band=True,
-              heavy=at not in light,
-              null=Null("the mean of the other devices", partial(_mean_of_others, devices, at,
-                                                                 number)))
-        for at, device in enumerate(devices)
-        for number, published in enumerate(device.numbers)
-    ]  # fmt: skip
-
-
 def _ranges(device: Device) -> str:
     """Sentence on what is unknown of a device."""
     each = (f"{u.name} {u.low:.4g} to {u.high:.4g} {u.unit.strip('1')}".rstrip() + f" ({u.reason})"
@@ -312,10 +300,6 @@ def _ranges(device: Device) -> str:
     )
 
 
-_WHY = (
-    "the band and what was measured with its tolerance have a value in common; a tolerance that "
-    "its source does not state is assumed"
-)
 #: The one bender whose band of resonances begins above what was measured.
 _LOW = next(bender for bender in _SHEETS[_CTS] if bender.name == "NAC2225")
 _SOFT_CLAMP = (
@@ -326,34 +310,45 @@ _SOFT_CLAMP = (
 )
 
 
-def _family(sheet: _Sheet, name: str, known: dict[str, tuple[float, str]]) -> Case:
-    devices = tuple(_bender(sheet, bender) for bender in _SHEETS[sheet])
+def _family(name: str, title: str, problem: str, devices: tuple[Device, ...], model: str) -> Case:
+    """All numbers of a family's devices; those of one harvester take a second."""
+    rows = []
+    for at, device in enumerate(devices):
+        for number, published in enumerate(device.numbers):
+            low = device.name == _LOW.name and published.words == "resonance"
+            rows.append(Check(
+                f"{device.name}: {published.words}.", (published.low, published.high),
+                published.unit, partial(_band, device, number), source=device.source, band=True,
+                known=0.0122 if low else 0.0, explained=_SOFT_CLAMP if low else "",
+                heavy=device.name != _HARVESTERS[2].name,
+                null=Null("the mean of the other devices",
+                          partial(_mean_of_others, devices, at, number)),
+            ))  # fmt: skip
     return case(
+        name, title, problem, rows, model=model, tier="validation",
+        reason="the band and what was measured with its tolerance have a value in common; a "
+        "tolerance that its source does not state is assumed",
+    )  # fmt: skip
+
+
+def _benders(name: str, sheet: _Sheet) -> Case:
+    devices = tuple(_bender(sheet, bender) for bender in _SHEETS[sheet])
+    return _family(
         name, f"Multilayer benders: {sheet.source.partition(',')[0]}",
         f"Benders of many thin layers of {sheet.ceramic} or its like, a clamped cantilever at "
         f"{sheet.volts:g} V about its middle electrode. Number and thickness of the layers are not "
         "published and follow from the capacitance, which therefore is no row. "
-        + _ranges(devices[0]),
-        [
-            replace(row, known=known[row.requirement][0], explained=known[row.requirement][1])
-            if row.requirement in known else row
-            for row in _rows(devices, sheet.source, ())
-        ],
-        model="models tmm and solid, one layer in each half", tier="validation", reason=_WHY,
+        + _ranges(devices[0]), devices, "models tmm and solid, one layer in each half",
     )  # fmt: skip
 
 
 _HARVEST = tuple(map(_harvester, _HARVESTERS))
 CASES: tuple[Case, ...] = (
-    case(
+    _family(
         "HARV", "Harvesters: two layers of ceramic in series on brass",
         "Cantilevers on a shaker; resonances with 1 kohm and 470 kohm, near short and open "
-        f"circuit. {_ranges(_HARVEST[-1])}",
-        [replace(row, source=harvester.source)
-         for row, harvester in zip(_rows(_HARVEST, "", (2,)),
-                                   (h for h in _HARVESTERS for _ in range(2)), strict=True)],
-        model="models tmm and solid", tier="validation", reason=_WHY,
+        f"circuit. {_ranges(_HARVEST[-1])}", _HARVEST, "models tmm and solid",
     ),
-    _family(_PICMA, "PICMA", {}),
-    _family(_CTS, "CTSB", {f"{_LOW.name}: resonance.": (0.0122, _SOFT_CLAMP)}),
+    _benders("PICMA", _PICMA),
+    _benders("CTSB", _CTS),
 )  # fmt: skip
