@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cache, partial
 
@@ -35,9 +36,9 @@ def _cubic_frequency(amplitude: float) -> float:
 
 
 def _one_sided(ratio: float) -> float:
-    """Free frequency on a spring that is stiffer on one side, over the exact one."""
-    found = oscillators.free_on_one_sided(ratio, 160).omega
-    return found / oscillators.one_sided_frequency(ratio)
+    """Free frequency on a spring stiffer on one side, over the exact one, 2 ω₁ ω₂/(ω₁ + ω₂)."""
+    stiff = math.sqrt(1.0 + ratio)
+    return oscillators.free_on_one_sided(ratio, 160).omega * (1.0 + stiff) / (2.0 * stiff)
 
 
 _NLVIB = "NLvib, example 01 (Krack and Gross): digits that 7 and 15 harmonics share"

@@ -25,7 +25,7 @@ from tactgen.fem.magnetics.problem_3d import (
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.meshing.mesh import Mesh, unique_edges
-from tactgen.validation.evidence.case import Case, Check, case
+from tactgen.validation.evidence.case import Check, case
 from tactgen.validation.evidence.mesh_levels import cached, counted, intervals
 
 RADIUS, OUTER, CORE = 1.0, 3.0, 0.4
@@ -186,24 +186,21 @@ def mean_in(potential: Potential, solid: SampledSolid, current: float = 1.0) -> 
     return float(np.sum(weights * field.flux_density[cells][..., 2]) / weights.sum())
 
 
-CASES: tuple[Case, ...] = (
-    case(
-        "SATBALL", "Ball of saturating steel in a uniform field",
-        "Radius 1, the steel of TEAM problem 20, φ = −H₀ z on a concentric sphere of radius 3, H₀ "
-        "= 600 kA/m: the mean of B in the ball.",
-        [
-            Check(f"B by the {words} is that of the dipole.", 2.166341582005535, "T",
-                   partial(_mean, potential),
-                   heavy=potential is VectorPotential)
-            for potential, words in (
-                (VectorPotential, "vector potential"), (ScalarPotential, "scalar potential"),
-            )
-        ],
-        model="vector and scalar potential, quadratic tetrahedra, three intervals along an edge, "
-        "Newton's method",
-        source="J. A. Stratton, Electromagnetic Theory, 1941, section 4.18: what is uniform "
-        "inside leaves a dipole outside, whatever the law; here closed by the outer sphere",
-        tolerance=1e-3,
-        reason="three intervals per edge leave 4e-3 locally, most of which averages out",
-    ),
+CASE = case(
+    "SATBALL", "Ball of saturating steel in a uniform field",
+    "Radius 1, the steel of TEAM problem 20, φ = −H₀ z on a concentric sphere of radius 3, H₀ = "
+    "600 kA/m: the mean of B in the ball.",
+    [
+        Check(f"B by the {words} is that of the dipole.", 2.166341582005535, "T",
+              partial(_mean, potential), heavy=potential is VectorPotential)
+        for potential, words in (
+            (VectorPotential, "vector potential"), (ScalarPotential, "scalar potential"),
+        )
+    ],
+    model="vector and scalar potential, quadratic tetrahedra, three intervals along an edge, "
+    "Newton's method",
+    source="J. A. Stratton, Electromagnetic Theory, 1941, section 4.18: what is uniform inside "
+    "leaves a dipole outside, whatever the law; here closed by the outer sphere",
+    tolerance=1e-3,
+    reason="three intervals per edge leave 4e-3 locally, most of which averages out",
 )  # fmt: skip

@@ -182,7 +182,7 @@ _FV32 = case(
 
 _MODULUS, _POISSON, _DENSITY, _HEIGHT = 200e9, 0.3, 8000.0, 0.05
 #: The thin plate's √(D/(ρ h))/a² (rad/s).
-_THIN = math.sqrt(_MODULUS * _HEIGHT**2 / (12.0 * (1.0 - _POISSON**2) * _DENSITY)) / 10.0**2
+THIN = math.sqrt(_MODULUS * _HEIGHT**2 / (12.0 * (1.0 - _POISSON**2) * _DENSITY)) / 10.0**2
 
 
 def _plate(through: int, y: Axis, z: Axis, *conditions: Condition, loss: float = 0.0) -> Box:
@@ -212,7 +212,7 @@ def cantilever_plate() -> Floats:
     across = graded([0.0, 0.1, 1.0, 5.0, 9.0, 9.9, 10.0], 5)
     along = graded([0.0, 0.1, 0.6, 3.0, 10.0], 5)
     box = _plate(2, across, along, held("xyz", z=0.0))
-    return 2.0 * np.pi * natural_frequencies(box, 6) / _THIN
+    return 2.0 * np.pi * natural_frequencies(box, 6) / THIN
 
 
 #: Pressure (Pa), loss factor and frequency (Hz) of test 13H.
@@ -265,7 +265,7 @@ PLATES: tuple[Case, ...] = (
         "A square plate of 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, without supports.",
         [
             Check(f"Frequency {at + 7} of the free plate is the thin plate's.",
-                   value * _THIN / (2.0 * math.pi), "Hz", nth(free_plate, at))
+                   value * THIN / (2.0 * math.pi), "Hz", nth(free_plate, at))
             for at, value in enumerate(
                 (13.4682, 19.5961, 24.2702, 34.8009, 34.8009, 61.0932, 61.0932, 63.6861)
             )

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from tactgen.fem.piezo.system import Material
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.bimorph.bricks import Slab
 from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0, PiezoTensors, isotropic_stiffness
@@ -37,6 +36,11 @@ def _wave(size: float, length: float) -> Callable[[Floats, Floats, Floats], Floa
     return lambda _x, _y, z: np.asarray(size * np.sin(np.pi * z / length))
 
 
+def _opposed(c: Numbers, density: float, e: Numbers, eps: Numbers) -> list[Material]:
+    """Two layers of a ceramic, the upper one poled the other way."""
+    return [Material(c, density, PiezoTensors(c, sign * e, eps)) for sign in (1.0, -1.0)]
+
+
 # --- cylindrical bending -----------------------------------------------------------------------
 
 #: Length of the half wave (m), and the thickness of each layer (m) of three bimorphs.
@@ -53,13 +57,10 @@ def bending_bimorph(
     No strain along y; simply supported with φ = 0 at z = 0, mirrored at z = L/2; the lower face
     at 0 V and the upper at `volts` sin(π z/L), or both without charge.
     """
-    ceramic = LIBRARY["PZT-5A"].tensors(lossy=False)
-    layers = [
-        Material(tensors.c, LIBRARY["PZT-5A"].density, tensors)
-        for tensors in (ceramic, replace(ceramic, e=-ceramic.e))
-    ]
+    of = LIBRARY["PZT-5A"].tensors(lossy=False)
     box = layered(
-        (thickness, thickness), layers, even(1e-3, 1, 1), even(0.5 * _LENGTH, intervals, degree), 4,
+        (thickness, thickness), _opposed(of.c, LIBRARY["PZT-5A"].density, of.e, of.eps),
+        even(1e-3, 1, 1), even(0.5 * _LENGTH, intervals, degree), 4,
         held("y"), held("xV", z=0.0), held("z", z=0.5 * _LENGTH),
     )  # fmt: skip
     if not grounded:
@@ -125,17 +126,23 @@ _CYLINDRICAL = tuple(
 )  # fmt: skip
 
 
+def _orthotropic(
+    axes: str, moduli: tuple[float, ...], poisson: tuple[float, ...], shear: tuple[float, ...]
+) -> Material:
+    """Ply whose axes 1, 2, 3 lie along, say, "zyx"; E of each, ν and G of the pairs 12, 13, 23."""
+    at, s = ["xyz".index(axis) for axis in axes], np.zeros((6, 6))
+    s[at, at] = 1.0 / np.array(moduli)
+    for (i, j), ratio, modulus in zip(((0, 1), (0, 2), (1, 2)), poisson, shear, strict=True):
+        a, b = at[i], at[j]
+        s[a, b] = s[b, a] = -ratio / moduli[i]
+        s[6 - a - b, 6 - a - b] = 1.0 / modulus  # Voigt xx yy zz yz xz xy
+    return Material(np.linalg.inv(s), 1.0)
+
+
 def ply(along: str) -> Material:
     """Pagano's ply, E_L = 25, E_T = 1, G_LT = 0.5, G_TT = 0.2, ν = 0.25, fibres along an axis."""
-    fibre = "xyz".index(along)
-    compliance = np.zeros((6, 6))
-    for i in range(3):
-        for j in range(3):
-            stiffest = 25.0 if fibre in (i, j) else 1.0
-            compliance[i, j] = (1.0 if i == j else -0.25) / stiffest
-    for at, pair in ((3, (1, 2)), (4, (0, 2)), (5, (0, 1))):
-        compliance[at, at] = 1.0 / (0.5 if fibre in pair else 0.2)
-    return Material(np.linalg.inv(compliance), 1.0)
+    axes = along + "xyz".replace(along, "")
+    return _orthotropic(axes, (25.0, 1.0, 1.0), (0.25,) * 3, (0.5, 0.5, 0.2))
 
 
 def _pagano(slenderness: float) -> float:
@@ -278,13 +285,9 @@ def _pvdf(uniform: bool) -> State:
     E = 2 GPa, e31 = 0.046 C/m², ε = 12 ε0, no Poisson's ratio; the field linear through the whole
     thickness (`uniform`) or as electrostatics has it.
     """
-    c = isotropic_stiffness(2e9, 0.0)
     e = np.zeros((3, 6))
     e[0, 2] = 0.046
-    layers = [
-        Material(c, 1800.0, PiezoTensors(c, sign * e, 12.0 * EPS0 * np.eye(3)))
-        for sign in (1.0, -1.0)
-    ]
+    layers = _opposed(isotropic_stiffness(2e9, 0.0), 1800.0, e, 12.0 * EPS0 * np.eye(3))
     linear = (held("V", lambda x, _y, _z: x / 1e-3),)
     faces = held("V", x=0.0), held("V", 1.0, x=1e-3)
     return statics(layered(
@@ -329,13 +332,10 @@ def _smits(pressure: float, volts: float) -> Floats:
     """
     stiffness = np.diag([_STIFF, _STIFF, 1.0, _STIFF, _STIFF, _STIFF]) / _S11
     e = np.zeros((3, 6))
-    e[0, 2] = _D31 / _S11
-    layers = [
-        Material(stiffness, 7750.0, PiezoTensors(stiffness, sign * e, EPS0 * np.eye(3)))
-        for sign in (-1.0, 1.0)
-    ]
+    e[0, 2] = -_D31 / _S11
     state = statics(layered(
-        (_H, _H), layers, even(_W, 1, 1), even(_L, 1, 5), 2,
+        (_H, _H), _opposed(stiffness, 7750.0, e, EPS0 * np.eye(3)),
+        even(_W, 1, 1), even(_L, 1, 5), 2,
         held("V", lambda x, _y, _z: volts * x / (2.0 * _H)), held("y"), held("xz", z=0.0),
         load("x", pressure, x=2.0 * _H),
     ))  # fmt: skip
@@ -404,26 +404,15 @@ _SHEAR = case(
 )  # fmt: skip
 
 
-def _unidirectional(*, along: bool) -> Material:
-    """Ply with its fibres along z or along y; Voigt's order xx, yy, zz, yz, xz, xy.
-
-    E 100, 5, 5 GPa; ν12 0.4, ν13 = ν23 0.3; G12 3, G13 = G23 2 GPa; axis 3 is the thickness, x.
-    """
-    s = np.zeros((6, 6))
-    # in the order 1 (fibre), 2, 3
-    first = np.array([[1 / 100, -0.4 / 100, -0.3 / 100], [-0.4 / 100, 1 / 5, -0.3 / 5],
-                      [-0.3 / 100, -0.3 / 5, 1 / 5]]) * 1e-9  # fmt: skip
-    order = [2, 1, 0] if along else [2, 0, 1]
-    s[:3, :3] = first[np.ix_(order, order)]
-    s[3, 3], s[4, 4], s[5, 5] = 1 / 3e9, 1 / 2e9, 1 / 2e9
-    return Material(np.linalg.inv(s), 1.0)
-
-
 def _three_points() -> float:
     """Deflection (m) of a quarter of the strip, 30 mm between supports, under 10 N/mm."""
     thicknesses = (1e-4, 1e-4, 1e-4, 4e-4, 1e-4, 1e-4, 1e-4)
+    along, across = (
+        _orthotropic(axes, (100e9, 5e9, 5e9), (0.4, 0.3, 0.3), (3e9, 2e9, 2e9))
+        for axes in ("zyx", "yzx")
+    )
     box = layered(
-        thicknesses, [_unidirectional(along=i % 2 == 0) for i in range(7)], even(5e-3, 1, 3),
+        thicknesses, [along, across, along, across, along, across, along], even(5e-3, 1, 3),
         graded([0.0, 1e-3, 4e-3, 15e-3, 25e-3], 4), 2,
         held("z", z=0.0), held("y", y=0.0), held("x", x=0.0, z=15e-3),
         load("x", -5e3, x=sum(thicknesses), z=0.0),

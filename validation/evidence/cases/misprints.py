@@ -12,7 +12,7 @@ from functools import cache, partial
 from tactgen.tmm.beam.printed_formulas import MISPRINTS
 from tactgen.validation.evidence.case import Case, Check, case, nth
 from tactgen.validation.evidence.cases.audit import Audit, audit
-from tactgen.validation.evidence.cases.elastic import cantilever_plate, free_plate
+from tactgen.validation.evidence.cases.elastic import THIN, cantilever_plate, free_plate
 from tactgen.validation.evidence.cases.laminates import pvdf_deflection
 from tactgen.validation.evidence.cases.oscillators import period_of_vm156
 from tactgen.validation.evidence.cases.resonators import CUBE
@@ -93,7 +93,6 @@ _HWANG = case(
     tolerance=4e-3, reason="three printed digits in the first number", tier="validation",
 )  # fmt: skip
 
-_RIGIDITY = 200e9 * 0.05**3 / (12.0 * (1.0 - 0.3**2))
 _FEW_TERMS = (
     "a Ritz series with few terms is too stiff; converged thin-plate values are lower by as much"
 )
@@ -106,8 +105,7 @@ _RITZ = (
 
 def _in_hertz(number: int) -> float:
     """Frequency (Hz) of the cantilevered plate."""
-    scale = 2.0 * math.pi * 100.0 * math.sqrt(8000.0 * 0.05 / _RIGIDITY)
-    return float(cantilever_plate()[number]) / scale
+    return float(cantilever_plate()[number]) * THIN / (2.0 * math.pi)
 
 
 _FV16 = case(

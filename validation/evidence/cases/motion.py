@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 
@@ -118,16 +120,21 @@ def _fall_time() -> float:
 
 
 def _flight_to_contact(load: str) -> float:
-    """Largest lateral amplitude in flight over the smaller one on the two stops.
-
-    1 or more also where the tip moves more while the rod rises than while it falls.
-    """
+    """Quotient of :func:`_over_contact` of the largest lateral amplitudes of each kind of phase."""
     largest: dict[str, float] = {}
     for phase in phases(_run_of_fig_16(load)):
         largest[phase.name] = max(phase.amplitude, largest.get(phase.name, 0.0))
-    if largest["rising"] >= largest["falling"]:
-        return largest["rising"] / largest["falling"]
-    return largest["falling"] / min(largest["held"], largest["pressed"])
+    return _over_contact(largest)
+
+
+def _over_contact(size: dict[str, float]) -> float:
+    """Largest amplitude in flight over the smaller one on the two stops.
+
+    1 or more also where the tip moves more while the rod rises than while it falls.
+    """
+    if size["rising"] >= size["falling"]:
+        return size["rising"] / size["falling"]
+    return size["falling"] / min(size["held"], size["pressed"])
 
 
 def _held_to_pressed(load: str, friction: float = 0.0) -> float:
@@ -201,13 +208,10 @@ def _flight_of_a_sine() -> float:
     """Row MOT-8's quotient of a sine: 2 ms of falling, held to 5 ms, 1 ms of rising, pressed."""
     spans = {"falling": (0.0, 2e-3), "held": (2e-3, 5e-3), "rising": (5e-3, 6e-3),
              "pressed": (6e-3, 10e-3)}  # fmt: skip
-    size = {
+    return _over_contact({
         name: float(np.ptp(np.sin(2.0 * np.pi * DRIVE.frequency * np.linspace(*span, 200))))
         for name, span in spans.items()
-    }
-    if size["rising"] >= size["falling"]:
-        return size["rising"] / size["falling"]
-    return size["falling"] / min(size["held"], size["pressed"])
+    })  # fmt: skip
 
 
 _READ = "the text gives whole milliseconds, so half of one either way"
@@ -226,20 +230,20 @@ _KNOWN = (
           _generator_imbalance, 0.0, "rounding; relative to all that was exchanged", "first law",
           tier="solution verification", scene="generator"),
 )  # fmt: skip
-#: Tips of the runs, whether the paper's was loaded is not said: load, words, and where the order
-#: that it tells is not predicted the deviation and why.
-_FREE, _FINGER = ("none", "Free,"), ("finger", "Under the finger,")
-_TIPS = (
-    (
-        (*_FREE, 1.3265, "a free tip rings after each blow of the rod, more than it is driven"),
-        (*_FINGER, 0.0, ""),
-    ),
-    ((*_FREE, 0.0, ""), (*_FINGER, 0.0, "")),
-    (
-        (*_FREE, -0.1168, "on the softer upper stop a free tip resonates closer to the 200 Hz"),
-        (*_FINGER, 0.0, ""),
-    ),
-)  # fmt: skip
+
+
+def _tips(
+    words: str, measure: Callable[[str], float], reference: tuple[float, float], reason: str,
+    known: float = 0.0, explained: str = "", **more: Any,
+) -> Iterator[Check]:  # fmt: skip
+    """Rows of both tips that the paper's may have been: free, with what is known of it, or not."""
+    for load, tip in (("none", "Free,"), ("finger", "Under the finger,")):
+        free = load == "none"
+        yield Check(f"{tip} {words}", reference, "1", partial(measure, load), 0.0, reason,
+                    known=known if free else 0.0, explained=explained if free else "",
+                    **more)  # fmt: skip
+
+
 _FIG_16 = (
     Check("The 120 mA of Fig 16 pull the reconstructed rod down against its preload.", (0.0, 0.12),
           "A", _pull_in_current, 0.0, "enough is enough", known=0.081,
@@ -253,34 +257,26 @@ _FIG_16 = (
           explained="the pull exceeds the spring by a few per cent at first, so that its setting "
           "decides: a report has the time as a band over it (Beside the measurements)",
           null=Null(_FREE_FLIGHT, _free_flight), heavy=True),
-    *(
-        Check(f"{words} the tip moves less while the rod flies than on either stop, least while it "
-              "rises.", (0.0, 1.0), "1", partial(_flight_to_contact, load), 0.0,
-              "an order, no sizes are given", known=known, explained=why,
-              null=Null("a tip that swings at 200 Hz whatever the rod does, over phases as long as "
-                        "the paper's", _flight_of_a_sine), heavy=True)
-        for load, words, known, why in _TIPS[0]
-    ),
-    *(
-        Check(f"{words} the tip answers its drive more on the lower stop than on the upper one.",
-              (1.0, 10.0), "1", partial(_held_to_pressed, load), 0.0,
-              "an order, no sizes are given; taken is what two runs, their drives a quarter of a "
-              "period apart, have in common at 200 Hz beside straight lines: after the blow on the "
-              "upper stop the finger lets the tip drift for milliseconds, which is no oscillation",
-              known=known, explained=why, null=_ROD_IGNORED, heavy=True)
-        for load, words, known, why in _TIPS[1]
-    ),
+    *_tips("the tip moves less while the rod flies than on either stop, least while it rises.",
+           _flight_to_contact, (0.0, 1.0), "an order, no sizes are given", 1.3265,
+           "a free tip rings after each blow of the rod, more than it is driven", heavy=True,
+           null=Null("a tip that swings at 200 Hz whatever the rod does, over phases as long as "
+                     "the paper's", _flight_of_a_sine)),
+    *_tips("the tip answers its drive more on the lower stop than on the upper one.",
+           _held_to_pressed, (1.0, 10.0),
+           "an order, no sizes are given; taken is what two runs, their drives a quarter of a "
+           "period apart, have in common at 200 Hz beside straight lines: after the blow on the "
+           "upper stop the finger lets the tip drift for milliseconds, which is no oscillation",
+           heavy=True, null=_ROD_IGNORED),
     Check("Free, with 1 mN of friction in the bore it does so, too.", (1.0, 10.0), "1",
           partial(_held_to_pressed, "none", 1e-3), 0.0,
           "an order; more friction than the pull exceeds the spring by keeps the rod up",
           null=_ROD_IGNORED, heavy=True),
-    *(
-        Check(f"{words} it does so in small motions about both places of rest.", (1.0, 10.0), "1",
-              partial(_small_held_to_pressed, load), 0.0,
-              "an order, no sizes are given; a contact is stiff in proportion to what presses it",
-              known=known, explained=why, null=_ROD_IGNORED)
-        for load, words, known, why in _TIPS[2]
-    ),
+    *_tips("it does so in small motions about both places of rest.", _small_held_to_pressed,
+           (1.0, 10.0),
+           "an order, no sizes are given; a contact is stiff in proportion to what presses it",
+           -0.1168, "on the softer upper stop a free tip resonates closer to the 200 Hz",
+           null=_ROD_IGNORED),
 )  # fmt: skip
 _MISPRINT = Check(
     "The coil's current after 10 ms is printed as 1.9849 A.", 1.9849, "A", _vm207_current, 2.5e-5,

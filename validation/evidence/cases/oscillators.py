@@ -34,10 +34,7 @@ def one_mass(
 ) -> Oscillator:
     """Mass on a linear spring and damper and a law; a drive of 1 is the given force.
 
-    Parameters
-    ----------
-    law : callable
-        From motions (n,) to force and stiffness (n,).
+    The law is from motions (n,) to force and stiffness (n,).
     """
 
     def linear(omega: Floats) -> Complex:
@@ -88,12 +85,6 @@ def free_on_one_sided(ratio: float, harmonics: int) -> Orbit:
         resolution = Resolution(missing=1e-4, least=10, most=harmonics)
         found = free_oscillation(system, -1.0, found, resolution=resolution)
     return found
-
-
-def one_sided_frequency(ratio: float) -> float:
-    """Its exact angular frequency, half a period on each side: 2 ω₁ ω₂/(ω₁ + ω₂)."""
-    stiff = np.sqrt(1.0 + ratio)
-    return float(2.0 * stiff / (1.0 + stiff))
 
 
 def driven_duffing() -> Oscillator:
