@@ -208,6 +208,12 @@ def case(
     return Case(name, title, problem, model, checks, refinement)
 
 
+def middle(values: Iterable[float]) -> Estimate:
+    """Middle of a band, with half of its width as the error."""
+    found = list(values)
+    return Estimate(0.5 * (max(found) + min(found)), 0.5 * (max(found) - min(found)))
+
+
 def nth(values: Callable[..., Any], index: int | str, *arguments: object) -> Callable[[], float]:
     """Measurement of one of several values that a function gives at once."""
     return lambda: float(values(*arguments)[index])

@@ -13,7 +13,7 @@ from tactgen.tmm.generator.small_signal import RockingHead
 from tactgen.tmm.harmonic_balance.balance import Orbit
 from tactgen.tmm.harmonic_balance.continuation import Branch, folds, peaks
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.evidence.case import Case, Check, Null, case
+from tactgen.validation.evidence.case import Case, Check, Null, case, middle
 from tactgen.validation.evidence.cases import oscillators
 from tactgen.validation.models.backbone import (
     STATES,
@@ -177,7 +177,7 @@ def _peaks_of_offsets(state: State) -> Estimate:
         moved = solve(scene, ["tmm"], ["tip_displacement"]).quantities[0].value
         fast = np.abs(moved) * np.array(scene.frequency)
         found.append(float(np.sum((fast[1:-1] > fast[:-2]) & (fast[1:-1] > fast[2:]))))
-    return Estimate(0.5 * (max(found) + min(found)), 0.5 * (max(found) - min(found)))
+    return middle(found)
 
 
 @cache
@@ -186,9 +186,8 @@ def _loaded(state: State, load: str, below: float) -> LoadedDeflection:
 
 
 def _over_places(read: Callable[[float], float]) -> Estimate:
-    """Middle and half the span of what is read at the places where the laser may have looked."""
-    found = [read(below) for below in _PLACES]
-    return Estimate(0.5 * (max(found) + min(found)), 0.5 * (max(found) - min(found)))
+    """What is read at the places where the laser may have looked."""
+    return middle(map(read, _PLACES))
 
 
 def _slope(state: State) -> Estimate:

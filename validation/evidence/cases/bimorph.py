@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.ports.loads import finger_spring_damper
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.evidence.case import Case, Check, Null, case
+from tactgen.validation.evidence.case import Case, Check, Null, case, middle
 from tactgen.validation.evidence.mesh_levels import cached, level
 from tactgen.validation.models.difference import Step, beam_to_solid
 from tactgen.validation.models.model import Estimate
@@ -261,9 +261,7 @@ def _compared(at: int) -> Comparison:
 
 
 def _band(at: int, number: int) -> Estimate:
-    """Band of a prediction, as its middle and half its width."""
-    low, high = _compared(at).predictions[number].band
-    return Estimate(0.5 * (low + high), 0.5 * (high - low))
+    return middle(_compared(at).predictions[number].band)
 
 
 #: Deviation of the one band that does not reach its number, by figure and number.

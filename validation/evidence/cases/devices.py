@@ -16,7 +16,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.material_library import CERAMICS, LIBRARY
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.evidence.case import Case, Check, Null, case
+from tactgen.validation.evidence.case import Case, Check, Null, case, middle
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.studies.published_measurements import Published, Unknown, Values
@@ -57,8 +57,7 @@ def bands(device: Device) -> Floats:
 
 
 def _band(device: Device, number: int) -> Estimate:
-    low, high = bands(device)[number]
-    return Estimate(0.5 * (low + high), 0.5 * (high - low))
+    return middle(bands(device)[number])
 
 
 def _solved(settings: Iterable[str], model: str, *quantities: str) -> list[float]:

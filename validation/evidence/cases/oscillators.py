@@ -11,14 +11,9 @@ from functools import cache
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.tmm.generator.transient.system import Coil, System
-from tactgen.tmm.generator.transient.time_integration import Run, simulate_steps
-from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.continuation import Branch, folds, follow, peaks, steady_orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution, free_oscillation
-from tactgen.tmm.reluctance.coenergy_map import CoenergyPoint
-from tactgen.validation.evidence.mesh_levels import steps
 
 #: Harmonics are added until those left out would move less than this share.
 EXACT = Resolution(missing=1e-11, least=7, most=60)
@@ -121,42 +116,3 @@ def driven_duffing_peak() -> Orbit:
 def driven_duffing_folds() -> tuple[Orbit, ...]:
     """Where its response turns back, in the order in which it is met."""
     return tuple(at.orbit for at in folds(driven_duffing(), driven_duffing_branch()))
-
-
-_ONE, _UNIT = np.ones(1), np.eye(1)
-
-
-class _Inductor:
-    """A constant inductance (H)."""
-
-    def __init__(self, inductance: float) -> None:
-        self.inductance = inductance
-
-    def at(self, current: float, gap: float) -> CoenergyPoint:
-        """W' = L i²/2 and its derivatives, whatever the gap."""
-        linkage = self.inductance * current
-        return CoenergyPoint(0.5 * linkage * current, linkage, 0.0, self.inductance, 0.0, 0.0)
-
-
-def run_of_coil(
-    inductance: float, resistance: float, voltage: Step | Sine, until: float, wanted: int
-) -> Run:
-    """Run of a coil (H, ohm) at a voltage until a time (s), in so many steps."""
-    zero = 0.0 * _ONE
-    coil = Coil(_Inductor(inductance), zero, 1.0, resistance, "voltage")
-    system = System(_UNIT, 0.0 * _UNIT, _UNIT, zero, zero, 0.0, (), (), coil)
-    return simulate_steps(system, Sources(coil=voltage), until, steps(wanted))
-
-
-def settled_current(
-    inductance: float, resistance: float, amplitude: float, hertz: float
-) -> complex:
-    """Current's phasor (A) at amplitude · sin(2π f t), from the last of ten periods."""
-    periods, each = 10, 400
-    run = run_of_coil(
-        inductance, resistance, Sine(amplitude, hertz), periods / hertz, periods * each
-    )
-    last = run.time > (periods - 1.0) / hertz + 1e-9 / hertz
-    angle = 2.0 * np.pi * hertz * run.time[last]
-    sine, cosine = (2.0 * np.mean(run.current[last] * of(angle)) for of in (np.sin, np.cos))
-    return complex(sine, cosine)
