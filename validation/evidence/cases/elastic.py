@@ -38,17 +38,10 @@ def _centred(length: float, intervals: int, degree: int) -> Axis:
     return graded(np.linspace(-0.5 * length, 0.5 * length, intervals + 1), degree)
 
 
-def _block(
-    axes: tuple[Axis, Axis, Axis], modulus: float, poisson: float, density: float,
-    *conditions: Condition,
-) -> Box:  # fmt: skip
-    return block(axes, Material(isotropic_stiffness(modulus, poisson), density), *conditions)
-
-
 @cached
 def _cube() -> Floats:
     """Ω a √(ρ/E) of a free cube's lowest modes, ν = 0.3."""
-    box = _block((even(1.0, 1, 7),) * 3, 1.0, 0.3, 1.0)
+    box = block((even(1.0, 1, 7),) * 3, Material(isotropic_stiffness(1.0, 0.3), 1.0))
     # more than are read: the copies of a multiple frequency are found one after the other
     return 2.0 * np.pi * natural_frequencies(box, 12, loose=6, near=0.1)
 
@@ -88,8 +81,9 @@ def _torsion_constant(ratio: float) -> float:
 
     Uniform torsion is linear along it, so its length and degree there do not matter.
     """
-    box = _block(
-        (_centred(ratio, 2, 10), _centred(1.0, 2, 10), even(1.0, 1, 1)), 2.0, 0.0, 1.0,
+    box = block(
+        (_centred(ratio, 2, 10), _centred(1.0, 2, 10), even(1.0, 1, 1)),
+        Material(isotropic_stiffness(2.0, 0.0), 1.0),
         held("z", x=0.0, y=0.0, z=0.0),
         *(held("x", lambda _x, y, z: -z * y, z=z) for z in (0.0, 1.0)),
         *(held("y", lambda x, _y, z: z * x, z=z) for z in (0.0, 1.0)),
@@ -119,7 +113,8 @@ _TORSION = case(
 def _rod() -> Floats:
     """Lowest axial frequencies (Hz) of VM61's free rod, lengths in inches."""
     axes = even(1.0, 1, 1), even(1.0, 1, 1), even(800.0, 2, 8)
-    return natural_frequencies(_block(axes, 30e6, 0.0, 0.00073, held("xy")), 2, loose=1, near=1.0)
+    box = block(axes, Material(isotropic_stiffness(30e6, 0.0), 0.00073), held("xy"))
+    return natural_frequencies(box, 2, loose=1, near=1.0)
 
 
 _VM61 = case(
