@@ -82,7 +82,28 @@ def _driven(thickness: float) -> Floats:
     return np.array([w, charge * np.pi / 2.0])
 
 
-def _bimorph_case(name: str, thickness: float, title: str, asked: str, rows: list[Check]) -> Case:
+def _cylindrical(name: str, thickness: float, driven: bool, first: float, second: float) -> Case:
+    """Bimorph at rest under a wave of voltage, or its frequencies; both values are references."""
+    if driven:
+        title, asked = (
+            "driven by a wave of voltage, ",
+            (", at rest: 1 V sin(π z/L) on the upper face, 0 V on the lower."),
+        )
+        rows = [
+            Check("The lower face's crest moves as the exact solution does.", first, "m",
+                  nth(_driven, 0, thickness)),
+            Check("The electric displacement at that crest is exact.", second, "C/m^2",
+                  nth(_driven, 1, thickness)),
+        ]  # fmt: skip
+    else:
+        title, asked = "", ": first bending frequency, faces short-circuited or without charge."
+        rows = [
+            Check(f"The first frequency with {faces} is that of the exact solution.", value, "Hz",
+                  partial(_bending_frequency, thickness, grounded))
+            for faces, value, grounded in (
+                ("both faces at 0 V", first, True), ("no charge on the faces", second, False),
+            )
+        ]  # fmt: skip
     return case(
         name, f"Piezoelectric bimorph in cylindrical bending, {title}L/H = "
         f"{_LENGTH / (2 * thickness):.3g}",
@@ -92,38 +113,13 @@ def _bimorph_case(name: str, thickness: float, title: str, asked: str, rows: lis
     )  # fmt: skip
 
 
-_CYLINDRICAL = tuple(
-    _bimorph_case(
-        name, thickness, "",
-        ": first bending frequency, faces short-circuited or without charge.",
-        [
-            Check("The first frequency with both faces at 0 V is that of the exact solution.",
-                  short, "Hz", partial(_bending_frequency, thickness, True)),
-            Check("The first frequency with no charge on the faces is that of the exact solution.",
-                  free, "Hz", partial(_bending_frequency, thickness, False)),
-        ],
-    )
-    for name, thickness, short, free in (
-        ("CYL1", _THIN, 2729.781550839573, 3065.134786141134),
-        ("CYL2", _MEDIUM, 6981.984969234867, 7774.313612838951),
-        ("CYL3", _THICK, 16075.335034538324, 17250.375637915604),
-    )
-) + tuple(
-    _bimorph_case(
-        name, thickness, "driven by a wave of voltage, ",
-        ", at rest: 1 V sin(π z/L) on the upper face, 0 V on the lower.",
-        [
-            Check("The lower face's crest moves as the exact solution does.", motion, "m",
-                  nth(_driven, 0, thickness)),
-            Check("The electric displacement at that crest is exact.", charge, "C/m^2",
-                  nth(_driven, 1, thickness)),
-        ],
-    )
-    for name, thickness, motion, charge in (
-        ("CYL4", _THIN, -4.29692165364606e-8, -1.56662847218356e-5),
-        ("CYL5", _THICK, -8.42981467454552e-10, -2.14853285936959e-6),
-    )
-)  # fmt: skip
+_CYLINDRICAL = (
+    _cylindrical("CYL1", _THIN, False, 2729.781550839573, 3065.134786141134),
+    _cylindrical("CYL2", _MEDIUM, False, 6981.984969234867, 7774.313612838951),
+    _cylindrical("CYL3", _THICK, False, 16075.335034538324, 17250.375637915604),
+    _cylindrical("CYL4", _THIN, True, -4.29692165364606e-8, -1.56662847218356e-5),
+    _cylindrical("CYL5", _THICK, True, -8.42981467454552e-10, -2.14853285936959e-6),
+)
 
 
 def _orthotropic(
