@@ -17,7 +17,8 @@ from tactgen.tmm.reluctance.flux_ladder import Ladder, LadderSolution
 from tactgen.tmm.reluctance.flux_ladder import solve as solve_ladder
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.mesh_levels import cached, counted, degree
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.scene import declaration, load_scene, scene_keys
+from tactgen.validation.scene.tolerances import unit_of
 from tactgen.validation.scene.variation import value_of, with_values
 
 if TYPE_CHECKING:
@@ -71,13 +72,6 @@ KNOWN = {0.13: (110.0507e-3, 2.278879e-6), 0.05: (37.9644e-3, 1.376275e-6)}
 
 #: Stated from the nominal gap.
 _POSITIONS = ("rod.length", "rod.flange_position", "coil.position")
-#: All lengths, and the current.
-_KEYS = (
-    "rod.radius", "rod.head_radius", "rod.head_thickness", "rod.flange_radius",
-    "rod.flange_thickness", *_POSITIONS, "coil.inner_radius", "coil.outer_radius", "coil.length",
-    "sleeve.inner_radius", "sleeve.outer_radius", "sleeve.length", "sleeve.collar_radius",
-    "sleeve.collar_thickness", "gap", "coil.current",
-)  # fmt: skip
 #: No two edges level, so that every size may become larger and smaller.
 _DEVICE = (
     "rod.radius=0.62mm", "rod.head_radius=1.12mm", "rod.length=4.8mm",
@@ -93,10 +87,12 @@ _QUANTITIES = ("coenergy", "flux_linkage", "magnetic_force")
 def powers_of_size() -> dict[str, float]:
     """Power with which each quantity grows with the device, as it is grown."""
     scene, _ = load_scene("reluctance", ["models=axisymmetric", *_DEVICE])
-    grown = {}
-    for key in _KEYS:
-        shift = NOMINAL_GAP * (key in _POSITIONS)
-        grown[key] = _GROWTH * (float(value_of(scene, key)) + shift) - shift
+    grown = {"coil.current": _GROWTH * scene.coil.current}
+    for key in scene_keys():
+        unit = unit_of(declaration(key))
+        if key.startswith(("rod.", "coil.", "sleeve.", "gap")) and unit and unit.si == "m":
+            shift = NOMINAL_GAP * (key in _POSITIONS)
+            grown[key] = _GROWTH * (float(value_of(scene, key)) + shift) - shift
     before, after = (
         solve(each, ("axisymmetric",), _QUANTITIES) for each in (scene, with_values(scene, grown))
     )
