@@ -152,17 +152,6 @@ def _tip_deflection(
     return float(np.linalg.solve(stiffness, [force, 0.0])[0])
 
 
-def _wedge_in_plan(share: float) -> Section:
-    """VM34: width 3 in to nothing."""
-    return slender(20.0, stiffness=30e6 * 3.0 * 0.5**3 / 12.0 * (1.0 - share))
-
-
-def _parabola(share: float) -> Section:
-    """VM148: height 2 √(x/L) in."""
-    root = 30e6 * 0.2 * 2.0**3 / 12.0
-    return Section(root * (1.0 - share) ** 1.5, _NO_SHEAR * root / 4.0**2, m=1.0, rhoI=0.0)
-
-
 _POINT = "64 segments, and the extrapolation from tips of 1/1000 and 1/2000 to a point"
 _SEGMENTS = "lumped statics of a row of tapered segments"
 _TAPERS = (
@@ -170,8 +159,9 @@ _TAPERS = (
         "VM34", "Cantilever that tapers to a point (ANSYS VM34)",
         "20 in long, 0.5 in high, 3 in wide at the root and pointed at the tip, E = 30e6 psi, 10 "
         "lb at the tip.",
-        [Check("The tip deflects by 0.042667 in.", 0.042667, "in",
-               lambda: _tip_deflection(_wedge_in_plan, 20.0, 10.0, 16))],
+        [Check("The tip deflects by 0.042667 in.", 0.042667, "in", lambda: _tip_deflection(
+            lambda share: slender(20.0, stiffness=30e6 * 3.0 * 0.5**3 / 12.0 * (1.0 - share)),
+            20.0, 10.0, 16))],
         model=_SEGMENTS, source="ANSYS Verification Manual, VM34", tolerance=1.2e-5,
         reason="half a unit of the last printed digit",
     ),
@@ -322,7 +312,9 @@ _SPECIAL = (
         "tip; no shear.",
         [Check("The tip deflects as the closed form has it.",
                8.0 * 1000.0 * 4.0**3 / (30e6 * 0.2 * 2.0**3), "in",
-               lambda: _tip_deflection(_parabola, 4.0, 1000.0, 32))],
+               lambda: _tip_deflection(
+                   lambda share: slender(4.0, stiffness=30e6 * 0.2 * 2.0**3 / 12.0
+                                         * (1.0 - share) ** 1.5), 4.0, 1000.0, 32))],
         model=_SEGMENTS, tolerance=1e-4, reason="32 segments, by the square of their length",
         source="ANSYS Verification Manual, VM148 (Timoshenko, Strength of Materials I): "
         "8 F L³/(E b h³), printed as 0.01067 in",
