@@ -148,19 +148,15 @@ def dynamic_stiffness(beam: Constants, length: Any, omega: Any) -> mp.matrix:
 
 
 def _from_transfer(t: mp.matrix) -> mp.matrix:
-    compliance = mp.inverse(t[0:2, 2:4])  # of the state's [M, F] at the lower end
-    motion = mp.zeros(2, 5)  # [w, ψ] above, less what the lower [w, ψ] and U give by themselves
+    below, d = mp.zeros(6, 5), mp.zeros(5)  # the state at the lower end; [w, ψ] at the upper one
+    below[0, 0] = below[1, 1] = below[5, 4] = 1
+    motion = mp.zeros(2, 5)
     motion[0, 2] = motion[1, 3] = 1
-    for i in range(2):
-        motion[i, 0], motion[i, 1], motion[i, 4] = -t[i, 0], -t[i, 1], -t[i, 5]
-    below = compliance * motion  # [M, F] at the lower end
-    out = mp.zeros(5)
-    for j in range(5):
-        out[0, j], out[1, j] = -below[1, j], -below[0, j]
-        for row, state in ((2, 3), (3, 2), (4, 4)):
-            own = {0: t[state, 0], 1: t[state, 1], 4: t[state, 5]}.get(j, mp.mpf(0))
-            out[row, j] = own + t[state, 2] * below[0, j] + t[state, 3] * below[1, j]
-    return out
+    below[2:4, :] = mp.inverse(t[0:2, 2:4]) * (motion - t[0:2, :] * below)
+    above = t[2:5, :] * below  # [M, F, q]
+    d[0, :], d[1, :] = -below[3, :], -below[2, :]
+    d[2, :], d[3, :], d[4, :] = above[1, :], above[0, :], above[2, :]
+    return d
 
 
 @_exact

@@ -26,7 +26,7 @@ from tactgen.geometry.arrays import Bools, Floats, Sparse
 from tactgen.geometry.bimorph.bricks import Axis
 from tactgen.geometry.device.magnetisation import TEAM20, MagnetisationCurve
 from tactgen.geometry.device.material_library import LIBRARY
-from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh
+from tactgen.geometry.meshing.mesh import Mesh, unique_edges
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.reluctance.section_grid import Grid, Region
 from tactgen.validation.evidence.boxes import block, even, lowest_frequencies
@@ -62,13 +62,12 @@ def cube(cells: Cells, divisions: int, across: int | None = None) -> Mesh:
 
 
 def _curved(mesh: Mesh, sizes: Floats) -> Mesh:
-    ends = mesh.cells[:, TET_EDGES].reshape(-1, 2)
-    edges, which = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    edges, of_cell = unique_edges(mesh.cells)
     points = np.vstack([mesh.points, mesh.points[edges].mean(axis=1)])
     share = np.pi * points / sizes
     points = points + _BENT * sizes * np.sin(share) * np.cos(np.roll(share, 1, axis=1))
-    middles = len(mesh.points) + which.reshape(len(mesh.cells), -1)
-    return replace(mesh, points=points, cells=np.hstack([mesh.cells, middles]), kind="tetra10")
+    cells = np.hstack([mesh.cells, len(mesh.points) + of_cell])
+    return replace(mesh, points=points, cells=cells, kind="tetra10")
 
 
 def hexahedra(planes: Sequence[Floats]) -> Mesh:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import lru_cache, partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -57,22 +58,15 @@ def _vm156_period() -> float:
     return 4.0 * float(np.polyval(np.polyfit(x[near], run.time[near], 3), 0.0))
 
 
-class _Inductor:
-    """A constant inductance (H)."""
-
-    def __init__(self, inductance: float) -> None:
-        self.inductance = inductance
-
-    def at(self, current: float, gap: float) -> CoenergyPoint:
-        """W' = L i²/2 and its derivatives, whatever the gap."""
-        linkage = self.inductance * current
-        return CoenergyPoint(0.5 * linkage * current, linkage, 0.0, self.inductance, 0.0, 0.0)
-
-
 def _vm207_current() -> float:
-    """Current (A) after 10 ms at 12 V."""
-    zero = 0.0 * _ONE
-    coil = Coil(_Inductor(0.01274), zero, 1.0, 5.991, "voltage")
+    """Current (A) after 10 ms at 12 V in a constant inductance, W' = L i²/2 whatever the gap."""
+    zero, inductance = 0.0 * _ONE, 0.01274
+    constant: Any = SimpleNamespace(
+        at=lambda i, gap: CoenergyPoint(
+            0.5 * inductance * i**2, inductance * i, 0.0, inductance, 0.0, 0.0
+        )
+    )
+    coil = Coil(constant, zero, 1.0, 5.991, "voltage")
     system = System(_UNIT, 0.0 * _UNIT, _UNIT, zero, zero, 0.0, (), (), coil)
     run = simulate_steps(system, Sources(coil=Step(12.0)), 0.01, steps(500))
     return float(run.current[-1])

@@ -16,7 +16,7 @@ import numpy as np
 from tactgen.fem import beam
 from tactgen.fem.piezo.system import Material
 from tactgen.geometry.bimorph.boundary_conditions import Ends
-from tactgen.geometry.device.magnetisation import TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.device.magnetisation import TEAM20, linear
 from tactgen.geometry.device.materials import isotropic_stiffness
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import transfer_matrix
@@ -238,9 +238,6 @@ _BEAMS = case(
 
 # --- magnetic fields ---------------------------------------------------------------------------
 
-_CURVES: tuple[tuple[str, MagnetisationCurve], ...] = (
-    ("straight", linear(1000.0)), ("saturating", TEAM20),
-)  # fmt: skip
 #: Bounds of the derivatives of u by order: see manufactured.
 _STEEPEST = {2: 24.0, 4: (math.pi / 2.0) ** 5}
 
@@ -262,7 +259,7 @@ _FIELDS = (
         "by its own H.",
         [
             row
-            for name, curve in _CURVES
+            for name, curve in (("straight", linear(1000.0)), ("saturating", TEAM20))
             for order in (2, 4)
             for row in _rows(f"Flux densities of order {order} in iron with a {name} curve", order,
                              partial(rings_error, curve, order), 4, _rings_bound(order),
