@@ -16,11 +16,13 @@ def test_bands_multiply_the_effects_of_what_is_unknown():
     """Two factors on a number, the models alike: 95 % of what their product can be."""
     unknowns = tuple(Unknown(name, 0.5, 2.0, "1", "", 1.0) for name in "ab")
 
-    def predict(values, model):
-        return np.array([3.0 * values["a"] * values["b"], 5.0 if model == "tmm" else 10.0])
+    def predict(values):
+        return np.array([3.0 * values["a"] * values["b"], 10.0 if values["model"] else 5.0])
 
     numbers = (Published("product", 1.0, 2.0, "m"), Published("model", 1.0, 2.0, "m"))
-    (low, high), by_model = devices.bands(devices.Device("x", "", numbers, unknowns, predict))
+    (low, high), by_model = devices.bands(
+        devices.Figure("x", "", numbers, (*unknowns, devices._MODEL), predict)
+    )
     # the same by 2e5 draws; logarithms between the ends are interpolated
     log = np.interp(np.random.default_rng(1).uniform(0.5, 2.0, (2, 200_000)), [0.5, 1.0, 2.0],
                     np.log([0.5, 1.0, 2.0]))  # fmt: skip

@@ -6,8 +6,7 @@ at both ends of its range; the effects multiply, and the band holds 95 % of the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable
 from functools import cache, partial
 from typing import NamedTuple
 
@@ -19,49 +18,41 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.case import Case, Check, Null, case, middle
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.published_measurements import Published, Unknown, Values
+from tactgen.validation.studies.published_measurements import Figure, Published, Unknown, Values
 
 _SAMPLES = 1024
 _MILLI, _MICRO = 1e-3, 1e-6
 
 
-@dataclass(frozen=True)
-class Device:
-    """A device, what was measured on it and by whom, and its prediction."""
-
-    name: str
-    source: str
-    numbers: tuple[Published, ...]
-    unknowns: tuple[Unknown, ...]
-    #: Predictions of the numbers in order, by a model
-    predict: Callable[[Values, str], Floats]
+#: The last unknown of each device: the models between which its answer lies.
+_MODEL = Unknown("model", 0.0, 1.0, "1", "a beam at 0, the solid at 1", 0.0)
 
 
 @cache
-def bands(device: Device) -> Floats:
+def bands(device: Figure) -> Floats:
     """Ends (numbers, 2) of the bands that hold 95 % of the predictions."""
     from scipy.stats.qmc import Sobol  # slow to import
 
     usual = {u.name: u.usual for u in device.unknowns}
-    centre = device.predict(usual, "tmm")
-    shares = Sobol(len(device.unknowns) + 1, seed=1).random(_SAMPLES)
-    # between the beam and the most detailed model as between any two ends
-    logarithms = np.outer(shares[:, -1], np.log(device.predict(usual, "solid") / centre))
-    for unknown, share in zip(device.unknowns, shares.T, strict=False):
+    centre = device.predict(usual)
+    shares = Sobol(len(device.unknowns), seed=1).random(_SAMPLES)
+    logarithms = np.zeros((_SAMPLES, centre.size))
+    for unknown, share in zip(device.unknowns, shares.T, strict=True):
         values = np.array([unknown.low, unknown.usual, unknown.high])
-        found = [device.predict(usual | {unknown.name: float(v)}, "tmm") for v in values[[0, 2]]]
+        found = [device.predict(usual | {unknown.name: float(v)}) for v in values[[0, 2]]]
         logs = np.log(np.array([found[0], centre, found[1]]) / centre)
         at = unknown.at(share)
         logarithms += np.stack([np.interp(at, values, column) for column in logs.T], axis=1)
     return np.asarray(np.quantile(centre * np.exp(logarithms), [0.025, 0.975], axis=0).T)
 
 
-def _band(device: Device, number: int) -> Estimate:
+def _band(device: Figure, number: int) -> Estimate:
     return middle(bands(device)[number])
 
 
-def _solved(settings: Iterable[str], model: str, *quantities: str) -> list[float]:
+def _solved(settings: Iterable[str], values: Values, *quantities: str) -> list[float]:
     """Sizes of quantities (SI), of a list of modes the first."""
+    model = "solid" if values[_MODEL.name] else "tmm"
     scene, _ = load_scene("j1", (*settings, f"models={model}", "modes=1"))
     found = solve(scene, (model,), quantities, modelling=False)
     return [float(np.abs(np.ravel(found.get(name, model).value)[0])) for name in quantities]
@@ -147,7 +138,7 @@ _SHEETS = {
 }  # fmt: skip
 
 
-def _bender(sheet: _Sheet, bender: _Bender) -> Device:
+def _bender(sheet: _Sheet, bender: _Bender) -> Figure:
     """Bender of many thin layers, whose thickness follows from the capacitance.
 
     As a beam, n layers at V across each half are one at n V with the capacitance over n².
@@ -155,7 +146,7 @@ def _bender(sheet: _Sheet, bender: _Bender) -> Device:
     constants = LIBRARY[sheet.ceramic].reduced()
     height, stroke = bender.height * _MILLI, bender.stroke * _MICRO
 
-    def predict(values: Values, model: str) -> Floats:
+    def predict(values: Values) -> Floats:
         half = 0.5 * height * values["height"]
         free = bender.free * _MILLI * values["free length"]
         settings = [
@@ -166,7 +157,7 @@ def _bender(sheet: _Sheet, bender: _Bender) -> Device:
         ]
         settings += _constants({key: constants[key] * values[key] for key in _CERAMIC})
         deflection, force, capacitance, frequency = _solved(
-            settings, model, "static_tip_displacement", "blocked_force", "capacitance_free",
+            settings, values, "static_tip_displacement", "blocked_force", "capacitance_free",
             "short_circuit_frequencies",
         )  # fmt: skip
         printed = 2.0 * bender.half_capacitance * _MICRO * values["capacitance"]
@@ -185,6 +176,7 @@ def _bender(sheet: _Sheet, bender: _Bender) -> Device:
                 "their length over the free length; at most the whole bender", 1.0),
         Unknown("d31 at the full voltage", 1.0, 1.8, "1",
                 "over that of small signals, assumed: a soft ceramic at 1 kV/mm", 1.4),
+        _MODEL,
     )  # fmt: skip
     stiffness_by = float(np.hypot(sheet.stroke_by, sheet.force_by))
     numbers = (
@@ -192,7 +184,7 @@ def _bender(sheet: _Sheet, bender: _Bender) -> Device:
         _around("blocking force over stroke", bender.force / stroke, stiffness_by, "N/m"),
         _around("resonance", bender.frequency, sheet.frequency_by, "Hz"),
     )
-    return Device(bender.name, sheet.source, numbers, unknowns, predict)
+    return Figure(bender.name, sheet.source, numbers, unknowns, predict)
 
 
 # --- harvesters --------------------------------------------------------------------------------
@@ -235,14 +227,14 @@ _HARVESTERS = (
 _BRASS = 105.0, 9000.0
 
 
-def _harvester(harvester: _Harvester) -> Device:
+def _harvester(harvester: _Harvester) -> Figure:
     """Cantilever in series, from short circuit (1 kohm) to open circuit (470 kohm)."""
     usual = {
         "s11": 1e-9 / harvester.modulus, "d31": 1e-12 * harvester.d31, "eps33": harvester.eps33,
         "density": harvester.density,
     }  # fmt: skip
 
-    def predict(values: Values, model: str) -> Floats:
+    def predict(values: Values) -> Floats:
         modulus = _BRASS[0] * values["brass"]
         settings = [
             "bimorph.wiring=series", "piezo.material=PZT-5A",
@@ -260,7 +252,7 @@ def _harvester(harvester: _Harvester) -> Device:
                 f"load.offset={values['centre of the mass']:.9g} m",
             ]  # fmt: skip
         return np.array(
-            _solved(settings, model, "short_circuit_frequencies", "open_circuit_frequencies")
+            _solved(settings, values, "short_circuit_frequencies", "open_circuit_frequencies")
         )
 
     mass = Unknown("centre of the mass", -2e-3, 2e-3, "m",
@@ -271,31 +263,32 @@ def _harvester(harvester: _Harvester) -> Device:
         _share("brass", 0.05, "assumed: rolled brass, 100 to 110 GPa"),
         *_ceramic(),
         *([mass] if harvester.tip_mass else []),
+        _MODEL,
     )
     numbers = (
         _around("resonance in short circuit", harvester.short, _FOUND, "Hz"),
         _around("resonance in open circuit", harvester.open, _FOUND, "Hz"),
     )
-    return Device(harvester.name, harvester.source, numbers, unknowns, predict)
+    return Figure(harvester.name, harvester.source, numbers, unknowns, predict)
 
 
 #: Half of the last printed digit, and a peak found from a sweep.
 _FOUND = 0.002
 
 
-def _mean_of_others(devices: tuple[Device, ...], at: int, number: int) -> float:
+def _mean_of_others(devices: tuple[Figure, ...], at: int, number: int) -> float:
     """Geometric mean of what the others of a family have for a number."""
     others = [d.numbers[number].middle for n, d in enumerate(devices) if n != at]
     return float(np.exp(np.mean(np.log(others))))
 
 
-def _ranges(device: Device) -> str:
+def _ranges(device: Figure) -> str:
     """Sentence on what is unknown of a device."""
     each = (f"{u.name} {u.low:.4g} to {u.high:.4g} {u.unit.strip('1')}".rstrip() + f" ({u.reason})"
-            for u in device.unknowns)  # fmt: skip
+            for u in device.unknowns[:-1])  # fmt: skip
     return (
         "What its source leaves open lies anywhere in a range, of each device its own.  Of "
-        f"{device.name}, factors where there is no unit: {'; '.join(each)}."
+        f"{device.title}, factors where there is no unit: {'; '.join(each)}."
     )
 
 
@@ -309,17 +302,17 @@ _SOFT_CLAMP = (
 )
 
 
-def _family(name: str, title: str, problem: str, devices: tuple[Device, ...], model: str) -> Case:
+def _family(name: str, title: str, problem: str, devices: tuple[Figure, ...], model: str) -> Case:
     """All numbers of a family's devices; those of one harvester take a second."""
     rows = []
     for at, device in enumerate(devices):
         for number, published in enumerate(device.numbers):
-            low = device.name == _LOW.name and published.words == "resonance"
+            low = device.title == _LOW.name and published.words == "resonance"
             rows.append(Check(
-                f"{device.name}: {published.words}.", (published.low, published.high),
+                f"{device.title}: {published.words}.", (published.low, published.high),
                 published.unit, partial(_band, device, number), source=device.source, band=True,
                 known=0.0122 if low else 0.0, explained=_SOFT_CLAMP if low else "",
-                heavy=device.name != _HARVESTERS[2].name,
+                heavy=device.title != _HARVESTERS[2].name,
                 null=Null("the mean of the other devices",
                           partial(_mean_of_others, devices, at, number)),
             ))  # fmt: skip

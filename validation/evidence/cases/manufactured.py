@@ -30,6 +30,7 @@ from tactgen.geometry.meshing.mesh import Mesh, unique_edges
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.reluctance.section_grid import Grid, Region
 from tactgen.validation.evidence.boxes import block, even, lowest_frequencies
+from tactgen.validation.evidence.cases.resonators import poled
 
 Cells = Literal["straight", "curved", "hexahedra"]
 
@@ -90,9 +91,7 @@ FREQUENCY = 0.5e6
 
 def ceramic(*, lossy: bool) -> Material:
     """Cube's material."""
-    of = LIBRARY["PZT-5H"]
-    tensors = of.tensors(lossy=lossy)
-    return Material(tensors.c, of.density, tensors)
+    return poled(LIBRARY["PZT-5H"], lossy=lossy)
 
 
 @dataclass(frozen=True)
@@ -220,10 +219,8 @@ def plate_error(cells: Cells, divisions: int) -> float:
     Its motion along the normal and the potential are odd about the middle.  A column does, but
     curved cells must become straight as they become smaller, along all axes.
     """
-    of = LIBRARY["PZT-5A"]
     mesh = cube(cells, divisions, None if cells == "curved" else 2)
-    tensors = of.tensors(lossy=False)
-    space, _ = cells_space(mesh, Material(tensors.c, of.density, tensors))
+    space, _ = cells_space(mesh, poled(LIBRARY["PZT-5A"]))
     low, high = (np.abs(space.nodes[:, 0] - at) < 1e-9 * EDGE for at in (0.0, EDGE))
     still = np.zeros_like(low)
     free = np.stack([~low, still, still, ~low & ~high], axis=-1).ravel()

@@ -18,6 +18,7 @@ from tactgen.validation.evidence.boxes import (
     Span,
     block,
     even,
+    graded,
     harmonic,
     held,
     load,
@@ -33,9 +34,9 @@ _BRICKS = "bricks of the model solid, general supports and electrodes"
 _CERAMIC = LIBRARY["PZT-5A"]
 
 
-def poled(ceramic: Piezoceramic, along: str = "x") -> Material:
+def poled(ceramic: Piezoceramic, along: str = "x", *, lossy: bool = False) -> Material:
     """Ceramic poled along an axis of the box, x or z."""
-    tensors = ceramic.tensors(lossy=False)
+    tensors = ceramic.tensors(lossy=lossy)
     if along == "z":  # exchange x and z: Voigt xx yy zz yz xz xy
         voigt, axes = np.array([2, 1, 0, 5, 4, 3]), np.array([2, 1, 0])
         tensors = PiezoTensors(
@@ -254,8 +255,7 @@ STRIP_MATERIAL = _along_x(
 @cached
 def _corner() -> Floats:
     """Displacement along and across half the strip (m) and the potential (V) at its corner."""
-    height = even(2.0 * STRIP_HEIGHT, 2, 2)
-    height = replace(height, breaks=height.breaks - STRIP_HEIGHT)
+    height = graded(np.linspace(-STRIP_HEIGHT, STRIP_HEIGHT, 3), 2)
     state = statics(block(
         (height, even(0.2e-3, 1, 2), even(STRIP_LENGTH, 1, 2)), STRIP_MATERIAL,
         held("z", z=0.0), held("y", y=0.0), held("xV", x=0.0, y=0.0, z=0.0),
