@@ -38,20 +38,22 @@ from tactgen.validation.evidence.cases import textbook_beam
 from tactgen.validation.scene.scene import Scene
 
 
-def _exact_sections(device: Device, beam: Beam) -> dict[int, Any]:
-    """ΡI, GA, EI, s_EP, m, K and C_p by the paper's equation numbers."""
-    piezo = device.piezo
-    found = reference.bimorph_constants(device, beam)
+def _section_errors(device: Device, beam: Section, assumed: Beam) -> dict[int, float]:
+    """Relative errors of eqs 49-55 as printed: ρI, GA, EI, s_EP, m, K and C_p."""
+    piezo, length = device.piezo, device.bimorph.length
+    exact = reference.bimorph_constants(device, assumed)
     compliance = mp.mpf(piezo.s11) / (1 + mp.j / mp.mpf(piezo.quality_factor))
-    return {
-        49: found.rhoI,
-        50: found.GA,
-        51: found.EI,
-        52: compliance,
-        53: found.m,
-        54: found.K,
-        55: found.C * mp.mpf(device.bimorph.length),
+    inertia, capacitor = (printed_section(beam, device, frozenset({n})) for n in (49, 55))
+    printed_and_exact = {
+        49: (inertia.rhoI, exact.rhoI),
+        50: (beam.GA, exact.GA),
+        51: (beam.EI, exact.EI),
+        52: (piezo.s11 / (1.0 + 1j / piezo.quality_factor), compliance),
+        53: (beam.m, exact.m),
+        54: (-device.bimorph.poling_sign * beam.K, exact.K),  # printed for poling towards −x
+        55: (capacitor.C * length, exact.C * mp.mpf(length)),
     }
+    return {n: reference.relative_error(*both) for n, both in printed_and_exact.items()}
 
 
 def _exact_formulas(
@@ -197,10 +199,7 @@ def _residual(scene: Scene, beam: Section, correct: Complex) -> float:
 
 def _deviations(scene: Scene, beam: Section) -> dict[int, float]:
     """Largest relative deviation of each formula as printed."""
-    found = {}
-    printed = _printed_sections(scene.device, beam)
-    for equation, exact in _exact_sections(scene.device, scene.beam).items():
-        found[equation] = reference.relative_error(printed[equation], exact)
+    found = _section_errors(scene.device, beam, scene.beam)
     by_frequency = _printed_formulas(scene, beam)
     for i, frequency in enumerate(_COMPARED):
         exact_here = _exact_formulas(scene.support, beam, scene.bimorph.length, frequency)
@@ -211,21 +210,6 @@ def _deviations(scene: Scene, beam: Section) -> dict[int, float]:
             ]
             found[equation] = max(found.get(equation, 0.0), *here)
     return found
-
-
-def _printed_sections(device: Device, beam: Section) -> dict[int, complex]:
-    """Values of eqs 49-55 as printed."""
-    piezo, length = device.piezo, device.bimorph.length
-    inertia, capacitor = (printed_section(beam, device, frozenset({n})) for n in (49, 55))
-    return {
-        49: inertia.rhoI,
-        50: beam.GA,
-        51: beam.EI,
-        52: piezo.s11 / (1.0 + 1j / piezo.quality_factor),
-        53: beam.m,
-        54: -device.bimorph.poling_sign * beam.K,  # printed for poling towards −x
-        55: capacitor.C * length,
-    }
 
 
 def _printed_formulas(scene: Scene, beam: Section) -> dict[int, tuple[Complex, ...]]:

@@ -26,7 +26,7 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve, linear
 from tactgen.geometry.meshing.mesh import Mesh, unique_edges
 from tactgen.validation.evidence.case import Check, case
-from tactgen.validation.evidence.mesh_levels import cached, counted, intervals
+from tactgen.validation.evidence.mesh_levels import counted, intervals
 
 RADIUS, OUTER, CORE = 1.0, 3.0, 0.4
 
@@ -176,7 +176,6 @@ def ball_error(
 _FIELD = 600e3
 
 
-@cached
 def _mean(potential: Potential) -> float:
     """Mean of B_z in the ball (T), three intervals along an edge."""
     return mean_in(potential, sampled_ball(intervals(3, least=1), TEAM20), _FIELD)

@@ -246,7 +246,6 @@ _STEEL = isotropic_stiffness(200e9, 0.3)
 _THINNER = (0.3 * math.pi / (2.0 * 10.0)) ** 2 * (2.0 * 2.0**4 / 12.0) / (2.0 * 2.0**2)
 
 
-@cached
 def _turned_or_stretched(on_x: str, on_y: str, at_root: str) -> float:
     """First frequency (Hz) of a quarter of the beam in torsion or along, by its symmetries."""
     side = even(1.0, 1, 4)

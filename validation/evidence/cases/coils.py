@@ -69,12 +69,10 @@ _LOOPS = case(
     "LOOPS", "Two coaxial circular loops",
     "Loops of 0.20 and 0.25 m radius, 0.10 m apart, 1 A in each, of 1 mm wire.",
     [
-        Check("Their mutual inductance is Maxwell's.",
-               2.4878780787173304e-07, "H",
+        Check("Their mutual inductance is Maxwell's.", 2.4878780787173304e-07, "H",
                lambda: float(_loops().incremental_inductance[0, 1]), 5e-6,
                "walls at eighty radii, 2e-6"),
-        Check("They attract each other with Maxwell's force.",
-               -1.8509074964058406e-06, "N",
+        Check("They attract each other with Maxwell's force.", -1.8509074964058406e-06, "N",
                lambda: virtual_work_force(_loops()), 5e-5,
                "the mesh across a wire of 1/200 of its radius"),
     ],
@@ -86,7 +84,6 @@ _LOOPS = case(
 # --- thin solenoids ----------------------------------------------------------------------------
 
 
-@cached
 def _nagaoka(ratio: float) -> float:
     """L of a thin solenoid of 2R/l = `ratio` over that of an endless one.
 
@@ -129,7 +126,6 @@ _NAGAOKA = case(
 # --- a field on the axis -----------------------------------------------------------------------
 
 
-@cached
 def _vm168(height: float) -> float:
     """B_z (T) on the axis of VM168's solenoid, at a height (m) above its middle."""
     inch, pieces = 25.4e-3, 16
@@ -162,23 +158,18 @@ _VM168 = case(
 
 # --- Brooks coil -------------------------------------------------------------------------------
 
-_SIDE, _TURNS = 20e-3, 500.0
 
-
-@cached
 def _brooks() -> float:
     """Inductance (H) of VM207's coil: square section, inner radius its side."""
-    coil = Region("coil", (_SIDE, 2.0 * _SIDE), (-0.5 * _SIDE, 0.5 * _SIDE), turns=_TURNS)
+    coil = Region("coil", (20e-3, 40e-3), (-10e-3, 10e-3), turns=500.0)
     return float(winding_field((coil,), (1.0,), 4.0, order=3).incremental_inductance[0, 0])
 
 
-#: F. W. Grover's constant of the square section (H/m): L = 1.6994e-6 a N², a the mean radius.
-_GROVER = 1.6994e-6
 _BROOKS = case(
     "VM207", "Brooks coil (ANSYS VM206, VM207)",
     "500 turns on a square of 20 mm, inner radius 20 mm.",
     [
-        Check("The inductance is Grover's.", _GROVER * 1.5 * _SIDE * _TURNS**2, "H", _brooks,
+        Check("The inductance is Grover's.", 1.6994e-6 * 1.5 * 20e-3 * 500.0**2, "H", _brooks,
                5e-5, "half a unit of Grover's fifth digit; the mesh 2e-5"),
     ],
     model=_FIELD,

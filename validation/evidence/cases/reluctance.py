@@ -304,20 +304,19 @@ _FORCES = case(
 # --- the network against the field -------------------------------------------------------------
 
 
-def _over(value: float, field: float, bar: float) -> Estimate:
+def _over(value: float, found: FieldPoint, name: str) -> Estimate:
     """Value over that of a field with its bar, of which the quotient has the share."""
+    field, bar = getattr(found, name), getattr(found.errors, name)
     return Estimate(value / field, abs(value / field * bar / field))
 
 
-@cached
 def _network_over_field(name: str, state: int, straight: bool = False) -> Estimate:
     """Force or flux linkage of the network over the field's; straight iron has µr = 1000."""
     steel = Steel(curve="linear", relative_permeability=1000.0)
     device, (current, gap) = Device(steel=steel) if straight else Device(), STATES[state]
     network = network_samples(device, np.array([current]), np.array([gap]))
     value = float(getattr(network, name)[0, 0])
-    found = field_point(device, current, gap)
-    return _over(value, getattr(found, name), getattr(found.errors, name))
+    return _over(value, field_point(device, current, gap), name)
 
 
 @cached
@@ -387,8 +386,7 @@ _NETWORK = case(
 
 def _spring_over_pull(current: float, gap: float) -> Estimate:
     """Force of the spring over the pull."""
-    found = field_point(Device(), current, gap)
-    return _over(float(spring_force(Device(), gap)), found.force, found.errors.force)
+    return _over(float(spring_force(Device(), gap)), field_point(Device(), current, gap), "force")
 
 
 def _spring_over_square_law() -> float:

@@ -157,7 +157,6 @@ _BARS = tuple(
 )  # fmt: skip
 
 
-@cached
 def _admittance(frequency: float) -> float:
     """Im Y (S) of the whole bar of 10 x 0.2 x 0.05 mm; an eighth has half a volt on its face."""
     axes = (even(0.025e-3, 1, 2), even(0.1e-3, 1, 2), even(5e-3, 2, 6))
