@@ -5,10 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.ports.loads import finger_spring_damper
@@ -32,11 +30,6 @@ def _solved(name: str, models: str, quantities: str, *overrides: str) -> Solutio
     return solve(load_scene(name, overrides)[0], models.split(","), quantities.split(","))
 
 
-def _value(name: str, model: str, quantity: str, *overrides: str) -> NDArray[Any]:
-    found: NDArray[Any] = _solved(name, model, quantity, *overrides).get(quantity, model).value
-    return found
-
-
 def _number(solution: Solution, model: str, quantity: str, number: int = 0) -> Estimate:
     """Number, or one of a list, with the model's own bar."""
     q = solution.get(quantity, model)
@@ -56,7 +49,8 @@ _EXACT = "60-digit solution of the beam's differential equations"
 def _prototype_peak() -> tuple[float, float]:
     """Frequency and height of the velocity peak: a parabola through the three highest points."""
     low, high, points = 780.0, 784.0, 2001
-    speed = np.abs(_value("prototype", "tmm", "tip_velocity", f"frequency={low}:{high}:{points}"))
+    swept = _solved("prototype", "tmm", "tip_velocity", f"frequency={low}:{high}:{points}")
+    speed = np.abs(swept.quantities[0].value)
     at = int(np.clip(np.argmax(speed), 1, points - 2))
     left, middle, right = speed[at - 1 : at + 2]
     shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
@@ -153,7 +147,7 @@ _J1 = case(
 
 
 def _lumped_over_tmm(quantity: str) -> float:
-    lumped, tmm = (np.ravel(_value("paper", m, quantity))[0] for m in ("lumped", "tmm"))
+    lumped, tmm = (_first("paper", model, quantity)().value for model in ("lumped", "tmm"))
     return float(lumped / tmm)
 
 
