@@ -82,13 +82,13 @@ def _driven(thickness: float) -> Floats:
     return np.array([w, charge * np.pi / 2.0])
 
 
-def _cylindrical(name: str, thickness: float, driven: bool, first: float, second: float) -> Case:
-    """Bimorph at rest under a wave of voltage, or its frequencies; both values are references."""
+def _cylindrical(
+    name: str, thickness: float, first: float, second: float, *, driven: bool = False
+) -> Case:
+    """Bimorph's two frequencies, or driven at rest its motion and charge, with their references."""
     if driven:
-        title, asked = (
-            "driven by a wave of voltage, ",
-            (", at rest: 1 V sin(π z/L) on the upper face, 0 V on the lower."),
-        )
+        title = "driven by a wave of voltage, "
+        asked = ", at rest: 1 V sin(π z/L) on the upper face, 0 V on the lower."
         rows = [
             Check("The lower face's crest moves as the exact solution does.", first, "m",
                   nth(_driven, 0, thickness)),
@@ -114,11 +114,11 @@ def _cylindrical(name: str, thickness: float, driven: bool, first: float, second
 
 
 _CYLINDRICAL = (
-    _cylindrical("CYL1", _THIN, False, 2729.781550839573, 3065.134786141134),
-    _cylindrical("CYL2", _MEDIUM, False, 6981.984969234867, 7774.313612838951),
-    _cylindrical("CYL3", _THICK, False, 16075.335034538324, 17250.375637915604),
-    _cylindrical("CYL4", _THIN, True, -4.29692165364606e-8, -1.56662847218356e-5),
-    _cylindrical("CYL5", _THICK, True, -8.42981467454552e-10, -2.14853285936959e-6),
+    _cylindrical("CYL1", _THIN, 2729.781550839573, 3065.134786141134),
+    _cylindrical("CYL2", _MEDIUM, 6981.984969234867, 7774.313612838951),
+    _cylindrical("CYL3", _THICK, 16075.335034538324, 17250.375637915604),
+    _cylindrical("CYL4", _THIN, -4.29692165364606e-8, -1.56662847218356e-5, driven=True),
+    _cylindrical("CYL5", _THICK, -8.42981467454552e-10, -2.14853285936959e-6, driven=True),
 )
 
 

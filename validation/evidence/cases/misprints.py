@@ -70,13 +70,9 @@ _HWANG = case(
     "tabulate it.",
     [
         Check(f"At {z} mm the table has {value} um.", value * 1e-6, "m",
-               partial(pvdf_deflection, z * 1e-3, True), explained=explained, known=known)
-        for z, value, explained, known in (
-            (20, 0.0138, "", 0.0),
-            (40, 0.0552, "", 0.0),
-            (60, 0.1224, _EXCHANGED, 0.0147),
-            (80, 0.2208, "", 0.0),
-        )
+               partial(pvdf_deflection, z * 1e-3, True), explained=_EXCHANGED if z == 60 else "",
+               known=0.0147 if z == 60 else 0.0)
+        for z, value in ((20, 0.0138), (40, 0.0552), (60, 0.1224), (80, 0.2208))
     ] + [
         Check("At 200 V the tip is printed to move by 69.00 um.", 69.00e-6, "m",
                lambda: 200.0 * pvdf_deflection(0.1, True)),

@@ -39,8 +39,6 @@ SOURCES = Sources(DRIVE, SQUARE)
 #: Setting of the spring in the runs of Fig 16: by the field the paper's 120 mA pull no rod down
 #: that is pressed up with 110 mN, and the paper says that each spring is set by its screw.
 _SET = "spring.preload=100mN"
-#: Until the rod is up again; until every kind of phase has been there, from a moving start too (s).
-_UNTIL, _PERIOD_AND_HALF = 7e-3, 15e-3
 
 
 def _one_mass(mass: float, element: Element) -> System:
@@ -102,8 +100,8 @@ def _phase(name: str, after: float) -> Phase:
 
 @lru_cache(maxsize=1)
 def _paper_run() -> Simulation:
-    """Run of Fig 16: 10 V at 200 Hz, 120 mA on and off at 100 Hz; by the field's map."""
-    return _scene_run(SOURCES, _UNTIL, 0.05, "paper", "none", field_map())
+    """Run of Fig 16 by the field's map, until the rod is up again."""
+    return _scene_run(SOURCES, 7e-3, 0.05, "paper", "none", field_map())
 
 
 @lru_cache(maxsize=1)
@@ -184,7 +182,8 @@ def _run_of_fig_16(load: str, angle: float = 0.0, friction: float = 0.0) -> Simu
     sources = Sources(replace(DRIVE, phase=angle), SQUARE)
     # a free tip rings for long, and steps that follow it closely take minutes
     accuracy = 0.02 if load == "finger" else 0.05
-    return _scene_run(sources, _PERIOD_AND_HALF, accuracy, "generator", load, field_map(), friction)
+    # 1.5 periods: every kind of phase has been there, from a moving start too
+    return _scene_run(sources, 15e-3, accuracy, "generator", load, field_map(), friction)
 
 
 def _scene_run(
