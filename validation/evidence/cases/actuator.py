@@ -12,8 +12,8 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.magnetisation import MagnetisationCurve
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Coil, Device, Rod, Sleeve
 from tactgen.tmm.reluctance.coenergy_fit import fit
-from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, Samples
-from tactgen.tmm.reluctance.flux_ladder import Ladder, LadderSolution
+from tactgen.tmm.reluctance.coenergy_map import Samples
+from tactgen.tmm.reluctance.flux_ladder import Ladder
 from tactgen.tmm.reluctance.flux_ladder import solve as solve_ladder
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.mesh_levels import cached, counted, degree
@@ -105,9 +105,8 @@ def powers_of_size() -> dict[str, float]:
     }
 
 
+#: Of the transformer with a core of B ∝ √H (A, Wb).
 CURRENT, FLUX_LINKAGE = 0.2, 0.25
-#: Gap (m) at which the map has the transformer's flux linkage.
-SQUARE_LAW_GAP = 0.2e-3
 
 
 @dataclass(frozen=True)
@@ -145,19 +144,21 @@ def one_loop(
     )
 
 
-def by_ladder() -> LadderSolution:
-    """Circuit's state at 0.2 A and −0.2 A."""
+def by_ladder() -> tuple[float, float]:
+    """Co-energy and stored energy iλ − W' (J) at 0.2 A by the circuit's solver."""
     field, flux_density, turns, area = 100.0, 2.0, 10.0, 0.01
     core = SquareLaw(np.array([0.0, flux_density]), np.array([0.0, field]))
     # the core's length for which λ(0.2 A) = N A Bs √(N i/(l Hs)) is 0.25 Wb
     length = turns * CURRENT / field * (turns * area * flux_density / FLUX_LINKAGE) ** 2
-    return solve_ladder(one_loop(core, area, length, turns), np.array([CURRENT, -CURRENT]))
+    found = solve_ladder(one_loop(core, area, length, turns), np.array([CURRENT]))
+    coenergy = float(found.coenergy[0, 0])
+    return coenergy, CURRENT * float(found.flux_linkage[0, 0]) - coenergy
 
 
-@cached
-def by_map() -> CoenergyMap:
-    """Map with the same square root at each gap: λ = 0.25 Wb √(i/0.2 A) · 0.2 mm/g."""
+def by_map() -> tuple[float, float]:
+    """Both at 0.2 A and 0.2 mm by a map of the flux linkage 0.25 Wb √(i/0.2 A) · 0.2 mm/g."""
     i, g = 0.3 * (np.arange(25) / 24.0) ** 3, np.linspace(0.1e-3, 0.3e-3, 8)
-    linkage = FLUX_LINKAGE * np.sqrt(i[:, None] / CURRENT) * SQUARE_LAW_GAP / g
+    linkage = FLUX_LINKAGE * np.sqrt(i[:, None] / CURRENT) * 0.2e-3 / g
     coenergy = 2.0 / 3.0 * i[:, None] * linkage
-    return fit(Samples(i, g, linkage, coenergy / g, coenergy))
+    found = fit(Samples(i, g, linkage, coenergy / g, coenergy))
+    return float(found.coenergy(CURRENT, 0.2e-3)), float(found.energy(CURRENT, 0.2e-3))

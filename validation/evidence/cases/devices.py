@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import cache, partial
+from statistics import geometric_mean
 from typing import NamedTuple
 
 import numpy as np
@@ -275,12 +276,6 @@ def _harvester(harvester: _Harvester) -> Figure:
 _FOUND = 0.002
 
 
-def _mean_of_others(devices: tuple[Figure, ...], at: int, number: int) -> float:
-    """Geometric mean of what the others of a family have for a number."""
-    others = [d.numbers[number].middle for n, d in enumerate(devices) if n != at]
-    return float(np.exp(np.mean(np.log(others))))
-
-
 def _ranges(device: Figure) -> str:
     """Sentence on what is unknown of a device."""
     each = (f"{u.name} {u.low:.4g} to {u.high:.4g} {u.unit.strip('1')}".rstrip() + f" ({u.reason})"
@@ -304,16 +299,16 @@ _SOFT_CLAMP = (
 def _family(name: str, title: str, problem: str, devices: tuple[Figure, ...], model: str) -> Case:
     """All numbers of a family's devices; those of one harvester take a second."""
     rows = []
-    for at, device in enumerate(devices):
+    for device in devices:
         for number, published in enumerate(device.numbers):
+            others = [d.numbers[number].middle for d in devices if d is not device]
             low = device.title == _LOW.name and published.words == "resonance"
             rows.append(Check(
                 f"{device.title}: {published.words}.", (published.low, published.high),
                 published.unit, partial(_band, device, number), source=device.source, band=True,
                 known=0.0122 if low else 0.0, explained=_SOFT_CLAMP if low else "",
                 heavy=device.title != _HARVESTERS[2].name,
-                null=Null("the mean of the other devices",
-                          partial(_mean_of_others, devices, at, number)),
+                null=Null("the mean of the other devices", partial(geometric_mean, others)),
             ))  # fmt: skip
     return case(
         name, title, problem, rows, model=model, tier="validation",

@@ -103,11 +103,6 @@ def _all_four() -> float:
     return _mean(found.same) - _mean(found.alternating)
 
 
-def _one_driven() -> float:
-    network = network_forces(_scene().device, Display(rows=3, columns=3), _CURRENT, _GAP).single
-    return network / _mean(_nine()["alone"].middle)
-
-
 CASES: tuple[Case, ...] = (
     case(
         "ARR", "Generators on one board under one skin",
@@ -148,7 +143,9 @@ CASES: tuple[Case, ...] = (
                   "slow to go: it is a part of the loss itself, still 0.4 % at a pitch of 1e8 m",
                   "limit: first order in the permeance between heads"),
             Check("One driven unit among eight without current pulls by the network as by nine "
-                  "units' field.", 1.0, "1", _one_driven, 0.33,
+                  "units' field.", 1.0, "1",
+                  lambda: network_forces(_scene().device, Display(rows=3, columns=3), _CURRENT,
+                                         _GAP).single / _mean(_nine()["alone"].middle), 0.33,
                   "a third, as of an endless array: the network knows no flux between a head and "
                   "another's sleeve, nor what passes above the heads",
                   "the nonlinear field of three by three units in open air", tier="cross-model",

@@ -240,7 +240,10 @@ def _tips(
     words: str, measure: Callable[[str], float], reference: tuple[float, float], reason: str,
     known: float = 0.0, explained: str = "", **more: Any,
 ) -> Iterator[Check]:  # fmt: skip
-    """Rows of both tips that the paper's may have been: free, with what is known of it, or not."""
+    """Rows of a tip that is free, with what is known of it, and one that is not.
+
+    The paper does not say which of them its tip was.
+    """
     for load, tip in (("none", "Free,"), ("finger", "Under the finger,")):
         free = load == "none"
         yield Check(f"{tip} {words}", reference, "1", partial(measure, load), 0.0, reason,
