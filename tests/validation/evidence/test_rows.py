@@ -28,13 +28,18 @@ _LIKE = (
 )  # fmt: skip
 
 
-@pytest.fixture(scope="module", autouse=True)
-def coarsest():
-    """Take the coarsest bricks for what bridges from a beam to the solid."""
-    with pytest.MonkeyPatch.context() as patch:
+@pytest.fixture(autouse=True)
+def coarsest(request, monkeypatch):
+    """Take the coarsest bricks, but for heavy rows: those of job J1 are about a fine mesh."""
+    if not request.node.get_closest_marker("heavy"):
         levels = bimorph_bricks.LEVELS
-        patch.setattr(bimorph_bricks, "LEVELS", levels[:1] * len(levels))
-        yield
+        monkeypatch.setattr(bimorph_bricks, "LEVELS", levels[:1] * len(levels))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def forgotten():
+    """What was solved on the coarsest bricks is not for other tests."""
+    yield
     bimorph._clamped_steps.cache_clear()
 
 
