@@ -139,11 +139,6 @@ def in_uniform_field(mesh: Mesh, region: str, iron: MagnetisationCurve) -> Sampl
     ))  # fmt: skip
 
 
-def sampled_ball(n: int, iron: MagnetisationCurve, *, curved: bool = True) -> SampledSolid:
-    """Ball on `n` intervals per edge, in a field of 1 A/m along z."""
-    return in_uniform_field(sphere_mesh(n, curved=curved), "ball", iron)
-
-
 def exact_flux_density(permeability: float) -> float:
     """B in the ball (T) for 1 A/m, φ = −H0 z held at OUTER."""
     shape = (permeability + 2.0) - (permeability - 1.0) * (RADIUS / OUTER) ** 3
@@ -165,7 +160,8 @@ def ball_error(
     potential: Potential, n: int, *, curved: bool = True, permeability: float = 1000.0
 ) -> tuple[float, float]:
     """Relative error of B in the ball: of its mean and in the mean square."""
-    found, shares = _in_ball(potential, sampled_ball(n, linear(permeability), curved=curved))
+    solid = in_uniform_field(sphere_mesh(n, curved=curved), "ball", linear(permeability))
+    found, shares = _in_ball(potential, solid)
     exact = exact_flux_density(permeability)
     miss = (found - [0.0, 0.0, exact]) / exact
     mean = float(np.sum(miss[..., 2] * shares))
@@ -178,7 +174,8 @@ _FIELD = 600e3
 
 def _mean(potential: Potential) -> float:
     """Mean of B_z in the ball (T), three intervals along an edge."""
-    return mean_in(potential, sampled_ball(intervals(3, least=1), TEAM20), _FIELD)
+    mesh = sphere_mesh(intervals(3, least=1), curved=True)
+    return mean_in(potential, in_uniform_field(mesh, "ball", TEAM20), _FIELD)
 
 
 def mean_in(potential: Potential, solid: SampledSolid, current: float = 1.0) -> float:
