@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -16,8 +15,9 @@ from tactgen.fem.piezo.modes import SolidState, driven_state, natural_modes
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import Material, SolidSystem, materials
 from tactgen.geometry.arrays import Floats, Ints, Numbers
-from tactgen.geometry.bimorph.bricks import Axis, Bricks, lobatto_points, mirrored_axis
-from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh
+from tactgen.geometry.bimorph.bricks import Bricks, lobatto_points
+from tactgen.geometry.bimorph.segments import block_cells
+from tactgen.geometry.meshing.mesh import TET_EDGES, CellKind, Mesh
 from tactgen.geometry.meshing.structured_tets import whole_mesh
 from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
 from tactgen.validation.show.field import MODE_SIZE, Array
@@ -27,160 +27,45 @@ Detail = Literal["nodes", "edges"]
 
 
 @dataclass(frozen=True)
-class Block:
-    """A part of the whole grid with one material: nodes along x and z; along y all of them."""
+class Element:
+    """One kind of cells with polynomials through their nodes."""
 
-    region: str
-    x: slice
-    z: slice
-
-
-@dataclass(frozen=True)
-class BrickSampler:
-    """Points of the whole bimorph, layer by layer, and how fields come to them."""
-
-    bricks: Bricks
-    detail: Detail
-
-    @cached_property
-    def axes(self) -> tuple[Axis, Axis, Axis]:
-        """The axes of the whole: y mirrored, and x unless it is whole."""
-        x, y = (
-            Axis(np.concatenate([-a.breaks[:0:-1], a.breaks]), a.degree)
-            for a in (self.bricks.x, self.bricks.y)
-        )
-        return x if self.bricks.mirrored_x else self.bricks.x, y, self.bricks.z
-
-    @cached_property
-    def blocks(self) -> tuple[Block, ...]:
-        """The blocks of one material each."""
-        found, middle = [], self.bricks.x.intervals
-        along_x, _, along_z = self.axes
-        for slab in self.bricks.slabs:
-            low, high = slab.x
-            sides = {"top": (middle + low, middle + high), "bottom": (middle - high, middle - low)}
-            if not self.bricks.mirrored_x:
-                sides = {"": slab.x}
-            elif low == 0:
-                sides = {"": (middle - high, middle + high)}
-            for side, part in sides.items():
-                region = f"piezo_{side}" if slab.region == "piezo" else slab.region
-                found.append(Block(region, along_x.nodes_of(*part), along_z.nodes_of(*slab.z)))
-        return tuple(found)
-
-    @cached_property
-    def _metal(self) -> dict[str, tuple[str, int]]:
-        """Regions with a face at the voltage: its name, and which end of a block along x it is."""
-        if self.bricks.mirrored_x:
-            sides = enumerate(("bottom", "top"))
-            return {f"piezo_{side}": (f"electrode_{side}_outer", at) for at, side in sides}
-        hot = (slab for slab in self.bricks.ceramics if slab.hot)
-        return {s.region: (f"electrode_{s.region}", int(s.hot > 0)) for s in hot}
-
-    @cached_property
-    def _grid(self) -> tuple[Ints, tuple[int, int, int]]:
-        """Where the system's nodes are in the whole grid (flat), and the grid's shape."""
-        _, from_x, _ = self.bricks.continued_x(self.bricks.x.nodes)
-        _, from_y, _ = mirrored_axis(self.bricks.y.nodes)
-        used = self.bricks.used()[np.ix_(from_x, from_y)]
-        nx, ny, nz = used.shape
-        return np.flatnonzero(used), (nx, ny, nz)
-
-    def _kept(self, block: Block) -> tuple[Ints, Ints, Ints]:
-        """Nodes of a block that are drawn along each axis."""
-        counts = (block.x.stop - block.x.start, self._grid[1][1], block.z.stop - block.z.start)
-        steps = (
-            (1, 1, 1) if self.detail == "nodes" else (self.axes[0].degree, self.axes[1].degree, 1)
-        )
-        x, y, z = (np.arange(0, n, step) for n, step in zip(counts, steps, strict=True))
-        return x, y, z
-
-    @cached_property
-    def mesh(self) -> Mesh:
-        """The points shown, in m, with eight-cornered cells between them."""
-        points, cells, regions = [], [], []
-        outer: dict[str, list[Ints]] = {name: [] for name, _ in self._metal.values()}
-        names = tuple(dict.fromkeys(block.region for block in self.blocks))
-        x, y, z = (axis.nodes for axis in self.axes)
-        count = 0
-        electrode = [float(self.bricks.z.breaks[k]) for k in self.bricks.electrode]
-        for block in self.blocks:
-            kept = self._kept(block)
-            whole = x[block.x], y, z[block.z]
-            lines = [line[part] for line, part in zip(whole, kept, strict=True)]
-            points.append(np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 3))
-            shape = tuple(line.size for line in lines)
-            hexes, sides = _cells(shape)
-            cells.append(count + hexes)
-            regions.append(np.full(len(hexes), names.index(block.region)))
-            if block.region in self._metal:
-                name, side = self._metal[block.region]
-                quads = sides[side]
-                at = points[-1][quads, 2]
-                under = ((at >= electrode[0] - 1e-12) & (at <= electrode[1] + 1e-12)).all(axis=1)
-                outer[name].append(count + quads[under])
-            count += len(points[-1])
-        return Mesh(
-            points=np.concatenate(points),
-            cells=np.concatenate(cells),
-            kind="hexahedron",
-            region_of_cell=np.concatenate(regions).astype(np.int64),
-            regions=names,
-            faces={name: np.concatenate(quads) for name, quads in outer.items()},
-        )
-
-    @cached_property
-    def _slopes(self) -> list[tuple[Floats, Floats, Floats]]:
-        """Matrices (n, n) from values along each axis of a block to derivatives there."""
-        x, y, z = self.axes
-        along_y = _differentiation(y, slice(0, y.nodes.size))
-        return [(_differentiation(x, b.x), along_y, _differentiation(z, b.z)) for b in self.blocks]
-
-    def sample(self, values: Numbers) -> tuple[Numbers, Numbers]:
-        """Values (n, k) and gradients (n, k, 3) at the points from those at all nodes.
-
-        Parameters
-        ----------
-        values : (n_nodes, k) array
-            In the order of the system's nodes.
-        """
-        at, shape = self._grid
-        grid = np.zeros((*shape, values.shape[1]), dtype=values.dtype)
-        grid.reshape(-1, values.shape[1])[at] = values
-        sampled, gradients = [], []
-        for block, (d_x, d_y, d_z) in zip(self.blocks, self._slopes, strict=True):
-            part = grid[block.x, :, block.z]
-            x, y, z = self._kept(block)
-            gradient = np.stack(
-                [
-                    np.einsum("ai,ijkc->ajkc", d_x[x], part[:, y][:, :, z]),
-                    np.einsum("bj,ijkc->ibkc", d_y[y], part[x][:, :, z]),
-                    np.einsum("ek,ijkc->ijec", d_z[z], part[x][:, y]),
-                ],
-                axis=-1,
-            )
-            shown = part[np.ix_(x, y, z)]
-            sampled.append(shown.reshape(-1, shown.shape[-1]))
-            gradients.append(gradient.reshape(-1, *gradient.shape[-2:]))
-        return np.concatenate(sampled), np.concatenate(gradients)
+    weights: Floats  #: (n, c) Places of the nodes from those of a cell's corners
+    slopes: Floats  #: (n, n, 3) At each node the slopes of all functions by ξ, η, ζ
+    drawn: Ints  #: (d, 8 | 10) Nodes of the cells that are drawn of each
 
 
-def _differentiation(axis: Axis, part: slice) -> Floats:
-    """Matrix (n, n) that differentiates piecewise polynomials at a part's nodes."""
-    degree = axis.degree
-    reference = _reference_slopes(degree)
-    first = part.start // degree
-    count = (part.stop - 1 - part.start) // degree
-    matrix, shares = np.zeros((part.stop - part.start,) * 2), np.zeros(part.stop - part.start)
-    for k in range(count):
-        at = slice(k * degree, (k + 1) * degree + 1)
-        width = float(axis.breaks[first + k + 1] - axis.breaks[first + k])
-        matrix[at, at] += reference * (2.0 / width)
-        shares[at] += 1.0
-    return matrix / shares[:, None]
+def _tetrahedron(corners: int) -> Element:
+    """Quadratic functions; cells are given by four corners, or by all ten nodes."""
+    i, j = TET_EDGES.T
+    nodes = np.vstack([np.eye(4), 0.5 * (np.eye(4)[i] + np.eye(4)[j])])  # barycentric
+    first = (4.0 * nodes - 1.0)[:, :, None] * SLOPES
+    middles = 4.0 * (nodes[:, i, None] * SLOPES[j] + nodes[:, j, None] * SLOPES[i])
+    weights = nodes if corners == 4 else np.eye(10)
+    return Element(weights, np.concatenate([first, middles], axis=1), np.arange(10)[None])
 
 
-def _reference_slopes(degree: int) -> Floats:
+def _brick(degree: tuple[int, int, int], detail: Detail) -> Element:
+    """Products of polynomials through Gauss–Lobatto points, those along y fastest, z slowest."""
+
+    def products(x: Floats, y: Floats, z: Floats) -> Floats:
+        return np.kron(z, np.kron(x, y))
+
+    ends = [0.5 * (1.0 + np.outer(lobatto_points(d), [-1.0, 1.0])) for d in degree]
+    (x, dx), (y, dy), (z, dz) = ((np.eye(d + 1), _line_slopes(d)) for d in degree)
+    slopes = products(dx, y, z), products(x, dy, z), products(x, y, dz)
+    nx, ny, nz = (d + 1 for d in degree)
+    kept = np.arange(nz * nx * ny).reshape(nz, nx, ny)
+    if detail == "edges":
+        kept = kept[:, :: degree[0], :: degree[1]]
+    return Element(
+        products(*ends)[:, block_cells(2, 2, 2)[0]],
+        np.stack(slopes, axis=-1),
+        kept.ravel()[block_cells(*kept.shape)],
+    )
+
+
+def _line_slopes(degree: int) -> Floats:
     """Derivatives (n, n) of the polynomials through Gauss–Lobatto points at these points."""
     points = lobatto_points(degree)
     powers = np.vander(points, increasing=True)
@@ -189,79 +74,75 @@ def _reference_slopes(degree: int) -> Floats:
     return np.asarray(slopes @ np.linalg.inv(powers))
 
 
-def _cells(shape: tuple[int, ...]) -> tuple[Ints, tuple[Ints, Ints]]:
-    """Hexahedra of a block of points, z fastest, and quads at its ends along x."""
-    number = np.arange(int(np.prod(shape))).reshape(shape)
-    around = ((0, 0), (1, 0), (1, 1), (0, 1))
-    nx, ny, nz = shape
+class Sampler:
+    """Points of the whole bimorph, each region with its own, and how fields come to them.
 
-    def corner(a: int, b: int, c: int) -> Ints:
-        return number[a : nx - 1 + a, b : ny - 1 + b, c : nz - 1 + c].ravel()
+    Parameters
+    ----------
+    solved : Mesh or Bricks
+        The mesh of the solution; tetrahedra whole or a quarter.
+    nodes : (n_nodes, 3) array
+        The system's nodes (m).
+    """
 
-    hexes = np.stack([corner(a, b, c) for c in (0, 1) for a, b in around], axis=1)
-
-    def quads(at: int) -> Ints:
-        face = number[at]
-        return np.stack(
-            [face[:-1, :-1], face[1:, :-1], face[1:, 1:], face[:-1, 1:]], axis=-1
-        ).reshape(-1, 4)
-
-    return hexes, (quads(0), quads(-1))
-
-
-#: Barycentric coordinates of the ten nodes.
-_NODES = np.vstack([np.eye(4), 0.5 * (np.eye(4)[TET_EDGES[:, 0]] + np.eye(4)[TET_EDGES[:, 1]])])
-
-
-@dataclass(frozen=True)
-class TetSampler:
-    """Points of the whole, each region with its own, and how fields come to them."""
-
-    solved: Mesh  #: The mesh of the solution, ``tetra`` or ``tetra10``, whole or a quarter
-    nodes: Floats  #: (n_nodes, 3) The system's nodes (m)
-
-    @cached_property
-    def _quadratic(self) -> tuple[Floats, Ints, Ints]:
-        """Points, cells (m, 10) with points of their region, and the node of every point."""
-        whole = whole_mesh(self.solved)
-        corners = whole.points[whole.cells]
-        if whole.kind == "tetra":
-            middles = 0.5 * (corners[:, TET_EDGES[:, 0]] + corners[:, TET_EDGES[:, 1]])
-            corners = np.concatenate([corners, middles], axis=1)
-        node = cKDTree(self.nodes).query(corners.reshape(-1, 3))[1]
-        keys = np.repeat(whole.region_of_cell, corners.shape[1]) * len(self.nodes) + node
-        different, cells = np.unique(keys, return_inverse=True)
-        of_node = different % len(self.nodes)
-        return self.nodes[of_node], cells.reshape(-1, corners.shape[1]), of_node
-
-    @cached_property
-    def mesh(self) -> Mesh:
-        """The points in m and their ten-node cells."""
-        points, cells, _ = self._quadratic
-        whole = whole_mesh(self.solved)
-        return Mesh(points, cells, "tetra10", whole.region_of_cell, whole.regions, {})
+    def __init__(self, solved: Mesh | Bricks, nodes: Floats, detail: Detail = "nodes") -> None:
+        if isinstance(solved, Bricks):
+            whole, element = solved.corner_mesh(), _brick(solved.degree, detail)
+            regions, region = whole.regions, whole.region_of_cell
+            if solved.mirrored_x:  # the ceramic, which is in front there, is named last
+                regions, region = regions[2:] + regions[:2], (region - 2) % len(regions)
+        else:
+            whole = whole_mesh(solved)
+            element = _tetrahedron(whole.cells.shape[1])
+            regions, region = whole.regions, whole.region_of_cell
+        places = element.weights @ whole.points[whole.cells]
+        found = cKDTree(nodes).query(places.reshape(-1, 3))[1].reshape(places.shape[:2])
+        keys = region[:, None] * len(nodes) + found
+        own, cells = np.unique(keys[:, element.drawn], return_inverse=True)
+        cells = cells.reshape(-1, element.drawn.shape[1])
+        #: System's nodes: of the points, and of the cells (m, n) that carry polynomials
+        self._node, self._nodes_of_cells = own % len(nodes), found
+        self._corners, self._slopes = nodes[found], element.slopes
+        #: Nodes of a cell that are drawn, and their points (m, k)
+        self._shown = np.unique(element.drawn)
+        self._points_of_cells = np.searchsorted(own, keys[:, self._shown])
+        kind: CellKind = "hexahedron" if isinstance(solved, Bricks) else "tetra10"
+        drawn = np.repeat(region, len(element.drawn))
+        #: The points shown (m) and cells between them.
+        self.mesh = Mesh(nodes[self._node], cells, kind, drawn, regions, {})
+        if isinstance(solved, Bricks):
+            self.mesh.faces.update(_driven_faces(solved, self.mesh))
 
     def sample(self, values: Numbers) -> tuple[Numbers, Numbers]:
-        """Values (n, k) and gradients (n, k, 3) at the points; see BrickSampler.sample."""
-        points, cells, of_node = self._quadratic
-        shown = values[of_node]
-        gradients = np.zeros((len(points), values.shape[1], 3), dtype=values.dtype)
-        corners = points[cells]
-        local = shown[cells]
-        for k, slopes in enumerate(_shape_slopes()):
-            jacobian = np.einsum("cni,nj->cij", corners, slopes)
-            slope = np.einsum("cnv,nj->cvj", local, slopes) @ np.linalg.inv(jacobian)
-            np.add.at(gradients, cells[:, k], slope)
-        shares = np.bincount(cells.ravel(), minlength=len(points))
-        return shown, gradients / shares[:, None, None]
+        """Values (n, k) and gradients (n, k, 3) at the points from values at all nodes.
+
+        A gradient is the mean of those in the cells of one region around its point.
+        """
+        local = values[self._nodes_of_cells].swapaxes(1, 2)
+        corners = self._corners.swapaxes(1, 2)
+        gradients = np.zeros((len(self._node), values.shape[1], 3), dtype=values.dtype)
+        for points, node in zip(self._points_of_cells.T, self._shown, strict=True):
+            slopes = self._slopes[node]
+            np.add.at(gradients, points, local @ slopes @ np.linalg.inv(corners @ slopes))
+        shares = np.bincount(self._points_of_cells.ravel(), minlength=len(self._node))
+        return values[self._node], gradients / shares[:, None, None]
 
 
-def _shape_slopes() -> Floats:
-    """(10, 10, 3): at each node, the slopes of the ten functions by ξ, η, ζ."""
-    corners = (4.0 * _NODES - 1.0)[:, :, None] * SLOPES
-    i, j = TET_EDGES.T
-    middles = 4.0 * (_NODES[:, i, None] * SLOPES[j] + _NODES[:, j, None] * SLOPES[i])
-    return np.concatenate([corners, middles], axis=1)
+def _driven_faces(bricks: Bricks, mesh: Mesh) -> dict[str, Ints]:
+    """Quadrilaterals under the electrodes at the voltage, by the electrodes' names."""
+    if bricks.mirrored_x:
+        hot = {f"piezo_{s}": (f"electrode_{s}_outer", s == "top") for s in ("bottom", "top")}
+    else:
+        slabs = (slab for slab in bricks.ceramics if slab.hot)
+        hot = {s.region: (f"electrode_{s.region}", s.hot > 0) for s in slabs}
+    low, high = (bricks.z.breaks[k] for k in bricks.electrode)
+    found = {}
+    for region, (name, above) in hot.items():
+        sides = mesh.cells[mesh.cells_of(region)][:, [1, 2, 6, 5] if above else [0, 3, 7, 4]]
+        x, z = mesh.points[sides, 0], mesh.points[sides, 2]
+        on = np.abs(x - (x.max() if above else x.min())) < 1e-12
+        found[name] = sides[(on & (z >= low - 1e-12) & (z <= high + 1e-12)).all(axis=1)]
+    return found
 
 
 #: Fields, tip displacement (m) and charge (C) of one state.
@@ -278,16 +159,8 @@ class SolidFields:
         self._lossy: SolidSystem | None = None
         self._of_motion: dict[Motion, SolidSystem] = {}
         self._without_ports: dict[Motion, list[SolidState]] = {}
-        self._sampler: BrickSampler | TetSampler = (
-            BrickSampler(solved, detail)
-            if isinstance(solved, Bricks)
-            else TetSampler(solved, self._system.nodes)
-        )
-
-    @property
-    def mesh(self) -> Mesh:
-        """The points and cells."""
-        return self._sampler.mesh
+        self._sampler = Sampler(solved, self._system.nodes, detail)
+        self.mesh = self._sampler.mesh  #: The points and cells
 
     def modes(self, count: int, *, open_circuit: bool) -> list[tuple[str, Found]]:
         """Class and fields of the lowest `count` modes, ascending."""

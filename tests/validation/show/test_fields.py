@@ -13,7 +13,7 @@ from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.field import FIELDS, at_phase, von_mises
 from tactgen.validation.show.gather import Request, _coupling, default_models, gather, gather_from
-from tactgen.validation.show.solid_fields import BrickSampler, TetSampler, points_of_regions
+from tactgen.validation.show.solid_fields import Sampler, points_of_regions
 
 HZ = 300.0
 MODELS = ("solid", "tmm", "beam", "lumped")
@@ -220,9 +220,9 @@ def test_von_mises_and_phase():
 def test_gradients_of_polynomials_are_exact(solution):
     """On bricks up to their degree along each axis, within a layer and across its bricks."""
     model = solution.models["solid"]
-    nodes = model.systems()[0].nodes / 1e-3
-    x, y, z = nodes.T
-    sampler = BrickSampler(model.meshes()[0], "nodes")
+    nodes = model.systems()[0].nodes
+    x, y, z = nodes.T / 1e-3
+    sampler = Sampler(model.meshes()[0], nodes)
     values, gradients = sampler.sample(np.stack([x**2 + x * y * z, y**2 * z**3], axis=1))
     x, y, z = sampler.mesh.points.T / 1e-3
     assert values[:, 0] == pytest.approx(x**2 + x * y * z, abs=1e-9)
@@ -240,7 +240,7 @@ def test_gradients_on_tetrahedra_are_exact_for_quadratics():
     ends = np.array([(i, j) for c in cells for i in c for j in c if i < j])
     nodes = np.vstack([corners, np.unique(corners[ends].mean(axis=1), axis=0)])
     x, y, z = nodes.T
-    sampler = TetSampler(mesh, nodes)
+    sampler = Sampler(mesh, nodes)
     _, gradients = sampler.sample((x**2 + 3.0 * x * y + z)[:, None])
     x, y, z = sampler.mesh.points.T
     assert len(sampler.mesh.points) == 24  # ten more where regions meet, six shared within one
