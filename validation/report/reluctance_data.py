@@ -15,7 +15,7 @@ from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE, QUANTITIES
 from tactgen.validation.engine.comparison import ComparedRow, compare
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.models.model import Model, Quantity
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.models.reluctance.field import AxisymmetricModel, field_rows
 from tactgen.validation.models.reluctance.model import (
     MagneticModel,
@@ -146,7 +146,7 @@ class NormalActuator:
 
         field = None
         if self.has_field:
-            point = self.point_by_reference(self.current, self.gap)
+            point = self.point(self.current, self.gap)
             values = point.force.value, point.flux_linkage.value
             field = dict(zip((MAGNETIC_FORCE.name, FLUX_LINKAGE.name), values, strict=True))
         return formula_to_field(self.device, self.current, self.gap, field)
@@ -176,16 +176,13 @@ class NormalActuator:
         along = field_rows(self.device, np.array([self.gap]), self.currents)
         return tuple(point for row in (*across, *along) for point in row)
 
-    def point_by_reference(self, current: float, gap: float) -> MagneticPoint:
-        """Point (A, m) by the model that others are held against."""
-        return self._point(self.solution.models[self.reference], current, gap)
+    def point(self, current: float, gap: float, *, mapped: bool = False) -> MagneticPoint:
+        """Point (A, m) by the model that others are held against, or by the one `mapped`.
 
-    def point_by_map_model(self, current: float, gap: float) -> MagneticPoint:
-        """Point (A, m) by the model whose map is shown."""
-        return self._point(self.mapped.models[self.pull_model], current, gap)
-
-    def _point(self, model: Model, current: float, gap: float) -> MagneticPoint:
-        """Point, solved once; the scene's own is the one behind its quantities."""
+        It is solved once; the scene's own is the one behind its quantities.
+        """
+        model = self.mapped.models[self.pull_model] if mapped else None
+        model = model or self.solution.models[self.reference]
         assert isinstance(model, MagneticModel)
         key = (model.name, current, gap)
         if key not in self._points:

@@ -157,7 +157,7 @@ def test_network_is_held_against_the_field(at_a_point):
 
 def test_paper_is_judged_by_the_field_where_there_is_one(at_a_point):
     """The quick version has no map of the field, but what the paper says is asked of the field."""
-    by_field = at_a_point.point_by_reference(0.13, 0.2e-3).force
+    by_field = at_a_point.point(0.13, 0.2e-3).force
     by_network = float(at_a_point.pull.force(0.13, 0.2e-3))
     assert by_field.value == pytest.approx(0.11, rel=0.005)  # what the turns were chosen for
     assert by_network > 1.1 * by_field.value
@@ -169,7 +169,7 @@ def test_paper_is_judged_by_the_field_where_there_is_one(at_a_point):
 def test_inductances_are_those_of_the_quantities():
     """The coil's table takes single points: at the scene's state it repeats the model's values."""
     made = actuator("models=network")
-    found = made.point_by_map_model(made.current, made.gap)
+    found = made.point(made.current, made.gap, mapped=True)
     for name in ("inductance", "incremental_inductance"):
         assert getattr(found, name).value == made.solution.get(name, "network").value
 

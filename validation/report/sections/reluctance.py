@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.parts import below_head
 from tactgen.geometry.device.winding import winding
@@ -27,7 +25,7 @@ from tactgen.tmm.reluctance.switching import (
 from tactgen.validation.catalogue.quantities import FLUX_LINKAGE, MAGNETIC_FORCE, QUANTITIES
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import NetworkModel
-from tactgen.validation.models.reluctance.switching import SwitchingCurrents
+from tactgen.validation.models.reluctance.switching import MagneticPoint, SwitchingCurrents
 from tactgen.validation.report.reluctance_data import NormalActuator
 from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
@@ -40,83 +38,68 @@ if TYPE_CHECKING:
 
 #: Line of each model; colours tell currents or gaps.
 _LINE: dict[str, Any] = {"network": (0, (4, 2)), "axisymmetric": "-", "magnetic3d": ":"}
+#: Single solutions of the field.
+_CIRCLES: dict[str, Any] = {"marker": "o", "ls": "", "markersize": 5, "zorder": 3}
 _CURVE_POINTS = 160
 #: So many that a jump of the rod looks like one.
 _LOOP_POINTS = 2001
 
 
-@dataclass(frozen=True)
-class Families:
-    """Families of curves."""
-
-    device: Device  #: Its spring and stops are drawn
-    maps: Mapping[str, CoenergyMap]  #: By model
-    #: (c,) One curve each (A, m)
-    currents: Floats
-    gaps: Floats
-    #: Single solutions of the field, drawn as circles
-    points: Sequence[FieldPoint]
-
-
-def force_families(shown: Families) -> str:
+def force_families(actuator: NormalActuator) -> str:
     """Plot the pull over the gap at several currents, and over the current at several gaps."""
     figure, (left, right) = panels(10.0, 4.6, ncols=2)
-    spring = shown.device.spring
-    gaps = np.geomspace(spring.stop_gap, shown.device.gap, _CURVE_POINTS)
-    for colour, current in zip(shades(shown.currents.size), shown.currents, strict=True):
-        for name, pull in shown.maps.items():
+    spring = actuator.device.spring
+    gaps = np.geomspace(spring.stop_gap, actuator.device.gap, _CURVE_POINTS)
+    for colour, current in zip(shades(actuator.currents.size), actuator.currents, strict=True):
+        for name, pull in actuator.maps.items():
             left.plot(gaps * 1e6, pull.force(current, gaps) * 1e3, color=colour, ls=_LINE[name])
-        at = [p for p in shown.points if np.isclose(p.current, current, rtol=1e-6)]
-        _circles(left, colour, [(p.gap * 1e6, p.force * 1e3) for p in at])
+        at = [p for p in actuator.points if np.isclose(p.current, current, rtol=1e-6)]
+        left.plot([p.gap * 1e6 for p in at], [p.force * 1e3 for p in at], color=colour, **_CIRCLES)
         left.plot([], [], color=colour, label=engineering(current, "A", 4))
-    left.plot(gaps * 1e6, spring_force(shown.device, gaps) * 1e3, color="black", label="spring")
+    left.plot(gaps * 1e6, spring_force(actuator.device, gaps) * 1e3, color="black", label="spring")
     left.set(xlabel="working gap (µm)", ylabel="pull (mN)", yscale="log", title="force over gap")
-    _over_current(right, shown, lambda pull, i, g: pull.force(i, g) * 1e3, "pull (mN)")
-    _circles_by_gap(right, shown, lambda p: p.force * 1e3)
+    _over_current(right, actuator, "force", "pull (mN)")
     right.set(title="force over current", yscale="log")
-    low, high = (float(spring_force(shown.device, g)) * 1e3 for g in shown.gaps[[0, -1]])
+    low, high = (float(spring_force(actuator.device, g)) * 1e3 for g in actuator.gaps[[0, -1]])
     right.axhspan(min(low, high), max(low, high), color="black", alpha=0.25, label="spring, range")
     right.set_ylim(bottom=1.0)
     for axis in (left, right):
         plain_numbers(axis.yaxis)
-        _legend(axis, shown)
+        _legend(axis, actuator)
     return svg(figure)
 
 
-def flux_families(shown: Families) -> str:
+def flux_families(actuator: NormalActuator) -> str:
     """Plot flux linkage and incremental inductance over the current at several gaps."""
     figure, (left, right) = panels(10.0, 4.2, ncols=2)
-    _over_current(left, shown, lambda pull, i, g: pull.flux_linkage(i, g) * 1e3, "λ (mWb)")
-    _circles_by_gap(left, shown, lambda p: p.flux_linkage * 1e3)
+    _over_current(left, actuator, "flux_linkage", "λ (mWb)")
     left.set_title("flux linkage")
-    _over_current(
-        right, shown, lambda pull, i, g: pull.incremental_inductance(i, g) * 1e3, "∂λ/∂i (mH)"
-    )
-    _circles_by_gap(right, shown, lambda p: p.incremental_inductance * 1e3)
+    _over_current(right, actuator, "incremental_inductance", "∂λ/∂i (mH)")
     right.set(title="incremental inductance", ylim=(0.0, None))
-    _legend(left, shown)
+    _legend(left, actuator)
     return svg(figure)
 
 
-def switching_plot(shown: Families, pull: CoenergyMap, found: SwitchingCurrents) -> str:
+def switching_plot(actuator: NormalActuator) -> str:
     """Plot pull against spring with all places of rest, the loop of positions, the finger's force.
 
     All by one model: its map and its switching currents.
     """
+    pull, found = actuator.pull, actuator.switching[actuator.pull_model]
     figure, (forces, loop, finger) = panels(10.0, 4.3, ncols=3)
-    _forces(forces, shown, pull)
-    _loop(loop, shown.device, pull, found)
+    _forces(forces, actuator, pull)
+    _loop(loop, actuator.device, pull, found)
     current = np.linspace(0.0, pull.current_limit, _CURVE_POINTS)
-    spring = shown.device.spring
+    spring = actuator.device.spring
     for gap, name, colour in (
-        (shown.device.gap, "upper stop", BLUE),
+        (actuator.device.gap, "upper stop", BLUE),
         (spring.stop_gap, "lower stop", ORANGE),
     ):
-        force = finger_force(shown.device, pull, current, np.full_like(current, gap))
+        force = finger_force(actuator.device, pull, current, np.full_like(current, gap))
         finger.plot(current * 1e3, force * 1e3, color=colour, label=f"held at the {name}")
     finger.axhline(0.0, color="black", linewidth=0.8)
     # without a spring there is only the pull
-    most = float(spring_force(shown.device, spring.stop_gap)) or -float(np.min(force))
+    most = float(spring_force(actuator.device, spring.stop_gap)) or -float(np.min(force))
     finger.set(
         xlabel="current (mA)",
         ylabel="spring − pull (mN)",
@@ -127,10 +110,10 @@ def switching_plot(shown: Families, pull: CoenergyMap, found: SwitchingCurrents)
     return svg(figure)
 
 
-def _forces(axis: Any, shown: Families, pull: CoenergyMap) -> None:
-    device = shown.device
+def _forces(axis: Any, actuator: NormalActuator, pull: CoenergyMap) -> None:
+    device = actuator.device
     gaps = np.linspace(device.spring.stop_gap, device.gap, _CURVE_POINTS)
-    for colour, current in zip(shades(shown.currents.size), shown.currents, strict=True):
+    for colour, current in zip(shades(actuator.currents.size), actuator.currents, strict=True):
         axis.plot(gaps * 1e6, pull.force(current, gaps) * 1e3, color=colour)
         axis.plot([], [], color=colour, label=engineering(current, "A", 4))
         for place in resting_places(axial_forces(device, pull), float(current)):
@@ -186,33 +169,26 @@ def _loop(axis: Any, device: Device, pull: CoenergyMap, found: SwitchingCurrents
     axis.legend(frameon=False, fontsize=8, loc="upper right")
 
 
-def _over_current(axis: Any, shown: Families, read: Any, label: str) -> None:
-    """Draw a family over the current, one colour per gap."""
-    limit = min(pull.current_limit for pull in shown.maps.values())
+def _over_current(axis: Any, actuator: NormalActuator, name: str, label: str) -> None:
+    """Draw maps' values (1e-3 of SI) over the current, one colour per gap, and single points."""
+    limit = min(pull.current_limit for pull in actuator.maps.values())
     current = np.linspace(0.0, limit, _CURVE_POINTS)
-    for colour, gap in zip(shades(shown.gaps.size), shown.gaps, strict=True):
-        for name, pull in shown.maps.items():
-            axis.plot(current * 1e3, read(pull, current, gap), color=colour, ls=_LINE[name])
+    for colour, gap in zip(shades(actuator.gaps.size), actuator.gaps, strict=True):
+        for model, pull in actuator.maps.items():
+            values = getattr(pull, name)(current, gap) * 1e3
+            axis.plot(current * 1e3, values, color=colour, ls=_LINE[model])
         axis.plot([], [], color=colour, label=engineering(gap, "m", 3))
+        at = [p for p in actuator.points if np.isclose(p.gap, gap, rtol=1e-6)]
+        values = [getattr(p, name) * 1e3 for p in at]
+        axis.plot([p.current * 1e3 for p in at], values, color=colour, **_CIRCLES)
     axis.set(xlabel="current (mA)", ylabel=label)
 
 
-def _circles_by_gap(axis: Any, shown: Families, read: Any) -> None:
-    for colour, gap in zip(shades(shown.gaps.size), shown.gaps, strict=True):
-        at = [p for p in shown.points if np.isclose(p.gap, gap, rtol=1e-6)]
-        _circles(axis, colour, [(p.current * 1e3, read(p)) for p in at])
-
-
-def _circles(axis: Any, colour: Any, places: Sequence[tuple[float, float]]) -> None:
-    for x, y in places:
-        axis.plot(x, y, "o", color=colour, markersize=5, zorder=3)
-
-
-def _legend(axis: Any, shown: Families) -> None:
+def _legend(axis: Any, actuator: NormalActuator) -> None:
     """Add the models' lines to the legend: black, since colours tell something else."""
-    for name in shown.maps:
+    for name in actuator.maps:
         axis.plot([], [], color="black", ls=_LINE[name], alpha=0.6, label=name)
-    if shown.points:
+    if actuator.points:
         axis.plot([], [], "o", color="black", alpha=0.6, markersize=5, label="field, single points")
     axis.legend(frameon=False, fontsize=8, ncols=2)
 
@@ -306,9 +282,7 @@ def _shaft_density(point: FieldPoint, radius: float) -> float:
 def _characteristics(actuator: NormalActuator) -> Context:
     """Families, switching, finger force and the coil's electrical and thermal values."""
     device, current = actuator.device, actuator.current
-    shown = Families(device, actuator.maps, actuator.currents, actuator.gaps, actuator.points)
     chosen = actuator.switching[actuator.pull_model]
-    wound = winding(device.coil)
     heat = {"At the scene's current": thermal_statement(device, current)}
     if actuator.is_papers:
         paper = thermal_statement(device, stated.HELD)
@@ -318,61 +292,48 @@ def _characteristics(actuator: NormalActuator) -> Context:
         heat["At this device's holding current"] = held
     return {
         "actuator": actuator,
-        "forces": force_families(shown),
-        "fluxes": flux_families(shown),
-        "switching_picture": switching_plot(shown, actuator.pull, chosen),
+        "forces": force_families(actuator),
+        "fluxes": flux_families(actuator),
+        "switching_picture": switching_plot(actuator),
         "switching": actuator.switching,
         "chosen": chosen,
         "finger": _finger(actuator),
         "paper": _beside_the_paper(actuator),
-        "winding": wound,
-        "power": wound.power(current),
-        "current_density": wound.current_density(current),
-        "heating_rate": wound.heating_rate(current),
-        "electrical_rows": _electrical_rows(actuator, chosen),
+        "winding": winding(device.coil),
+        "electrical_rows": _electrical_rows(actuator, chosen.holding.value),
         "heat": heat,
         "rms": largest_rms_current(device, actuator.scene.limits),
-        "limits": actuator.scene.limits,
         "duties": (1.0, 0.5, 0.1, 0.01),
     }
 
 
-def _finger(actuator: NormalActuator) -> list[dict[str, Any]]:
-    """Spring force, magnetic force and remaining finger force at both stops."""
-    device, pull = actuator.device, actuator.pull
-    rows = []
-    for stop, gap in (("upper stop", device.gap), ("lower stop", device.spring.stop_gap)):
-        spring = float(spring_force(device, gap))
-        for current in (0.0, *actuator.currents[[0, 1, 3]]):
-            left = float(finger_force(device, pull, current, gap))
-            rows.append(
-                {"stop": stop, "current": current, "spring": spring, "pull": spring - left,
-                 "left": left}
-            )  # fmt: skip
-    return rows
-
-
-def _electrical_rows(actuator: NormalActuator, found: SwitchingCurrents) -> list[Context]:
-    """Coil's inductances (H) and time constant (s) at several currents and gaps."""
+def _finger(actuator: NormalActuator) -> list[tuple[str, float, float, float]]:
+    """Stop, current (A), spring's force and what is left of it on the finger (N)."""
     device = actuator.device
-    resistance = winding(device.coil).resistance
-    top, stop = device.gap, device.spring.stop_gap
+    return [
+        (stop, current, float(spring_force(device, gap)),
+         float(finger_force(device, actuator.pull, current, gap)))
+        for stop, gap in (("upper stop", device.gap), ("lower stop", device.spring.stop_gap))
+        for current in (0.0, *actuator.currents[[0, 1, 3]])
+    ]  # fmt: skip
+
+
+def _electrical_rows(
+    actuator: NormalActuator, holding: float
+) -> list[tuple[str, float, float, MagneticPoint]]:
+    """States of the coil, each with its current (A) and gap (m), and what the map's model says."""
+    top, stop = actuator.device.gap, actuator.device.spring.stop_gap
     states = (
         ("upper stop, no current", 0.0, top),
         ("upper stop", actuator.current, top),
-        ("lower stop, holding current", found.holding.value, stop),
+        ("lower stop, holding current", holding, stop),
         ("lower stop", actuator.current, stop),
     )
-    rows = []
-    for state, current, gap in states:
-        if np.isfinite(current):
-            point = actuator.point_by_map_model(current, gap)
-            slope = point.incremental_inductance
-            rows.append(
-                {"state": state, "current": current, "gap": gap, "apparent": point.inductance,
-                 "incremental": slope, "time_constant": slope.value / resistance}
-            )  # fmt: skip
-    return rows
+    return [
+        (state, current, gap, actuator.point(current, gap, mapped=True))
+        for state, current, gap in states
+        if np.isfinite(current)
+    ]
 
 
 def _beside_the_paper(actuator: NormalActuator) -> Context | None:
@@ -384,8 +345,8 @@ def _beside_the_paper(actuator: NormalActuator) -> Context | None:
         return None
     places = resting_places(axial_forces(device, pull), stated.HELD)
     return {
-        "force": actuator.point_by_reference(stated.PULL_IN, stated.GAP).force,
-        "driven": actuator.point_by_reference(stated.DRIVEN, stated.GAP).force,
+        "force": actuator.point(stated.PULL_IN, stated.GAP).force,
+        "driven": actuator.point(stated.DRIVEN, stated.GAP).force,
         "model": actuator.reference,
         "preload_is_set": device.spring.preload == Device().spring.preload,
         "turns_are_set": actuator.turns_are_set,
@@ -395,14 +356,7 @@ def _beside_the_paper(actuator: NormalActuator) -> Context | None:
         "found": actuator.switching[actuator.pull_model],
         "height_below_tip": stated.TOTAL_HEIGHT - below_head(device),
         "below_head": below_head(device),
-        "stated": {
-            "gap": stated.GAP,
-            "force": stated.FORCE,
-            "pull_in": stated.PULL_IN,
-            "held": stated.HELD,
-            "driven": stated.DRIVEN,
-            "height": stated.TOTAL_HEIGHT,
-        },
+        "stated": stated,
     }
 
 
