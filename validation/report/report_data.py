@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -40,11 +41,25 @@ if TYPE_CHECKING:
     from tactgen.validation.studies.parameter_uncertainty import Uncertainty
 
 
+#: What a template shows, by name.
+Context = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section: its anchor (also the template's name), its title, its contents.
+
+    A section whose function returns None is left out; numbers and contents follow.
+    """
+
+    id: str
+    title: str
+    context: Callable[[Study], Context | None]
+
+
 #: Asymmetry and negative dissipation (relative) that condensing a field model may leave by
 #: rounding; a wrong sign or a missing term shows at order one.
 INVARIANT_TOLERANCE = 1e-6
-
-
 #: Groups of keys that describe the device and its conditions, not the computation.
 _DEVICE = {*Device.model_fields, "support", "load", "drive", "beam", "limits", "skin", "display"}
 
@@ -58,7 +73,7 @@ class Study:
         self.scene = prepared(scene, quick=quick)
         self.origins, self.announce, self.quick = origins, announce, quick
         #: What the sections before show, by their ids.
-        self.shown: dict[str, dict[str, Any]] = {}
+        self.shown: dict[str, Context] = {}
         self._begun: Mapping[str, Future[Any]] = {}
 
     @contextmanager
@@ -223,7 +238,7 @@ class Study:
         return found
 
     @cached_property
-    def invariants(self) -> list[dict[str, Any]]:
+    def invariants(self) -> list[Context]:
         """Reciprocity and passivity of each model's ports over the sweep."""
         found = []
         for name, model in self.solution.models_of("bimorph").items():

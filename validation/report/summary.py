@@ -15,9 +15,8 @@ from tactgen.validation.catalogue.quantities import QUANTITIES, TIP_DISPLACEMENT
 from tactgen.validation.engine.answers import representative
 from tactgen.validation.engine.comparison import ComparedRow
 from tactgen.validation.engine.warnings import accuracy_warnings
-from tactgen.validation.report.report_data import Study
+from tactgen.validation.report.report_data import Context, Study
 from tactgen.validation.report.sections import gallery
-from tactgen.validation.report.sections.section import Context
 from tactgen.validation.scene.conditions import conditions
 
 #: One result by the most detailed model that ran: label, value with its numerical error, model, and

@@ -23,7 +23,7 @@ from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.display import display_ports
 from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.show.page import Still, asset, data_script, document, inline
+from tactgen.validation.show.page import Still, asset, data_script, document
 from tactgen.validation.show.pictures import (
     INK,
     Part,
@@ -60,7 +60,7 @@ def display_page(scene: str, parts: Sequence[Part], swing: Swing, still: Still) 
     body = (
         f"{data_script('td-data', _payload(parts, swing))}\n"
         '<div class="td"><div class="td-stage"><figure class="td-still" hidden>'
-        f'<img alt="{html.escape(still.caption)}" src="{inline(still.png)}">'
+        f'<img alt="{html.escape(still.caption)}" src="{still.source}">'
         f"<figcaption>{html.escape(still.caption)}; WebGL 2 is not available, so nothing moves"
         "</figcaption></figure></div>\n"
         f'<div class="td-panel"><h1>{name}: {len(swing.units)} generators</h1>'

@@ -16,31 +16,18 @@ from tactgen.geometry.display.clearances import check_display
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
 from tactgen.tmm.generator.transient.machine import MachineStateSpace, machine_state_space
-from tactgen.validation.catalogue.models import MODELS, models_of
-from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.models import models_of
 from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.held_bimorph import check_base_held
+from tactgen.validation.models.model import Stages
 from tactgen.validation.models.small_signal import rod_of
 from tactgen.validation.models.transient import check_in_time, scene_modes
+from tactgen.validation.scene.inputs import stage_key
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from tactgen.fem.piezo.port_model import PortModel
-    from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
-
-
-def check_state_space(scene: Scene) -> None:
-    """Refuse a state space without a range of frequencies to be true in, or of a loose body.
-
-    Raises InputError if the scene has no frequency above 0 Hz, or a spring of its support is zero.
-    """
-    check_base_held(scene, "a state space for time simulation")
-    if max(scene.frequency) <= 0.0:
-        raise InputError(
-            "frequency = 0 Hz alone gives a state space no range; "
-            'write for example --set frequency="10:20000:200:log"'
-        )
 
 
 def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
@@ -122,20 +109,18 @@ def check_place(option: str, path: Path, suffixes: tuple[str, ...]) -> None:
     """
     if path.suffix not in suffixes:
         raise InputError(f"{option} {path} must end in {' or '.join(suffixes)}; name the file so")
-    reason = _obstacle(path)
-    if reason:
-        raise InputError(f"{option} {path} cannot be written ({reason}); choose another place")
-
-
-def _obstacle(path: Path) -> str:
     try:
         if path.is_dir():
-            return "it is a folder"
-        if not path.parent.is_dir():
-            return "its folder does not exist"
+            reason = "it is a folder"
+        elif not path.parent.is_dir():
+            reason = "its folder does not exist"
+        else:
+            free = os.access(path.parent, os.W_OK | os.X_OK)
+            reason = "" if free else "its folder is read-only"
     except OSError as error:  # such as a name that is too long
-        return (error.strerror or str(error)).lower()
-    return "" if os.access(path.parent, os.W_OK | os.X_OK) else "its folder is read-only"
+        reason = (error.strerror or str(error)).lower()
+    if reason:
+        raise InputError(f"{option} {path} cannot be written ({reason}); choose another place")
 
 
 #: Endings that each kind of file may have.
@@ -162,16 +147,19 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
     _check_targets(targets)
     if asks_display(scene.quantities):
         check_display(scene.device, scene.display)
-    if "map" in targets and _magnetic_model(scene) == "magnetic3d":
-        from tactgen.validation.models.reluctance.field import check_solid_map
-
-        check_solid_map(scene)
+    if "map" in targets:
+        _check_map(scene)
     if {"ports", "state_space"} & set(targets):
         _refuse_without_lateral(scene, "to reduce to its ports")
     if "mesh" in targets and scene.support.kind != "rod":
         _refuse_without_lateral(scene, "to divide into a mesh")
     if "state_space" in targets:
-        check_state_space(scene)
+        check_base_held(scene, "a state space for time simulation")
+        if max(scene.frequency) <= 0.0:
+            raise InputError(
+                "frequency = 0 Hz alone gives a state space no range; "
+                'write for example --set frequency="10:20000:200:log"'
+            )
     for option in ("machine", "fmu"):
         if option in targets:
             check_machine(scene, option)
@@ -258,7 +246,9 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
     if "map" in files:
         from tactgen.tmm.reluctance.coenergy_fit import write_map
 
-        write_map(files["map"], _map(scene, announce))
+        stage = f"{scene.map_model}.map"
+        found = map_of(scene, Stages({stage: stage_key(stage, scene)}, announce))
+        write_map(files["map"], found)
 
 
 def _write_motion(
@@ -281,30 +271,18 @@ def _write_motion(
         write_animated_glb(drafts["animated_glb"], result, COLOURS)
 
 
-def _magnetic_model(scene: Scene) -> str:
-    """Scene's most detailed model that has a co-energy map."""
-    able = [name for name, row in MODELS.items() if "magnetic_map" in row.gives]
-    found = [name for name in able if name in scene.models]
-    if not found:
+def _check_map(scene: Scene) -> None:
+    """Refuse a map of a scene without a model of the normal actuator, or without one in 3D."""
+    able = models_of("reluctance")
+    if not set(able) & set(scene.models):
         raise InputError(
             f"--map needs one of the models {', '.join(able)}, and the scene asks for "
             f"{', '.join(scene.models)}; add --set models={able[0]}"
         )
-    return found[-1]
+    if scene.map_model == "magnetic3d":
+        from tactgen.validation.models.reluctance.field import check_solid_map
 
-
-def _map(scene: Scene, announce: Callable[[str], None]) -> CoenergyMap:
-    from tactgen.validation.engine.solve import make_plan
-    from tactgen.validation.models.classes import make_model
-    from tactgen.validation.models.model import Stages
-    from tactgen.validation.models.reluctance.model import MagneticModel
-
-    name = _magnetic_model(scene)
-    quantities = [q for q, row in QUANTITIES.items() if "magnetic_map" in row.needs]
-    plan = make_plan(scene, (name,), quantities)
-    model = make_model(name, scene, Stages(plan.keys, announce))
-    assert isinstance(model, MagneticModel)
-    return model.map()
+        check_solid_map(scene)
 
 
 def scene_solids(scene: Scene) -> dict[str, Any]:

@@ -27,6 +27,11 @@ class Still:
     png: bytes
     caption: str
 
+    @property
+    def source(self) -> str:
+        """Picture as an address that contains it."""
+        return inline(self.png)
+
 
 def fragment(
     data: dict[str, Any], stills: Sequence[Still], *, light: bool = False, name: str = "tv-data"
@@ -37,7 +42,7 @@ def fragment(
     Where a page has two viewers, each has its own `name`.
     """
     pictures = "".join(
-        f'<figure><img alt="{html.escape(s.caption)}" src="{inline(s.png)}">'
+        f'<figure><img alt="{html.escape(s.caption)}" src="{s.source}">'
         f"<figcaption>{html.escape(s.caption)}</figcaption></figure>"
         for s in stills
     )

@@ -28,8 +28,10 @@ from tactgen.validation.show.field import (
     at_phase,
     enlargement,
     region_title,
+    shades_of,
     words_of,
 )
+from tactgen.validation.show.page import Still
 from tactgen.validation.show.pictures import DIM, INK, Stage, as_png, check_ffmpeg, fonts, save_film
 
 if TYPE_CHECKING:
@@ -68,6 +70,13 @@ class Picture:
 def still(result: FieldResult, state: State, picture: Picture, phase: float = 0.0) -> bytes:
     """PNG of a state at a phase (rad); InputError where the system has no OpenGL library."""
     return as_png(frames(result, state, picture, [phase])[0])
+
+
+def captioned(result: FieldResult, state: State, size: tuple[int, int]) -> Still:
+    """Still of so many pixels, coloured by the result's first field, with the state's caption."""
+    words, picture = words_of(result, state), Picture(*size, shade=shades_of(result)[0])
+    caption = f"{words.title}: {words.number}, {words.detail}".removesuffix(", ")
+    return Still(still(result, state, picture), caption)
 
 
 def frames(

@@ -13,7 +13,7 @@ from tactgen.geometry.files import write_text, written_whole
 from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.export import check_place
-from tactgen.validation.show.field import FieldResult, Shade, State, shades_of, words_of
+from tactgen.validation.show.field import FieldResult, Shade, State, shades_of
 from tactgen.validation.show.gather import MAGNETIC, Request, default_models, gather, with_fields
 from tactgen.validation.show.moving import standing
 
@@ -169,17 +169,13 @@ def page_of(
 
 def page_stills(result: FieldResult, announce: Callable[[str], None]) -> list[Still]:
     """Stills of the first modes, for those who see no movement."""
-    from tactgen.validation.show.page import Still
-    from tactgen.validation.show.stills import Picture, still
+    from tactgen.validation.show.stills import captioned
 
     found = []
     chosen = [s for s in result.states if s.circuit == "short"] or list(result.states)
     for state in chosen[:2]:
         announce(f"still of {state.name}")
-        picture = Picture(*_STILL, shade=shades_of(result)[0])
-        words = words_of(result, state)
-        caption = f"{words.title}: {words.number}, {words.detail}".removesuffix(", ")
-        found.append(Still(still(result, state, picture), caption))
+        found.append(captioned(result, state, _STILL))
     return found
 
 

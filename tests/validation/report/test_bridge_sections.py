@@ -9,7 +9,7 @@ from tactgen.geometry.bimorph import bricks as bimorph_bricks
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.page import templates
 from tactgen.validation.report.report_data import Study
-from tactgen.validation.report.sections.model_differences import bridge_section
+from tactgen.validation.report.sections.bimorph import bridge_section
 from tactgen.validation.scene.scene import load_scene
 
 

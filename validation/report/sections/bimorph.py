@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tactgen.geometry.arrays import Complex
+from tactgen.geometry.device.parameters import Piezo
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import (
     ADMITTANCE,
@@ -15,12 +16,11 @@ from tactgen.validation.catalogue.quantities import (
 )
 from tactgen.validation.engine.answers import representative
 from tactgen.validation.models.bimorph.model import LumpedModel
-from tactgen.validation.report.report_data import Study
+from tactgen.validation.models.difference import CAPACITANCE, DEFLECTION, FIRST_FREQUENCY
+from tactgen.validation.report.report_data import Context, Section, Study
 from tactgen.validation.report.sections import gallery
-from tactgen.validation.report.sections.bimorph_figures import difference_plot
+from tactgen.validation.report.sections.bimorph_figures import breakdown_plot, difference_plot
 from tactgen.validation.report.sections.drive_limits import drive_limits_section
-from tactgen.validation.report.sections.model_differences import bridge_section
-from tactgen.validation.report.sections.section import Context, Section
 from tactgen.validation.report.sections.uncertainty import uncertainty_section
 from tactgen.validation.scene.conditions import driven_in_words
 
@@ -69,6 +69,38 @@ def _response(study: Study) -> Context:
             for model in ranked(displacement)
         ],
         "response": difference_plot(np.asarray(study.scene.frequency), response_curves(study)),
+    }
+
+
+#: Headline quantities in tables and figures: title, unit,
+#: and the power of the number of layers in series by which the terminals see less.
+COLUMNS = (
+    (DEFLECTION, "static deflection per volt", "m", 1),
+    (FIRST_FREQUENCY, "first frequency", "Hz", 0),
+    (CAPACITANCE, "free capacitance", "F", 2),
+)
+
+
+def bridge_section(study: Study) -> Context | None:
+    """Steps from beam to solid; None where no solid was asked for."""
+    steps = study.steps
+    if not steps:
+        return None if not study.asks_field else {"bridge": None}
+    piezo = study.scene.piezo
+    library = Piezo(material=piezo.material)
+    first, last = steps[0].values, steps[-1].values
+    return {
+        "bridge": steps,
+        "plot": breakdown_plot(steps, {key: title for key, title, _, _ in COLUMNS}, "the solid"),
+        "off": [first[key] / last[key] - 1.0 for key, _, _, _ in COLUMNS],
+        "columns": COLUMNS,
+        # in series each layer has half the voltage, and the terminals half the charge
+        "layers": 2.0 if study.scene.bimorph.wiring == "series" else 1.0,
+        "replaced": [
+            f"piezo.{name}"
+            for name in Piezo.model_fields
+            if getattr(piezo, name) != getattr(library, name)
+        ],
     }
 
 

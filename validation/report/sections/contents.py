@@ -8,8 +8,7 @@ from typing import Any
 from tactgen.validation.catalogue.models import models_of
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.engine.solve import asks_display
-from tactgen.validation.report.report_data import INVARIANT_TOLERANCE, Study
-from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.report_data import INVARIANT_TOLERANCE, Context, Section, Study
 from tactgen.validation.scene.variation import is_papers_generator
 
 

@@ -12,10 +12,9 @@ from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import levels
 from tactgen.validation.catalogue.quantities import QUANTITIES, QuantityRow
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.report.report_data import Study
-from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.report_data import Context, Section, Study
 from tactgen.validation.show.figures import panels, plain_numbers, shades, svg
-from tactgen.validation.show.page import inline
+from tactgen.validation.show.page import Still
 
 
 def crosstalk_plot(found: Sequence[Quantity]) -> str:
@@ -51,11 +50,8 @@ def display_section(study: Study) -> Context:
     asked = [q for q in study.solution.quantities if QUANTITIES[q.name].actuator == "display"]
     return {
         "pictures": [
-            {"caption": "the display", "png": inline(assembly_picture(parts))},
-            {
-                "caption": "cut along a column",
-                "png": inline(assembly_picture(parts, cut=500.0 * display.pitch)),
-            },
+            Still(assembly_picture(parts), "the display"),
+            Still(assembly_picture(parts, cut=500.0 * display.pitch), "cut along a column"),
         ],
         "height": levels(device, display).total,
         "bill": lines,

@@ -18,9 +18,8 @@ from tactgen.validation.catalogue.quantities import (
     voltage_limits,
 )
 from tactgen.validation.engine.answers import representative
-from tactgen.validation.report.report_data import Study
+from tactgen.validation.report.report_data import Context, Study
 from tactgen.validation.report.sections.bimorph_figures import MODEL_STYLE
-from tactgen.validation.report.sections.section import Context
 from tactgen.validation.scene.conditions import driven_in_words
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import BLUE, GREEN, ORANGE, panels, svg

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.validation.report.report_data import Study
+from tactgen.validation.report.report_data import Context, Study
 from tactgen.validation.report.request import shown_model
-from tactgen.validation.show.page import fragment, inline
+from tactgen.validation.show.page import Still, fragment
 
 if TYPE_CHECKING:
     from tactgen.validation.show.field import FieldResult
@@ -25,26 +25,24 @@ _LYING = 1000, 420
 _KIND = {"tetra": "tetrahedra with 10 nodes", "tetra10": "curved tetrahedra with 10 nodes"}
 
 
-def pictures(study: Study) -> list[dict[str, str]]:
-    """Pictures of the CAD solids of each actuator."""
-    found = bimorph(study) if study.lateral else []
-    whole = study.lateral and study.scene.support.kind == "rod"
-    return found if whole or not study.normal else [*found, _normal(study)]
-
-
-def bimorph(study: Study) -> list[dict[str, str]]:
-    """Picture of the bimorph; none of one that the CAD parts do not know."""
-    if beyond_plain_layers(study.scene.bimorph, any_parts=study.scene.support.kind != "rod"):
-        return []
-    from tactgen.validation.show.export import scene_solids
+def pictures(study: Study) -> list[Still]:
+    """Pictures of the CAD solids of each actuator; none of what the CAD parts do not know."""
+    from tactgen.validation.show.export import normal_actuator_solids, scene_solids
     from tactgen.validation.show.pictures import solids_picture
 
-    study.announce("picture of the geometry")
-    solids = solids_picture(scene_solids(study.scene))
-    return [{"caption": "bimorph", "png": inline(solids)}]
+    scene, found = study.scene, []
+    on_rod = scene.support.kind == "rod"
+    if study.lateral and not beyond_plain_layers(scene.bimorph, any_parts=not on_rod):
+        study.announce("picture of the geometry")
+        found.append(Still(solids_picture(scene_solids(scene)), "bimorph"))
+    if study.normal and not (study.lateral and on_rod):
+        study.announce("picture of the normal actuator")
+        caption = "reluctance actuator, coil and sleeve cut open"
+        found.append(Still(solids_picture(normal_actuator_solids(scene.device)), caption))
+    return found
 
 
-def meshes(study: Study) -> list[dict[str, str]]:
+def meshes(study: Study) -> list[Still]:
     """Pictures of the solved meshes at their held end."""
     from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
     from tactgen.validation.models.bimorph.solid import cells_of
@@ -59,22 +57,11 @@ def meshes(study: Study) -> list[dict[str, str]]:
         assert solved is not None
         mesh = cells_of(solved)
         caption = f"mesh of {name}: {mesh.cells.shape[0]} {_kind(solved, mesh)}"
-        found.append({"caption": caption, "png": inline(mesh_picture(mesh, close_up=True))})
+        found.append(Still(mesh_picture(mesh, close_up=True), caption))
     return found
 
 
-def _normal(study: Study) -> dict[str, str]:
-    """Picture of rod, coil and sleeve."""
-    from tactgen.validation.show.export import normal_actuator_solids
-    from tactgen.validation.show.pictures import solids_picture
-
-    study.announce("picture of the normal actuator")
-    solids = solids_picture(normal_actuator_solids(study.scene.device))
-    caption = "reluctance actuator, coil and sleeve cut open"
-    return {"caption": caption, "png": inline(solids)}
-
-
-def moving(study: Study) -> dict[str, Any]:
+def moving(study: Study) -> Context:
     """Stills of the first solid modes, and the viewer in which modes and fields move.
 
     Of the solid that is shown, with transfer matrices beside it.
@@ -104,21 +91,17 @@ def moving(study: Study) -> dict[str, Any]:
     }
 
 
-def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[dict[str, str]]:
-    from tactgen.validation.show.field import SHADES, words_of
-    from tactgen.validation.show.stills import Picture, still
+def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[Still]:
+    from tactgen.validation.show.stills import captioned
 
     found = []
     for state in [s for s in result.states if s.circuit == "short"][:_MODES]:
         announce(f"picture of {state.name}")
-        words = words_of(result, state)
-        png = still(result, state, Picture(*_STILL, shade=SHADES[0]))
-        caption = f"{words.title}: {words.number}, {words.detail}"
-        found.append({"caption": caption, "png": inline(png)})
+        found.append(captioned(result, state, _STILL))
     return found
 
 
-def _stress_still(result: FieldResult, announce: Callable[[str], None]) -> dict[str, str] | None:
+def _stress_still(result: FieldResult, announce: Callable[[str], None]) -> Still | None:
     """Axial stress of the driven state at the first natural frequency."""
     from tactgen.validation.show.field import SHADES
     from tactgen.validation.show.stills import Picture, still
@@ -132,7 +115,7 @@ def _stress_still(result: FieldResult, announce: Callable[[str], None]) -> dict[
     phase = -float(np.angle(amplitude[np.abs(amplitude).argmax()]))  # of its largest value
     png = still(result, driven[-1], Picture(*_LYING, shade=shade), phase)
     caption = f"axial stress by the model {result.model} at {driven[-1].frequency:.4g} Hz"
-    return {"caption": f"{caption}, {result.voltage:g} V", "png": inline(png)}
+    return Still(png, f"{caption}, {result.voltage:g} V")
 
 
 def _kind(solved: Mesh | Bricks, shown: Mesh) -> str:

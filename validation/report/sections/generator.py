@@ -27,8 +27,7 @@ from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.model import NetworkModel, RodLoop, rod_loop
 from tactgen.validation.models.small_signal import machine_of, measured_poles, of_rod
-from tactgen.validation.report.report_data import Study
-from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.report_data import Context, Section, Study
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import is_papers_actuator
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg

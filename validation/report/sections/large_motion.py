@@ -24,8 +24,7 @@ from tactgen.validation.models.backbone import (
     in_state,
     rocking_states,
 )
-from tactgen.validation.report.report_data import Study
-from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.report_data import Context, Section, Study
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import is_papers_generator
 from tactgen.validation.show.figures import BLUE, DARK, panels, plain_numbers, shades, svg

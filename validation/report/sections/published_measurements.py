@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tactgen.validation.report.report_data import Study
-from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.report_data import Context, Section, Study
 from tactgen.validation.show.figures import BLUE, DARK, ORANGE, panels, svg
 from tactgen.validation.studies.published_measurements import (
     PRELOADS,

@@ -27,7 +27,7 @@ from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.reluctance.model import NetworkModel
 from tactgen.validation.models.reluctance.switching import MagneticPoint, SwitchingCurrents
 from tactgen.validation.report.reluctance_data import NormalActuator
-from tactgen.validation.report.sections.section import Context, Section
+from tactgen.validation.report.report_data import Context, Section
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
 from tactgen.validation.studies import reconstruction as stated
 

@@ -10,8 +10,7 @@ import numpy as np
 from tactgen.validation.catalogue.models import MODELS, gives, ranked
 from tactgen.validation.engine.comparison import compare
 from tactgen.validation.engine.solve import Solution, solve
-from tactgen.validation.report.report_data import Study
-from tactgen.validation.report.sections.section import Context
+from tactgen.validation.report.report_data import Context, Study
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import GREY, SKY, panels, svg
 from tactgen.validation.studies.parameter_uncertainty import (
