@@ -56,7 +56,8 @@ class Swing:
 def display_page(scene: str, parts: Sequence[Part], swing: Swing, still: Still) -> str:
     """Page: HTML that holds all it needs."""
     name, last = html.escape(scene), len(swing.frequencies) - 1
-    low, high = (f"{end:.3f}" for end in _across(parts))
+    # all of x, with a margin
+    low, high = (f"{ends[0] + room:.3f}" for ends, room in zip(_box(parts), (-1, 1), strict=True))
     body = (
         f"{data_script('td-data', _payload(parts, swing))}\n"
         '<div class="td"><div class="td-stage"><figure class="td-still" hidden>'
@@ -81,21 +82,15 @@ def display_page(scene: str, parts: Sequence[Part], swing: Swing, still: Still) 
     return document(f"{scene}: the display", head, body)
 
 
-def _across(parts: Sequence[Part]) -> tuple[float, float]:
-    """Least and the largest x of all parts (mm), with a margin."""
-    low = min(float(p.points[:, 0].min() + p.places[:, 0].min()) for p in parts)
-    high = max(float(p.points[:, 0].max() + p.places[:, 0].max()) for p in parts)
-    return low - 1.0, high + 1.0
+def _box(parts: Sequence[Part]) -> tuple[Floats, Floats]:
+    """Lowest and highest corner (mm) of all parts."""
+    low = [p.points.min(axis=0) + p.places.min(axis=0) for p in parts]
+    high = [p.points.max(axis=0) + p.places.max(axis=0) for p in parts]
+    return np.min(low, axis=0), np.max(high, axis=0)
 
 
 def _payload(parts: Sequence[Part], swing: Swing) -> dict[str, object]:
-    corners = np.array(
-        [
-            [pick(part.points, axis=0) + pick(part.places, axis=0) for part in parts]
-            for pick in (np.min, np.max)
-        ]
-    )
-    low, high = corners[0].min(axis=0), corners[1].max(axis=0)
+    low, high = _box(parts)
     tips = np.stack([swing.tips.real, swing.tips.imag], axis=-1)
     return {
         "parts": [
@@ -141,26 +136,18 @@ def enlargement(tips: Complex, pitch: float) -> float:
     return _REACH * pitch / largest if largest > 0.0 else 0.0
 
 
-def assembly_frames(
+def _frames(
     parts: Sequence[Part],
     tips: Complex,
     ceramic: tuple[float, float],
     enlarge: float,
     words: str,
-    phases: Sequence[float],
     announce: Callable[[str], None],
 ) -> list[Image]:
-    """Image for each phase (rad), with words in it.
+    """Images of one period, with words in them.
 
-    Parameters
-    ----------
-    parts : sequence of Part
-        Places of what moves are in the order of the tips.
-    tips : (units,) complex array
-        Lateral motion, along x (m, peak).
-    ceramic : (float, float)
-        Height of its lower edge in a unit's frame, and its length (mm); between base and tip
-        a bimorph is drawn as a parabola.
+    Tips (units,) move along x (m, peak), in the order of what moves.  `ceramic` is the height of
+    its lower edge in a unit's frame, and its length (mm).
     """
     from PIL import ImageDraw
 
@@ -191,6 +178,7 @@ def assembly_frames(
         ImageDraw.Draw(image).text((14, 12), words, fill=INK, font=font)
         return image
 
+    phases = [2.0 * np.pi * k / _FRAMES for k in range(_FRAMES)]
     return stage.images(phases, at, announce)
 
 
@@ -255,9 +243,8 @@ def _film(scene: Scene, parts: tuple[Part, ...], announce: Callable[[str], None]
         f"column\na quarter period later, tips up to {largest}, drawn × {times:.3g},\n"
         "the support plate left out"
     )
-    phases = [2.0 * np.pi * k / _FRAMES for k in range(_FRAMES)]
     seen = [part for part in parts if part.name not in _HIDES]
-    return assembly_frames(seen, tips, ceramic, times, words, phases, announce)
+    return _frames(seen, tips, ceramic, times, words, announce)
 
 
 def travelling_wave(scene: Scene) -> tuple[float, Complex]:

@@ -257,9 +257,9 @@ def _write_motion(
     """Write fields and their animation."""
     if not {"fields", "animated_glb"} & set(drafts):
         return
-    from tactgen.validation.show.gather import Request, default_models, gather
+    from tactgen.validation.show.gather import default_models, gather
 
-    (result,) = gather(scene, default_models(scene), Request(), announce)
+    (result,) = gather(scene, default_models(scene), announce=announce)
     if "fields" in drafts:
         from tactgen.validation.show.field_files import write_fields
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -35,15 +34,6 @@ _CIRCUITS: tuple[tuple[Circuit, str], ...] = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Request:
-    """Field request."""
-
-    #: Of harmonic states (Hz); None takes half the first frequency of bending and that itself
-    frequencies: tuple[float, ...] | None = None
-    detail: Detail = "nodes"  #: Every node of bricks, or those that a picture needs
-
-
 def with_fields(scene: Scene) -> tuple[str, ...]:
     """Scene's models of the lateral actuator: all of them have fields."""
     lateral = models_of("bimorph")
@@ -67,10 +57,18 @@ def default_models(scene: Scene) -> tuple[str, ...]:
 def gather(
     scene: Scene,
     models: Sequence[str],
-    request: Request,
+    frequencies: tuple[float, ...] | None = None,
+    detail: Detail = "nodes",
     announce: Callable[[str], None] = lambda _: None,
 ) -> list[FieldResult]:
     """Fields of a scene by each of the models, in their order.
+
+    Parameters
+    ----------
+    frequencies : tuple of float, optional
+        Of harmonic states (Hz); None takes half the first frequency of bending and that itself.
+    detail : {"nodes", "edges"}
+        Every node of bricks, or those that a picture needs.
 
     Raises InputError if a model has no field in space, or both actuators are asked for at once.
     """
@@ -89,18 +87,19 @@ def gather(
             )
         from tactgen.validation.show.magnetic import gather_magnetic
 
-        return [gather_magnetic(scene, announce, opened=request.detail == "edges")]
+        return [gather_magnetic(scene, announce, opened=detail == "edges")]
     solution = solve(scene, tuple(models), [name for _, name in _CIRCUITS], announce)
-    return [gather_from(solution, name, request, announce) for name in models]
+    return [gather_from(solution, name, frequencies, detail, announce) for name in models]
 
 
 def gather_from(
     solution: Solution,
     name: str,
-    request: Request,
+    frequencies: tuple[float, ...] | None = None,
+    detail: Detail = "nodes",
     announce: Callable[[str], None] = lambda _: None,
 ) -> FieldResult:
-    """Fields of one model of a solution that has its natural frequencies.
+    """Fields of one model of a solution that has its natural frequencies: see :func:`gather`.
 
     The models of the solution are asked, so that nothing is solved twice.
     """
@@ -108,14 +107,17 @@ def gather_from(
     announce(f"fields of {name}")
     fields: SolidFields | RowFields
     if isinstance(model, TwoMeshModel):
-        fields = SolidFields(model, request.detail)
+        fields = SolidFields(model, detail)
     else:
         assert isinstance(model, BeamTheoryModel)
         fields = RowFields(model)
     layer = 0.5 if scene.bimorph.wiring == "series" else 1.0
     voltage = layer * scene.drive.voltage
     states = _modes(solution, name, fields)
-    frequencies = _frequencies(scene, states, request)
+    if frequencies is None:
+        bending = (s for s in states if s.motion == "bending_x" and s.circuit == "short")
+        first = next((s.frequency for s in bending), None)
+        frequencies = () if first is None else (0.5 * first, first)
     at_rest, *others = _modelling(scene, name, frequencies)
     states.append(_state("static", "static", 0.0, fields.static(voltage), layer, at_rest))
     for frequency, modelling in zip(frequencies, others, strict=True):
@@ -136,7 +138,7 @@ def _modes(solution: Solution, name: str, fields: SolidFields | RowFields) -> li
         count = quantity.value.size
         found = fields.modes(count, open_circuit=circuit == "open")
         assert quantity.classes is not None
-        for number, (_, (values, tip, charge)) in enumerate(found):
+        for number, (values, tip, charge) in enumerate(found):
             states.append(
                 State(
                     name=f"mode {number + 1}, {circuit} circuit",
@@ -202,15 +204,6 @@ def _state(
         charge=layer * charge,
         modelling=modelling,
     )
-
-
-def _frequencies(scene: Scene, states: Sequence[State], request: Request) -> tuple[float, ...]:
-    if request.frequencies is not None:
-        return request.frequencies
-    first = next(
-        (s.frequency for s in states if s.motion == "bending_x" and s.circuit == "short"), None
-    )
-    return () if first is None else (0.5 * first, first)
 
 
 def body_of(found: Simulation) -> MovingBody:

@@ -25,7 +25,7 @@ from tactgen.validation.engine.surrogate import build_surrogate, design_size
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import Circuit, FieldResult
-from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.gather import gather
 
 #: A mode: its circuit, its class of motion, and its place among those of this class.
 ModeKey = tuple[Circuit, str, int]
@@ -149,7 +149,7 @@ def _fields(scene: Scene, model: str, length: float) -> FieldResult:
             "models": (model,),
         }
     )
-    return gather(coarse, [model], Request((), "edges"))[0]
+    return gather(coarse, [model], (), "edges")[0]
 
 
 def _tables(

@@ -190,14 +190,14 @@ class RowFields:
         """The points and cells."""
         return self._shape.mesh
 
-    def modes(self, count: int, *, open_circuit: bool) -> list[tuple[str, Found]]:
-        """Class and fields of the lowest `count` modes, ascending."""
+    def modes(self, count: int, *, open_circuit: bool) -> list[Found]:
+        """Fields of the lowest `count` modes, ascending."""
         lines = self._model.mode_lines(open_circuit=True) if open_circuit else self._short
         out = []
         for line in lines[:count]:
             values = self._shape.values(line)
             size = float(np.linalg.norm(values[:, :3], axis=1).max())
-            out.append(("bending_x", self._found(line, MODE_SIZE / size)))
+            out.append(self._found(line, MODE_SIZE / size))
         return out
 
     def static(self, voltage: float) -> Found:

@@ -162,8 +162,8 @@ class SolidFields:
         self._sampler = Sampler(solved, self._system.nodes, detail)
         self.mesh = self._sampler.mesh  #: The points and cells
 
-    def modes(self, count: int, *, open_circuit: bool) -> list[tuple[str, Found]]:
-        """Class and fields of the lowest `count` modes, ascending."""
+    def modes(self, count: int, *, open_circuit: bool) -> list[Found]:
+        """Fields of the lowest `count` modes, ascending."""
         model, system = self._model, self._system
         found: list[SolidState] = []
         for motion, number in model.motions(open_circuit=open_circuit).items():
@@ -173,12 +173,12 @@ class SolidFields:
             else:
                 found += self._apart(of, number)
         found.sort(key=lambda state: state.frequency)
-        out: list[tuple[str, Found]] = []
+        out: list[Found] = []
         for state in found[:count]:
             size = float(np.linalg.norm(state.values[:, :3], axis=1).max())
             sign = -1.0 if state.tip.real < 0.0 else 1.0
             scaled = state.scaled(sign * MODE_SIZE / size)
-            out.append((state.kind, self._fields(scaled, lossy=False)))
+            out.append(self._fields(scaled, lossy=False))
         return out
 
     def _related(self, motion: Motion) -> SolidSystem:

@@ -14,7 +14,7 @@ from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.export import check_place
 from tactgen.validation.show.field import FieldResult, Shade, State, shades_of
-from tactgen.validation.show.gather import MAGNETIC, Request, default_models, gather, with_fields
+from tactgen.validation.show.gather import MAGNETIC, default_models, gather, with_fields
 from tactgen.validation.show.moving import standing
 
 if TYPE_CHECKING:
@@ -83,9 +83,8 @@ def view(
 
 def looked_at(scene: Scene, look: Look, announce: Callable[[str], None]) -> list[FieldResult]:
     """Fields of a scene by the models of a view."""
-    found = gather(
-        scene, look.models or _models(scene), Request(look.frequencies, "edges"), announce
-    )
+    models = look.models or _models(scene)
+    found = gather(scene, models, look.frequencies, "edges", announce)
     # a slider of the length moves the bimorph's points only
     return found if look.lengths else [standing(scene, result) for result in found]
 

@@ -4,7 +4,7 @@ import pytest
 
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.gather import gather
 
 
 @pytest.fixture(scope="session")
@@ -17,4 +17,4 @@ def seen(tmp_path_factory, few_bricks):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("seen")))
         patch.setattr(solid, "LEVELS", few_bricks)
-        return gather(scene, ["solid", "tmm"], Request((900.0,), "edges"))
+        return gather(scene, ["solid", "tmm"], (900.0,), "edges")

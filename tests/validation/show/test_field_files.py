@@ -13,7 +13,7 @@ from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.export import export, write_port_files
 from tactgen.validation.show.field_files import STEPS, moving_state, write_fields
-from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.gather import gather
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def result(scene, tmp_path_factory, few_bricks):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TACTGEN_CACHE", str(tmp_path_factory.mktemp("few")))
         patch.setattr(solid, "LEVELS", few_bricks)
-        return gather(scene, ["solid"], Request((300.0,), "edges"))[0]
+        return gather(scene, ["solid"], (300.0,), "edges")[0]
 
 
 def test_a_period_is_a_series_of_steps(result, tmp_path):

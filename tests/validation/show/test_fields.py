@@ -12,7 +12,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.field import FIELDS, at_phase, von_mises
-from tactgen.validation.show.gather import Request, _coupling, default_models, gather, gather_from
+from tactgen.validation.show.gather import _coupling, default_models, gather, gather_from
 from tactgen.validation.show.solid_fields import Sampler, points_of_regions
 
 HZ = 300.0
@@ -40,7 +40,7 @@ def solution():
 
 @pytest.fixture(scope="module")
 def results(solution):
-    return {m: gather_from(solution, m, Request((HZ,))) for m in MODELS}
+    return {m: gather_from(solution, m, (HZ,)) for m in MODELS}
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -71,7 +71,7 @@ def test_between_fingers_the_field_is_along_the_layer():
     layers = "brass 0.2 mm; PZT-5A 0.2 mm +z pitch 0.5 mm"
     sizes = ["bimorph.length=10mm", "bimorph.width=2mm", "drive.voltage=10V"]
     scene, _ = load_scene("j1", ["mesh.level=1", f"bimorph.layers={layers}", *sizes])
-    (result,) = gather(scene, ("solid",), Request(()))
+    (result,) = gather(scene, ("solid",), ())
     fields, at = result.state("static").fields, points_of_regions(result.mesh)["piezo_2"]
     field, flux = fields["electric_field"][at], fields["electric_displacement"][at]
     np.testing.assert_allclose(field, np.tile([0.0, 0.0, 20e3], (at.size, 1)), atol=1e-6)
@@ -179,9 +179,9 @@ def test_a_scene_with_nothing_that_moves_is_refused():
     with pytest.raises(InputError, match="neither a bimorph that moves nor a field"):
         default_models(scene)
     with pytest.raises(InputError, match="network has no motion or field to show"):
-        gather(scene, ["network"], Request())
+        gather(scene, ["network"])
     with pytest.raises(InputError, match="ask for them one after the other"):
-        gather(scene, ["tmm", "axisymmetric"], Request())
+        gather(scene, ["tmm", "axisymmetric"])
 
 
 def test_series_wiring_halves_charge_and_voltage_of_a_layer():
@@ -189,7 +189,7 @@ def test_series_wiring_halves_charge_and_voltage_of_a_layer():
     both = []
     for wiring in ("parallel", "series"):
         scene, _ = load_scene("j1", [f"bimorph.wiring={wiring}", "modes=1"])
-        (result,) = gather(scene, ["tmm"], Request(()))
+        (result,) = gather(scene, ["tmm"], ())
         both.append(result.state("static"))
     assert both[1].charge == pytest.approx(0.25 * both[0].charge)
     assert both[1].tip == pytest.approx(0.5 * both[0].tip)
@@ -254,7 +254,7 @@ def test_tetrahedra_have_the_same_fields():
     scene, _ = load_scene("j1", ["models=cad", "mesh.level=1", "modes=1"])
     slopes = []
     for model in ("cad", "solid"):
-        (result,) = gather(scene, [model], Request(()))
+        (result,) = gather(scene, [model], ())
         points, stress = result.mesh.points, result.state("static").fields["stress"][:, 2]
         at = points_of_regions(result.mesh)["piezo_top"]
         at = at[np.abs(points[at, 2] - 10e-3) < 3e-3]

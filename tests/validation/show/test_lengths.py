@@ -8,7 +8,7 @@ from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show import lengths
-from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.gather import gather
 from tactgen.validation.show.lengths import _Lattice, _turned_like, lagrange_weights, length_range
 
 ENDS = 15e-3, 25e-3
@@ -44,7 +44,7 @@ def test_what_is_missed_is_measured_between_the_nodes(monkeypatch):
     middle = found.solved.size // 2
     between = float(found.solved[middle : middle + 2].mean())
     more = at(scene, between).model_copy(update={"modes": scene.modes + 2})
-    (more,) = gather(more, ["tmm"], Request((), "edges"))
+    (more,) = gather(more, ["tmm"], (), "edges")
     missed = []
     for mode in found.modes:
         alike = [s for s in more.states if s.circuit == mode.circuit and s.motion == mode.motion]

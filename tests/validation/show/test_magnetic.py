@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.gather import gather
 from tactgen.validation.show.magnetic import Section, revolved, section_of
 from tactgen.validation.show.viewer import payload
 
@@ -17,7 +17,7 @@ def scene():
 
 @pytest.fixture(scope="module")
 def opened(scene):
-    return gather(scene, ["axisymmetric"], Request((), "edges"))[0]
+    return gather(scene, ["axisymmetric"], (), "edges")[0]
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.browser import find_browser, run_browser
 from tactgen.validation.show.field import SHADES, at_phase, enlargement, shades_of
-from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.gather import gather
 from tactgen.validation.show.lengths import (
     LengthRange,
     ModeOverLength,
@@ -279,7 +279,7 @@ def test_without_webgl_stills_are_shown_and_it_is_said(browser, text, tmp_path):
 def test_a_field_at_rest_is_shown_and_read(browser, tmp_path):
     """The normal actuator: no controls of motion, |B| under the pointer, no complaint."""
     scene, _ = load_scene("reluctance", ["models=axisymmetric", "accuracy=0.01"])
-    (field,) = gather(scene, ["axisymmetric"], Request((), "edges"))
+    (field,) = gather(scene, ["axisymmetric"], (), "edges")
     text = page("field", payload([field]), [])
     report, messages = selftest(browser, text, tmp_path / "field.html")
     assert "CONSOLE" not in messages

@@ -3,7 +3,7 @@
 import pytest
 
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show.gather import Request, gather
+from tactgen.validation.show.gather import gather
 from tactgen.validation.show.moving import standing
 from tactgen.validation.show.viewer import payload
 
@@ -12,7 +12,7 @@ from tactgen.validation.show.viewer import payload
 def seen():
     """Return the scene, the bimorph alone, and the bimorph on its rod."""
     scene, _ = load_scene("generator", ["models=tmm", "modes=2"])
-    (alone,) = gather(scene, ("tmm",), Request((100.0,), "edges"))
+    (alone,) = gather(scene, ("tmm",), (100.0,), "edges")
     return scene, alone, standing(scene, alone)
 
 

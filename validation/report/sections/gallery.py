@@ -71,7 +71,7 @@ def moving(study: Study) -> Context:
         SHORT_CIRCUIT_FREQUENCIES,
     )
     from tactgen.validation.engine.solve import solve
-    from tactgen.validation.show.gather import Request, gather_from
+    from tactgen.validation.show.gather import gather_from
     from tactgen.validation.show.moving import standing
     from tactgen.validation.show.viewer import payload
 
@@ -80,9 +80,10 @@ def moving(study: Study) -> Context:
     models = (first, "tmm") if "tmm" in asked and first != "tmm" else (first,)
     names = (SHORT_CIRCUIT_FREQUENCIES.name, OPEN_CIRCUIT_FREQUENCIES.name)
     solution = solve(study.scene, models, names, study.announce, reuse=study.solution)
-    request = Request(None, "edges")
-    gathered = (gather_from(solution, name, request, study.announce) for name in models)
-    results = [standing(study.scene, result) for result in gathered]
+    results = [
+        standing(study.scene, gather_from(solution, name, None, "edges", study.announce))
+        for name in models
+    ]
     drawn = shown_model(study.scene) is not None
     return {
         "stills": _stills(results[0], study.announce) if drawn else [],
