@@ -138,7 +138,7 @@ def _rests_on_models(study: Study) -> str:
     asked = f"{100.0 * study.scene.accuracy:g} %"
     met = f"{wide or 'none'} exceed{'s' if wide < 2 else ''}"
     named = f" ({what})" if what else ""
-    models = ranked({cell.model for row in study.compared for cell in row.cells})
+    models = ranked(dict.fromkeys(cell.model for row in study.compared for cell in row.cells))
     return (
         f"Models: {', '.join(models)}. Numerical errors (distance from the exact solution of the "
         f"same model) are {share(widest)} at most in the single numbers{named}; {met} the "

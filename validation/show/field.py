@@ -30,27 +30,23 @@ Circuit = Literal["short", "open", "driven"]
 
 @dataclass(frozen=True)
 class FieldKind:
-    """Field: name, SI unit and component names."""
+    """Field: name and SI unit."""
 
     title: str
     unit: str
-    components: tuple[str, ...] = ()
 
 
-_AXES = ("x", "y", "z")
-#: Components of symmetric tensors in Voigt's order; shear strains are 2 S_yz and so on.
-_VOIGT = ("xx", "yy", "zz", "yz", "xz", "xy")
-
-#: Every field that some model has, by name.
+#: Every field that some model has, by name.  Symmetric tensors are in Voigt's order xx, yy, zz, yz,
+#: xz, xy; shear strains are 2 S_yz and so on.
 FIELDS: dict[str, FieldKind] = {
-    "displacement": FieldKind("displacement", "m", _AXES),
+    "displacement": FieldKind("displacement", "m"),
     "potential": FieldKind("electric potential", "V"),
-    "strain": FieldKind("strain", "1", _VOIGT),
-    "stress": FieldKind("stress", "Pa", _VOIGT),
-    "electric_field": FieldKind("electric field", "V m^-1", _AXES),
-    "electric_displacement": FieldKind("electric displacement", "C m^-2", _AXES),
-    "flux_density": FieldKind("magnetic flux density", "T", _AXES),
-    "magnetic_field": FieldKind("magnetic field strength", "A m^-1", _AXES),
+    "strain": FieldKind("strain", "1"),
+    "stress": FieldKind("stress", "Pa"),
+    "electric_field": FieldKind("electric field", "V m^-1"),
+    "electric_displacement": FieldKind("electric displacement", "C m^-2"),
+    "flux_density": FieldKind("magnetic flux density", "T"),
+    "magnetic_field": FieldKind("magnetic field strength", "A m^-1"),
 }
 
 

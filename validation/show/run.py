@@ -7,7 +7,7 @@ which the picture says.
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -45,75 +45,59 @@ CONTACTS = {
 _FRAMES, _SHOWN, _STEPS = 150, 60, 150
 
 
-@dataclass(frozen=True)
-class Instant:
-    """A run at one time: s, coordinates, lift and tip (m), coil current (A), phase."""
-
-    time: float
-    position: Floats
-    lift: float
-    tip: float
-    current: float
-    phase: str
-
-
 def write_run_film(
     path: Path, found: Simulation, announce: Callable[[str], None] = lambda _: None
 ) -> None:
     """Write a run as a film, by its suffix a .gif or .mp4, whole or not at all."""
     stage = _RunStage(found)
-    save_film(path, stage.images(stage.instants, stage.picture_of, announce), _SHOWN)
+    save_film(path, stage.images(range(_FRAMES), stage.picture_at, announce), _SHOWN)
 
 
 def still_of_run(found: Simulation) -> bytes:
     """Picture (PNG) at the instant at which the tip is farthest out, with the curves."""
     stage = _RunStage(found)
-    farthest = max(stage.instants, key=lambda instant: abs(instant.tip))
-    return as_png(stage.images([farthest], stage.picture_of, lambda _: None)[0])
+    farthest = int(np.abs(stage.tip).argmax())
+    return as_png(stage.images([farthest], stage.picture_at, lambda _: None)[0])
 
 
 def write_run_steps(path: Path, found: Simulation) -> None:
     """Write a run as a .pvd of time steps (s) with displacements."""
-    body = body_of(found)
+    body, run = body_of(found), found.answer.run
+    times = np.linspace(0.0, run.time[-1], _STEPS)
+    steps: Iterable[tuple[float, dict[str, Array]]] = (
+        (time, {"displacement (m)": body.displacement(position)})
+        for time, position in zip(times, _columns_at(times, run.time, run.position), strict=True)
+    )
+    write_steps(path, path.stem, body.mesh, steps)
 
-    def at(instant: Instant) -> tuple[float, dict[str, Array]]:
-        return instant.time, {"displacement (m)": body.displacement(instant.position)}
 
-    write_steps(path, path.stem, body.mesh, map(at, _instants(found, _STEPS)))
-
-
-def _instants(found: Simulation, count: int) -> Iterator[Instant]:
-    """Yield the run at times evenly spaced from its start to its end."""
-    run, outputs = found.answer.run, found.answer.outputs
-    named = phases(found)
-    for time in np.linspace(0.0, run.time[-1], count):
-        position: Floats = np.array([np.interp(time, run.time, x) for x in run.position.T])
-        phase = next((p.name for p in named if time <= p.end), named[-1].name)
-        yield Instant(
-            time=float(time),
-            position=position,
-            lift=float(np.interp(time, run.time, outputs["rod_lift"])),
-            tip=float(np.interp(time, run.time, outputs["lateral_tip"])),
-            current=float(np.interp(time, run.time, run.current)),
-            phase=phase,
-        )
+def _columns_at(at: Floats, time: Floats, values: Floats) -> Floats:
+    """Values (n, c) at some times from those (k, c) at others."""
+    return np.array([np.interp(at, time, column) for column in values.T]).T
 
 
 class _RunStage(Stage):
-    """The scene of a run; only points change from picture to picture."""
+    """The scene of a run at evenly spaced times; only points change from picture to picture."""
 
     def __init__(self, found: Simulation) -> None:
         super().__init__(_BODY, _HEIGHT)
         self._body: MovingBody = body_of(found)
         self.place = found.scene.measurement.place
-        self.instants = list(_instants(found, _FRAMES))
+        run, outputs = found.answer.run, found.answer.outputs
+        self.time = np.linspace(0.0, run.time[-1], _FRAMES)
+        read = (outputs["rod_lift"], outputs["lateral_tip"], run.current)
+        self.lift, self.tip, self.current = (np.interp(self.time, run.time, v) for v in read)
+        position = _columns_at(self.time, run.time, run.position)
+        named = phases(found)
+        after = np.searchsorted([phase.end for phase in named], self.time)
+        self.contacts = [CONTACTS[named[min(k, len(named) - 1)].name] for k in after]
         mesh = self._body.mesh
         low, high = mesh.points.min(axis=0) * MM, mesh.points.max(axis=0) * MM
-        moved = [self._body.displacement(i.position)[:, 0] for i in self.instants]
+        self._moved = [self._body.displacement(own) for own in position]
         self.lateral, self.axial = enlargements(
             float(np.ptp(mesh.points[:, 2])),
-            max(float(np.abs(along).max()) for along in moved),
-            max(abs(i.lift) for i in self.instants),
+            max(float(np.abs(moved[:, 0]).max()) for moved in self._moved),
+            float(np.abs(self.lift).max()),
         )
         surface = surface_of(mesh)
         self._parts: list[Any] = []
@@ -128,19 +112,19 @@ class _RunStage(Stage):
             0.5 * tall * (1.15 + 2.0 * _LIFTED),
         )  # fmt: skip
 
-    def picture_of(self, now: Instant) -> Image:
-        """The body at an instant, and the curves with a mark on them."""
+    def picture_at(self, k: int) -> Image:
+        """The body at the k-th time, and the curves with a mark on them."""
         from PIL import Image as Images
 
-        moved = self._body.displacement(now.position)
+        moved, lift = self._moved[k], self.lift[k]
         # the turning of sections goes with the lateral motion, so that they stay square to it
-        up = self.axial * now.lift + self.lateral * (moved[:, 2] - now.lift)
+        up = self.axial * lift + self.lateral * (moved[:, 2] - lift)
         drawn = np.stack([self.lateral * moved[:, 0], 0.0 * up, up], axis=1)
         for part in self._parts:
             part.points = (self._body.mesh.points + drawn) * MM
         image = Images.new("RGB", (_BODY + _CURVES, _HEIGHT), "white")
         image.paste(self.image(), (0, 0))
-        _words(image, self, now)
+        _words(image, self, k)
         return image
 
 
@@ -155,42 +139,34 @@ def _round(factor: float) -> float:
     return float(max(n * power for n in (1.0, 2.0, 5.0) if n * power <= factor))
 
 
-def _words(image: Image, stage: _RunStage, now: Instant) -> None:
-    """Write the view, and draw the curves with a mark at the instant."""
+def _words(image: Image, stage: _RunStage, k: int) -> None:
+    """Write the view, and draw the curves with a mark at the k-th time."""
     from PIL import ImageDraw
 
     draw = ImageDraw.Draw(image)
-    instants: Sequence[Instant] = stage.instants
     font, small = fonts(18, 14)
     left, right = _BODY + 20, _BODY + _CURVES - 20
-    draw.text((left, 20), f"{1e3 * now.time:.2f} ms", fill=INK, font=font)
-    draw.text((left, 46), f"rod {CONTACTS[now.phase]}", fill=INK, font=font)
+    draw.text((left, 20), f"{1e3 * stage.time[k]:.2f} ms", fill=INK, font=font)
+    draw.text((left, 46), f"rod {stage.contacts[k]}", fill=INK, font=font)
     factors = f"lateral × {stage.lateral:,.0f}, lift × {stage.axial:,.0f}"
     draw.text((left, 74), factors, fill=DIM, font=small)
     curves = (
-        ("rod, µm", [1e6 * i.lift for i in instants], 1e6 * now.lift),
-        (f"{stage.place}, lateral, µm", [1e6 * i.tip for i in instants], 1e6 * now.tip),
-        ("coil current, mA", [1e3 * i.current for i in instants], 1e3 * now.current),
+        ("rod, µm", 1e6 * stage.lift),
+        (f"{stage.place}, lateral, µm", 1e6 * stage.tip),
+        ("coil current, mA", 1e3 * stage.current),
     )
-    tall, until = 165, instants[-1].time or 1.0
-    for number, (title, values, value) in enumerate(curves):
+    tall, until = 165, float(stage.time[-1]) or 1.0
+    for number, (title, values) in enumerate(curves):
         top = 110 + number * tall
-        draw.text((left, top), f"{title}: {value:.3g}", fill=INK, font=small)
-        low, high = min(values), max(values)
-        span = (high - low) or 1.0
+        draw.text((left, top), f"{title}: {values[k]:.3g}", fill=INK, font=small)
+        low, high = float(values.min()), float(values.max())
         above, below = top + 24, top + tall - 24
-
-        def at(time: float, v: float, above: int = above, below: int = below,
-               low: float = low, span: float = span) -> tuple[float, float]:  # fmt: skip
-            return left + (right - left) * time / until, below - (below - above) * (v - low) / span
-
+        x = left + (right - left) * stage.time / until
+        y = below - (below - above) * (values - low) / ((high - low) or 1.0)
         draw.line((left, below + 4, right, below + 4), fill=DIM)
-        draw.line(
-            [at(i.time, v) for i, v in zip(instants, values, strict=True)], fill=_LINE, width=2
-        )
-        x, y = at(now.time, value)
-        draw.line((x, above, x, below), fill=DIM)
-        draw.ellipse((x - 4, y - 4, x + 4, y + 4), fill=INK)
+        draw.line(np.stack([x, y], axis=1).ravel().tolist(), fill=_LINE, width=2)
+        draw.line((x[k], above, x[k], below), fill=DIM)
+        draw.ellipse((x[k] - 4, y[k] - 4, x[k] + 4, y[k] + 4), fill=INK)
         draw.text((left, below + 6), f"{low:.3g} to {high:.3g}", fill=DIM, font=small)
 
 
@@ -292,7 +268,7 @@ def film_payload(film: Film) -> dict[str, Any]:
     block = Block()
     at = np.linspace(0.0, film.time[-1], min(_MOST, film.time.size))
     kept = np.minimum(np.searchsorted(film.time, at), film.time.size - 1)
-    own = np.array([np.interp(at, film.time, column) for column in film.coordinates.T]).T
+    own = _columns_at(at, film.time, film.coordinates)
     turned = film.axial.copy()
     turned[:, 0] = 0.0
     sideways, lifted = film.lateral @ own.T, own[:, 0]

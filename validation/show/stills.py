@@ -59,7 +59,6 @@ class Picture:
     width: int = 1200
     height: int = 640
     shade: Shade | None = None
-    mesh: bool = True
 
     @property
     def lies(self) -> bool:
@@ -152,8 +151,6 @@ class _StateStage(Stage):
     def _lines(self, surface: Surface, points: Any) -> None:
         """Add flux lines, else the mesh's edges."""
         flux = self.result.lines
-        if flux is None and not self.style.mesh:
-            return
         ends = points.copy() if flux is None else flux.reshape(-1, 3) * MM
         pairs = surface.edges if flux is None else np.arange(len(ends)).reshape(-1, 2)
         lines = np.column_stack([np.full(len(pairs), 2), pairs]).ravel()

@@ -115,7 +115,6 @@ def _result(block: Block, result: FieldResult, other: LengthRange | None) -> dic
         "regions": [_region(name, name in result.rigid) for name in result.mesh.regions],
         **geometry,
         "lines": None if result.lines is None else block.plain(result.lines.reshape(-1, 3)),
-        "opened": result.lines is not None,
         "fields": [_shade(shade) for shade in shades],
         "states": [_state(block, result, state, shades, used) for state in result.states],
         "lengths": None if other is None else _lengths(block, result, other),
@@ -142,7 +141,6 @@ def _geometry(block: Block, mesh: Mesh) -> tuple[dict[str, Any], Ints]:
         "cells": None if hollow else block.plain(mesh.cells.ravel()),
         "cellSize": mesh.cells.shape[1],
         "tip": int(place[tip_point(mesh.points)]),
-        "height": float(high[2] - low[2]),
         "box": {
             "low": low.tolist(), "high": high.tolist(), "centre": (0.5 * (low + high)).tolist(),
             "height": float(high[2] - low[2]), "width": float((high - low)[:2].max()),

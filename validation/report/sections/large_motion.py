@@ -5,7 +5,7 @@ A quick report leaves the first out, says how to get it, and takes longer steps 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ from tactgen.validation.models.backbone import (
     COILS,
     Backbone,
     Curve,
+    Peak,
     RockingState,
     in_state,
     rocking_states,
@@ -41,23 +42,36 @@ def backbone_plot(found: Backbone) -> str:
     The curve through the peaks is the backbone.
     """
     figure, axes = panels(10.0, 4.4, ncols=2)
-    colours = shades(len(found.curves))
-    for curve, colour in zip(found.curves, colours, strict=True):
-        size = np.abs(curve.displacement) / curve.voltage
-        speed = 2.0 * np.pi * curve.frequencies * size
-        for axis, values in zip(axes, (1e3 * speed, 1e6 * size), strict=True):
-            _draw(axis, curve, values, colour)
-    tops = [(p.frequency, p.velocity / c.voltage, p.displacement / c.voltage)
-            for c in found.curves for p in c.peaks[:1]]  # fmt: skip
-    if len(tops) > 1:
-        at, speed, size = np.array(tops).T
-        for axis, values in zip(axes, (1e3 * speed, 1e6 * size), strict=True):
-            axis.plot(at, values, "o-", color=DARK, linewidth=1.0, markersize=4, label="backbone")
+    _family(
+        axes[0], found.curves, lambda c: 2e3 * np.pi * c.frequencies * np.abs(c.displacement),
+        lambda peak: 1e3 * peak.velocity,
+    )  # fmt: skip
+    _displacements(axes[1], found.curves)
     for axis, unit in zip(axes, ("velocity (mm/s per V)", "displacement (µm per V)"), strict=True):
         axis.set(xlabel="frequency (Hz)", ylabel=f"tip {unit}", yscale="log")
         plain_numbers(axis.yaxis)
     axes[0].legend(frameon=False)
     return svg(figure)
+
+
+def _family(
+    axis: Any,
+    curves: Sequence[Curve],
+    values: Callable[[Curve], Floats],
+    top: Callable[[Peak], float],
+) -> None:
+    """Draw curves over their voltages, from dark to light, and their highest peaks' backbone."""
+    for curve, colour in zip(curves, shades(len(curves)), strict=True):
+        _draw(axis, curve, values(curve) / curve.voltage, colour)
+    tops = [(c.peaks[0].frequency, top(c.peaks[0]) / c.voltage) for c in curves if c.peaks]
+    if len(tops) > 1:
+        axis.plot(*np.array(tops).T, "o-", color=DARK, lw=1.0, ms=4, label="backbone")
+
+
+def _displacements(axis: Any, curves: Sequence[Curve]) -> None:
+    _family(
+        axis, curves, lambda c: 1e6 * np.abs(c.displacement), lambda peak: 1e6 * peak.displacement
+    )
 
 
 def _draw(axis: Any, curve: Curve, values: Any, colour: Any) -> None:
@@ -76,13 +90,7 @@ def states_plot(states: Sequence[RockingState]) -> str:
     shown = [state for state in states if state.curves]
     figure, axes = panels(10.0, 4.4, ncols=len(shown), sharey=True, squeeze=False)
     for axis, state in zip(axes[0], shown, strict=True):
-        colours = shades(len(state.curves))
-        for curve, colour in zip(state.curves, colours, strict=True):
-            _draw(axis, curve, 1e6 * np.abs(curve.displacement) / curve.voltage, colour)
-        tops = [(c.peaks[0].frequency, 1e6 * c.peaks[0].displacement / c.voltage)
-                for c in state.curves if c.peaks]  # fmt: skip
-        if len(tops) > 1:
-            axis.plot(*np.array(tops).T, "o-", color=DARK, lw=1.0, ms=4, label="backbone")
+        _displacements(axis, state.curves)
         axis.set(xlabel="frequency (Hz)", yscale="log", title=state.state)
         plain_numbers(axis.yaxis)
         axis.legend(frameon=False, fontsize=8)

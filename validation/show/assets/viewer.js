@@ -116,9 +116,8 @@
     });
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     points.forEach((v, i) => { low[i % 3] = Math.min(low[i % 3], v); high[i % 3] = Math.max(high[i % 3], v); });
-    const height = high[2] - low[2];
-    const box = { low, high, height, centre: low.map((v, c) => 0.5 * (v + high[c])), width: own.box.width };
-    return { ...result, ...own, points, fields, states, height, box };
+    const box = { low, high, height: high[2] - low[2], centre: low.map((v, c) => 0.5 * (v + high[c])), width: own.box.width };
+    return { ...result, ...own, points, fields, states, box };
   }
 
   const nearest = (values, wanted) => values.reduce(
@@ -303,7 +302,7 @@
       const still = this.state.kind === 'static' ? 0 : phase;
       u.turn.value.set(Math.cos(still), Math.sin(still));
       u.enlarge.value = this.enlargement();
-      u.explode.value = options.explode * this.result.height;
+      u.explode.value = options.explode * this.result.box.height;
       u.glow.value = this.field ? 0.35 : 0;
       this.edges.visible = options.mesh;
       this.rest.visible = options.rest;
@@ -552,7 +551,7 @@
       const aspect = this.width / this.panes.length / this.height;
       // a long thing lies down where the picture is wide
       this.lies = from !== 'upright' && box.height > 2.5 * box.width && aspect > 1.3;
-      const opened = this.panes[0].result.opened; // into the quarter that is left out
+      const opened = !!this.panes[0].result.lines; // into the quarter that is left out
       const up = this.lies ? [opened ? -1 : 1, 0, 0] : [0, 0, 1];
       const upright = [opened ? -0.75 : 0.75, -1.0, 0.45];
       const directions = {
