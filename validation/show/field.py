@@ -183,7 +183,9 @@ class Shade:
         if self.component >= 0:
             return values[:, self.component]
         if self.field == "stress":
-            return _largest_von_mises(values)
+            # over a period; the other half is the same
+            phases = np.pi * np.arange(1 if np.isrealobj(values) else _PHASES) / _PHASES
+            return np.asarray(np.max([von_mises(at_phase(values, p)) for p in phases], axis=0))
         return np.asarray(np.linalg.norm(values, axis=1))
 
     def at(self, state: State, phase: float) -> Floats:
@@ -219,13 +221,6 @@ SHADES: tuple[Shade, ...] = (
 def shades_of(result: FieldResult) -> tuple[Shade, ...]:
     """Fields that pictures of a result can be coloured by."""
     return tuple(shade for shade in SHADES if shade.field in result.has)
-
-
-def _largest_von_mises(stress: Array) -> Floats:
-    if np.isrealobj(stress):
-        return von_mises(stress)
-    phases = np.pi * np.arange(_PHASES) / _PHASES  # the other half period is the same
-    return np.asarray(np.max([von_mises(at_phase(stress, p)) for p in phases], axis=0))
 
 
 def drawn_size(points: Floats, displacement: Array) -> float:

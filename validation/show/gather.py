@@ -29,7 +29,7 @@ from tactgen.validation.show.solid_fields import Detail, Found, SolidFields
 #: The model of the normal actuator whose field is shown.
 MAGNETIC = "axisymmetric"
 #: Circuits that modes are shown in.
-_CIRCUITS: tuple[tuple[Circuit, str], ...] = (
+CIRCUITS: tuple[tuple[Circuit, str], ...] = (
     ("short", SHORT_CIRCUIT_FREQUENCIES.name), ("open", OPEN_CIRCUIT_FREQUENCIES.name),
 )  # fmt: skip
 
@@ -88,7 +88,7 @@ def gather(
         from tactgen.validation.show.magnetic import gather_magnetic
 
         return [gather_magnetic(scene, announce, opened=detail == "edges")]
-    solution = solve(scene, tuple(models), [name for _, name in _CIRCUITS], announce)
+    solution = solve(scene, tuple(models), [name for _, name in CIRCUITS], announce)
     return [gather_from(solution, name, frequencies, detail, announce) for name in models]
 
 
@@ -132,7 +132,7 @@ def gather_from(
 
 
 def _modes(solution: Solution, name: str, fields: SolidFields | RowFields) -> list[State]:
-    by_circuit = {c: solution.get(quantity, name) for c, quantity in _CIRCUITS}
+    by_circuit = {c: solution.get(quantity, name) for c, quantity in CIRCUITS}
     states: list[State] = []
     for circuit, quantity in by_circuit.items():
         count = quantity.value.size

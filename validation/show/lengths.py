@@ -11,21 +11,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import BarycentricInterpolator, make_interp_spline
 
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.catalogue.models import MODELS
-from tactgen.validation.catalogue.quantities import (
-    OPEN_CIRCUIT_FREQUENCIES,
-    SHORT_CIRCUIT_FREQUENCIES,
-)
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate, design_size
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import Circuit, FieldResult
-from tactgen.validation.show.gather import gather
+from tactgen.validation.show.gather import CIRCUITS, gather
 
 #: A mode: its circuit, its class of motion, and its place among those of this class.
 ModeKey = tuple[Circuit, str, int]
@@ -67,24 +64,12 @@ class LengthRange:
     method: str  #: How the frequencies' bars come about
 
 
-def lagrange_weights(nodes: Floats, at: float) -> Floats:
-    """Lagrange weights (k,) of nodes (k,) at a place."""
-    apart = nodes[:, None] - nodes[None, :] + np.eye(nodes.size)
-    ratios = (at - nodes[None, :]) / apart
-    np.fill_diagonal(ratios, 1.0)
-    return np.asarray(ratios.prod(axis=1))
-
-
 #: Lengths at which frequencies are known, and at which shapes are solved.
 KNOWN, _SOLVED = 31, 5
 #: Accuracy of shapes: what is drawn is not read to more than a percent.
 _SHAPES = 1e-2
 #: Modes more than the scene asks for that are solved, since their order changes with the length.
 _MORE = 2
-_NAMES: dict[Circuit, str] = {
-    "short": SHORT_CIRCUIT_FREQUENCIES.name,
-    "open": OPEN_CIRCUIT_FREQUENCIES.name,
-}
 
 
 def length_range(
@@ -119,15 +104,14 @@ def length_range(
         announce(f"shapes of {model}: length {number} of {_SOLVED + 1}")
         results.append(_fields(scene, model, float(length)))
     base = results[_SOLVED // 2]
-    lattices = [_Lattice(base.mesh, result.mesh) for result in results]
-    points = np.stack([lattice.points for lattice in lattices])
-    by_key = [_shapes(result, lattice) for result, lattice in zip(results, lattices, strict=True)]
-    weights = lagrange_weights(solved, judge)
+    carried = [carrier(base.mesh, result.mesh) for result in results]
+    points = np.stack([to(of.mesh.points) for to, of in zip(carried, results, strict=True)])
+    by_key = [_shapes(result, to) for result, to in zip(results, carried, strict=True)]
     modes, missed = [], 0.0
     for key, first in by_key[0].items():
         if key in tables and all(key in found for found in by_key):
             shapes = np.stack([_turned_like(first, found[key]) for found in by_key])
-            apart = np.abs(np.tensordot(weights, shapes[:-1], 1) - shapes[-1]).max()
+            apart = np.abs(BarycentricInterpolator(solved, shapes[:-1])(judge) - shapes[-1]).max()
             missed = max(missed, float(apart / np.abs(shapes[-1]).max()))
             modes.append(ModeOverLength(*key, *tables[key], shapes[:-1]))
     return LengthRange(
@@ -157,7 +141,7 @@ def _tables(
 ) -> dict[ModeKey, tuple[Floats, Floats]] | None:
     """Frequency and bar (n,) of each mode over the lengths."""
     scenes = [_at(scene, float(length)) for length in lengths]
-    names = tuple(_NAMES.values())
+    names = tuple(name for _, name in CIRCUITS)
     answers: Sequence[Sequence[Quantity]]
     if MODELS[model].quick:
         announce(f"frequencies of {model} at {lengths.size} lengths")
@@ -171,7 +155,7 @@ def _tables(
     tables: dict[ModeKey, tuple[Floats, Floats]] = {}
     for n, found in enumerate(answers):
         by_name = {q.name: q for q in found}
-        for circuit, name in _NAMES.items():
+        for circuit, name in CIRCUITS:
             for key, place in _keys(circuit, by_name[name].classes or ()):
                 if key not in tables:
                     tables[key] = np.full(lengths.size, np.nan), np.full(lengths.size, np.nan)
@@ -188,12 +172,12 @@ def _keys(circuit: Circuit, classes: Sequence[str]) -> list[tuple[ModeKey, int]]
     ]
 
 
-def _shapes(result: FieldResult, lattice: _Lattice) -> dict[ModeKey, Floats]:
+def _shapes(result: FieldResult, carry: Callable[[Floats], Floats]) -> dict[ModeKey, Floats]:
     found: dict[ModeKey, Floats] = {}
-    for circuit in _NAMES:
+    for circuit, _ in CIRCUITS:
         states = [s for s in result.states if s.kind == "mode" and s.circuit == circuit]
         for key, place in _keys(circuit, [s.motion for s in states]):
-            found[key] = lattice.of(np.real(states[place].fields["displacement"]))
+            found[key] = carry(np.real(states[place].fields["displacement"]))
     return found
 
 
@@ -202,39 +186,27 @@ def _turned_like(first: Floats, shape: Floats) -> Floats:
     return shape if float(np.vdot(first, shape)) >= 0.0 else -shape
 
 
-class _Lattice:
-    """Map from the points of one length to those of another.
+def carrier(base: Mesh, mesh: Mesh) -> Callable[[Floats], Floats]:
+    """Map of values (n, 3) from the points of one length to those (m, 3) of the base's.
 
     Points of one part that lie above each other form a column; columns of both meshes are the
     same, and stations along them correspond by their share of the column's height.  Meshes of
     the same cells correspond point by point.
     """
+    if np.array_equal(base.cells, mesh.cells):
+        return np.asarray
+    own = _columns(mesh)
 
-    def __init__(self, base: Mesh, mesh: Mesh) -> None:
-        self._pairs: list[tuple[Ints, Ints, Floats, Floats]] = []
-        self._same = np.array_equal(base.cells, mesh.cells)
-        if self._same:
-            self.points = mesh.points
-            return
-        own, theirs = _columns(mesh), _columns(base)
-        for region, (at, z) in theirs.items():
-            here, z_here = own[region]
-            share = (z - z[0]) / (z[-1] - z[0])
-            self._pairs.append((at, here, z_here, z_here[0] + share * np.ptp(z_here)))
-        self._size = len(base.points)
-        self.points = self.of(mesh.points)
-
-    def of(self, values: Floats) -> Floats:
-        """Values (n, 3) of the mesh at the base's points (m, 3)."""
-        if self._same:
-            return np.asarray(values)
-        from scipy.interpolate import make_interp_spline
-
-        out = np.empty((self._size, 3))
-        for at, here, z, wanted in self._pairs:
-            order = min(3, z.size - 1)
-            out[at] = make_interp_spline(z, values[here], k=order, axis=1)(wanted)
+    def carry(values: Floats) -> Floats:
+        out = np.empty((len(base.points), 3))
+        for region, (at, z_base) in _columns(base).items():
+            here, z = own[region]
+            wanted = z[0] + (z_base - z_base[0]) / (z_base[-1] - z_base[0]) * np.ptp(z)
+            spline = make_interp_spline(z, values[here], k=min(3, z.size - 1), axis=1)
+            out[at] = spline(wanted)
         return out
+
+    return carry
 
 
 def _columns(mesh: Mesh) -> dict[int, tuple[Ints, Floats]]:

@@ -68,7 +68,8 @@ class Picture:
 
 def still(result: FieldResult, state: State, picture: Picture, phase: float = 0.0) -> bytes:
     """PNG of a state at a phase (rad); InputError where the system has no OpenGL library."""
-    return as_png(frames(result, state, picture, [phase])[0])
+    stage = _StateStage(result, state, picture)
+    return as_png(stage.images([phase], stage.picture_at, lambda _: None)[0])
 
 
 def captioned(result: FieldResult, state: State, size: tuple[int, int]) -> Still:
@@ -76,18 +77,6 @@ def captioned(result: FieldResult, state: State, size: tuple[int, int]) -> Still
     words, picture = words_of(result, state), Picture(*size, shade=shades_of(result)[0])
     caption = f"{words.title}: {words.number}, {words.detail}".removesuffix(", ")
     return Still(still(result, state, picture), caption)
-
-
-def frames(
-    result: FieldResult,
-    state: State,
-    picture: Picture,
-    phases: list[float],
-    announce: Callable[[str], None] = lambda _: None,
-) -> list[Image]:
-    """Image for each phase (rad), all to one scale of colours and lengths."""
-    stage = _StateStage(result, state, picture)
-    return stage.images(phases, stage.picture_at, announce)
 
 
 def check_film(path: Path, state: State) -> None:
@@ -110,7 +99,8 @@ def write_film(
     """Write one period of a state; see :func:`check_film` for what is refused."""
     check_film(path, state)
     phases = [2.0 * np.pi * k / _FRAMES for k in range(_FRAMES)]
-    save_film(path, frames(result, state, picture, phases, announce), _SHOWN, _REPEATS)
+    stage = _StateStage(result, state, picture)
+    save_film(path, stage.images(phases, stage.picture_at, announce), _SHOWN, _REPEATS)
 
 
 class _StateStage(Stage):

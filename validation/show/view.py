@@ -13,7 +13,7 @@ from tactgen.geometry.files import write_text, written_whole
 from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.export import check_place
-from tactgen.validation.show.field import FieldResult, Shade, State, shades_of
+from tactgen.validation.show.field import FieldResult, Shade, shades_of
 from tactgen.validation.show.gather import MAGNETIC, default_models, gather, with_fields
 from tactgen.validation.show.moving import standing
 
@@ -56,7 +56,7 @@ def view(
     Raises InputError if the scene has nothing to show, a model, state or field is not there, or a
     file cannot be written.
     """
-    from tactgen.validation.show.stills import check_film
+    from tactgen.validation.show.stills import Picture, check_film, still, write_film
 
     for kind, path in files.items():
         check_place(f"--{kind}", path, SUFFIXES[kind])
@@ -68,7 +68,7 @@ def view(
     results = looked_at(scene, look, announce)
     first = results[0]
     state = first.state(look.state) if look.state else first.states[0]
-    pictured = first, state, _shade(first, look)
+    shade = _shade(first, look)
     for kind in ("gif", "mp4"):
         if kind in files:
             check_film(files[kind], state)
@@ -76,8 +76,12 @@ def view(
         if kind == "out":
             announce("page")
             write_text(path, page_of(results, announce, ranges))
+        elif kind == "png":
+            announce("still")
+            with written_whole(path) as temporary:
+                temporary.write_bytes(still(first, state, Picture(shade=shade)))
         else:
-            _write_picture(kind, path, *pictured, announce)
+            write_film(path, first, state, Picture(800, 480, shade), announce)
     return list(files.values())
 
 
@@ -132,24 +136,6 @@ def _shade(result: FieldResult, look: Look) -> Shade | None:
         f"--field {look.shade} is not a field of the model {result.model}, which has "
         f"{', '.join(shade.key for shade in known)}"
     )
-
-
-def _write_picture(
-    kind: str,
-    path: Path,
-    result: FieldResult,
-    state: State,
-    shade: Shade | None,
-    announce: Callable[[str], None],
-) -> None:
-    from tactgen.validation.show.stills import Picture, still, write_film
-
-    if kind == "png":
-        announce("still")
-        with written_whole(path) as temporary:
-            temporary.write_bytes(still(result, state, Picture(shade=shade)))
-        return
-    write_film(path, result, state, Picture(800, 480, shade), announce)
 
 
 def page_of(

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import BarycentricInterpolator
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
@@ -9,7 +10,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show import lengths
 from tactgen.validation.show.gather import gather
-from tactgen.validation.show.lengths import _Lattice, _turned_like, lagrange_weights, length_range
+from tactgen.validation.show.lengths import _turned_like, carrier, length_range
 
 ENDS = 15e-3, 25e-3
 
@@ -49,7 +50,7 @@ def test_what_is_missed_is_measured_between_the_nodes(monkeypatch):
     for mode in found.modes:
         alike = [s for s in more.states if s.circuit == mode.circuit and s.motion == mode.motion]
         shape = np.real(alike[mode.place].fields["displacement"])
-        read = np.tensordot(lagrange_weights(found.solved, between), mode.shapes, 1)
+        read = BarycentricInterpolator(found.solved, mode.shapes)(between)
         read *= np.sign(np.vdot(read, shape))
         missed.append(np.abs(read - shape).max() / np.abs(shape).max())
     assert max(missed) == pytest.approx(found.missed, rel=1e-9)
@@ -65,22 +66,21 @@ def test_stations_of_two_divisions_correspond_by_their_height():
         return box_tetrahedra(x, y, z, region, ("one", "other"))
 
     base, longer = mesh(2.0, 6), mesh(3.0, 9)
-    lattice = _Lattice(base, longer)
-    assert lattice.points == pytest.approx(base.points * [1.0, 1.0, 1.5])
+    carry, stretched = carrier(base, longer), base.points * [1.0, 1.0, 1.5]
+    assert carry(longer.points) == pytest.approx(stretched)
 
     def field(p, length):
         share = p[:, 2] / length
         return np.stack([share**3 + p[:, 0], share**2 * p[:, 1], 1.0 - share], axis=1)
 
-    assert lattice.of(field(longer.points, 3.0)) == pytest.approx(field(base.points, 2.0))
+    assert carry(field(longer.points, 3.0)) == pytest.approx(field(base.points, 2.0))
     # through three stations goes no more than a parabola
     few, parabola = mesh(3.0, 3), [1.0, 1.0, 0.5]
-    assert _Lattice(base, few).of(few.points**2 * parabola) == pytest.approx(
-        (base.points * [1.0, 1.0, 1.5]) ** 2 * parabola
-    )
-    same = _Lattice(base, mesh(3.0, 6))
-    assert same.points == pytest.approx(lattice.points)
-    assert same.of(base.points) == pytest.approx(base.points)
+    carried = carrier(base, few)(few.points**2 * parabola)
+    assert carried == pytest.approx(stretched**2 * parabola)
+    same = mesh(3.0, 6)
+    assert carrier(base, same)(same.points) == pytest.approx(stretched)
+    assert carrier(base, same)(base.points) == pytest.approx(base.points)
 
 
 @pytest.mark.heavy
@@ -96,12 +96,6 @@ def test_what_is_refused():
     scene, _ = load_scene("j1", ["models=tmm"])
     with pytest.raises(InputError, match="--lengths runs from 25 mm to 15 mm; begin below"):
         length_range(scene, "tmm", ENDS[::-1])
-
-
-def test_weights_reproduce_polynomials():
-    nodes = np.array([1.0, 2.0, 4.0, 5.0])
-    assert lagrange_weights(nodes, 3.0) @ nodes**3 == pytest.approx(27.0)
-    assert lagrange_weights(nodes, 2.0) == pytest.approx([0.0, 1.0, 0.0, 0.0])
 
 
 def test_a_shape_is_turned_like_the_first_whatever_its_size():

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import BarycentricInterpolator
 
 from tactgen.geometry.formats import with_error
 from tactgen.validation.engine.solve import solve
@@ -16,12 +17,7 @@ from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.browser import find_browser, run_browser
 from tactgen.validation.show.field import SHADES, at_phase, enlargement, shades_of
 from tactgen.validation.show.gather import gather
-from tactgen.validation.show.lengths import (
-    LengthRange,
-    ModeOverLength,
-    lagrange_weights,
-    length_range,
-)
+from tactgen.validation.show.lengths import LengthRange, ModeOverLength, length_range
 from tactgen.validation.show.page import Still, page
 from tactgen.validation.show.viewer import Block, payload
 
@@ -234,8 +230,10 @@ def test_the_slider_of_the_length(browser, seen, lengths, tmp_path):
         apart = abs(mode.frequency[found["k"]] - first.value[0])
         assert apart <= mode.error[found["k"]] + first.error[0]
         # the tip is where its polynomial is, enlarged
-        weights = lagrange_weights(ranges[0].solved, length)
-        shape, points = (np.tensordot(weights, v, 1) for v in (mode.shapes, ranges[0].points))
+        shape, points = (
+            BarycentricInterpolator(ranges[0].solved, v)(length)
+            for v in (mode.shapes, ranges[0].points)
+        )
         top = int(np.argmin(np.hypot(points[:, 0], points[:, 1]) - 1e3 * points[:, 2]))
         drawn = found["enlarge"] * np.abs(shape).max()
         assert np.array(found["tip"]) == pytest.approx(

@@ -68,39 +68,24 @@ def detailed_numbers(
     scalars = {
         row.quantity: row.cells[-1] for row in compare(scene, solution.quantities, "bimorph")
     }
-    responses = _responses(scene, solution, model, targets)
+    frequencies = {t.frequency for t in targets if t.frequency is not None}
+    names = dict.fromkeys(t.name for t in targets if t.frequency is not None)
+    given = [name for name in names if gives(model, name)]
+    if MODELS[model].quick and given:
+        at_wanted = scene.model_copy(update={"frequency": tuple(sorted(frequencies))})
+        solution = solve(at_wanted, (model,), given)
+    responses = {q.name: q for q in solution.quantities if q.model == model and q.name in given}
     found = {}
     for target in targets:
         name = target.name
         if target.frequency is not None:
-            near = [
-                number
-                for f, number in responses.get(name, {}).items()
-                if np.isclose(f, target.frequency, rtol=1e-9, atol=0.0)
-            ]
-            if near:
-                found[target.label] = near[0]
+            q = responses.get(name)
+            frequency = q.frequency if q and q.frequency else ()
+            for at in np.flatnonzero(np.isclose(frequency, target.frequency, rtol=1e-9, atol=0.0)):
+                found[target.label] = float(abs(q.value[at])), float(q.error[at])
         elif name in scalars and not target.peak:
             cell = scalars[name]
             found[target.label] = (abs(cell.value), cell.error)
-    return found
-
-
-def _responses(
-    scene: Scene, solution: Solution, model: str, targets: Sequence[Target]
-) -> dict[str, dict[float, tuple[float, float]]]:
-    """Each response's magnitude and error bar by frequency (Hz)."""
-    wanted = tuple(sorted({t.frequency for t in targets if t.frequency is not None}))
-    names = dict.fromkeys(t.name for t in targets if t.frequency is not None)
-    given = [name for name in names if gives(model, name)]
-    if MODELS[model].quick and given:
-        at_wanted = scene.model_copy(update={"frequency": wanted})
-        solution = solve(at_wanted, (model,), given)
-    found = {}
-    for q in solution.quantities:
-        if q.model == model and q.name in given and q.frequency is not None:
-            rows = zip(q.frequency, np.abs(q.value), q.error, strict=True)
-            found[q.name] = {f: (float(size), float(bar)) for f, size, bar in rows}
     return found
 
 
