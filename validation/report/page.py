@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tactgen.geometry.files import writable_folder, write_text, written_whole
-from tactgen.validation.report.provenance import FILE, read_record, recorded, seal, unseal
+from tactgen.validation.report.provenance import FILE, SUMS, read_record, recorded, seal
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.request import check_report
 from tactgen.validation.report.sections.contents import sections, work_ahead
@@ -38,7 +38,7 @@ def write_report(
     study = Study(scene, origins, announce, quick=quick)
     with study.ahead(work_ahead(study)):
         page = _page(study, started)
-    unseal(out)
+    (out / SUMS).unlink(missing_ok=True)  # of an earlier report, which this one makes untrue
     written = write_text(out / PAGE, page)
     seal(out, recorded(study.solution), (PAGE,))
     return written

@@ -43,12 +43,14 @@ class Record:
 def recorded(solution: Solution) -> Record:
     """Record of a solution."""
     values = solution.scene.model_dump(mode="json")
+    groups = (group.values() for group in values.values() if isinstance(group, dict))
+    named = [value for group in groups for value in group if isinstance(value, str)]
     return Record(
         this_origin(),
         dt.datetime.now(dt.UTC).isoformat(timespec="seconds"),
         values,
         {key: asdict(tolerance) for key, tolerance in solution.scene.tolerances.items()},
-        {name: checksum(Path(name)) for name in _files(values)},
+        {name: checksum(Path(name)) for name in named if Path(name).is_file()},
         tuple(quantity_json(q) for q in solution.quantities),
     )
 
@@ -100,18 +102,6 @@ def recorded_scene(record: Record) -> Scene:
                 "that it was"
             )
     return Scene.model_validate(record.scene)
-
-
-def _files(values: dict[str, Any]) -> Iterator[str]:
-    """Yield what a scene's groups name that is a file."""
-    for group in values.values():
-        if isinstance(group, dict):
-            yield from (v for v in group.values() if isinstance(v, str) and Path(v).is_file())
-
-
-def unseal(folder: Path) -> None:
-    """Take away the checksums of an earlier report, which the next one makes untrue."""
-    (folder / SUMS).unlink(missing_ok=True)
 
 
 def seal(folder: Path, made: Record, pages: Sequence[str]) -> None:
@@ -203,7 +193,13 @@ def reproduce(path: Path, announce: Callable[[str], None]) -> Reproduction:
     check(folder)
     record = read_record(folder)
     here = this_origin()
-    _check_version(record.made_by, here)
+    made = record.made_by
+    if (made.version, made.code) != (here.version, here.code):
+        raise InputError(
+            f"the report was written by tactgen {made.version} with code {made.code[:12]} (commit "
+            f"{made.commit}), and this is {here.version} with code {here.code[:12]}; reproduce it "
+            "with the version that wrote it"
+        )
     scene = recorded_scene(record)
     with _own_store():
         again = solve(scene, announce=announce)
@@ -245,15 +241,6 @@ def _alike(then: Quantity, now: Quantity) -> bool:
         and then.frequency == now.frequency
         and bool(np.array_equal(np.isnan(then.value), np.isnan(now.value)))
     )
-
-
-def _check_version(then: Origin, here: Origin) -> None:
-    if (then.version, then.code) != (here.version, here.code):
-        raise InputError(
-            f"the report was written by tactgen {then.version} with code {then.code[:12]} (commit "
-            f"{then.commit}), and this is {here.version} with code {here.code[:12]}; reproduce it "
-            "with the version that wrote it"
-        )
 
 
 def _elsewhere(record: Record, here: Origin) -> tuple[str, ...]:

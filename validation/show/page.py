@@ -64,9 +64,13 @@ def data_script(name: str, data: dict[str, Any]) -> str:
 def assets() -> str:
     """Script and style of the viewer, which a page needs once."""
     return (
-        f"<style>{asset('viewer.css')}</style>\n"
-        f"<script>{asset('three.min.js')}</script>\n<script>{asset('viewer.js')}</script>\n"
+        f"<style>{asset('viewer.css')}</style>\n{library()}<script>{asset('viewer.js')}</script>\n"
     )
+
+
+def library() -> str:
+    """Scripts of pictures in space and of packed data, which a page needs once."""
+    return f"<script>{asset('three.min.js')}</script>\n<script>{asset('unpacked.js')}</script>\n"
 
 
 def page(title: str, data: dict[str, Any], stills: Sequence[Still]) -> str:

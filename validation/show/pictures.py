@@ -178,9 +178,9 @@ def fonts(*sizes: float) -> list[Any]:
     return [ImageFont.truetype(str(file), size) for size in sizes]
 
 
-def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
-    """Picture of the mesh, one colour per region; `close_up` shows the held end."""
-    stage = Stage(840, 840 if close_up else 1800)
+def mesh_picture(mesh: Mesh) -> bytes:
+    """Picture of the mesh at its held end, one colour per region."""
+    stage = Stage(840, 840)
     grid = as_grid(mesh)
     grid.points = mesh.points * MM
     for number, region in enumerate(mesh.regions):
@@ -190,10 +190,8 @@ def mesh_picture(mesh: Mesh, *, close_up: bool = False) -> bytes:
             surface, color=colour_of(region), show_edges=True, edge_color="#333333"
         )
     z = mesh.points[:, 2] * MM
-    if close_up:
-        reach = 0.22 * float(np.ptp(z))
-        return stage.cropped(reach, focus=float(z.min()) + 0.42 * reach)
-    return stage.cropped(1.12 * float(np.ptp(z)))
+    reach = 0.22 * float(np.ptp(z))
+    return stage.cropped(reach, focus=float(z.min()) + 0.42 * reach)
 
 
 def solids_picture(solids: dict[str, Any]) -> bytes:

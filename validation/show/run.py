@@ -23,7 +23,7 @@ from tactgen.validation.show.field import Array
 from tactgen.validation.show.field_files import write_steps
 from tactgen.validation.show.gather import body_of
 from tactgen.validation.show.moving import MovingBody
-from tactgen.validation.show.page import asset, data_script, document
+from tactgen.validation.show.page import asset, data_script, document, library
 from tactgen.validation.show.pictures import DIM, INK, Stage, as_png, fonts, save_film
 from tactgen.validation.show.viewer import Block
 
@@ -238,13 +238,13 @@ _HELP = (
 
 def run_page(film: Film) -> str:
     """Page: HTML that holds all it needs."""
-    body = f"<script>{asset('three.min.js')}</script>\n{fragment(film)}"
+    body = library() + fragment(film)
     head = "<style>html,body{margin:0;height:100%}.tr{height:100vh;min-height:40rem}</style>\n"
     return document(f"{film.scene}: a run in time", head, f"<main>{body}</main>\n")
 
 
 def fragment(film: Film, *, within: bool = False) -> str:
-    """Run as a part of a page that has the library for pictures in space.
+    """Run as a part of a page that has the :func:`library`.
 
     `within` a page that is about more it stays light, waits to be played, and takes only the keys
     that are meant for it.

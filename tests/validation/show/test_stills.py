@@ -115,8 +115,7 @@ def taken(seen):
         "mode 1, half a period later": still(solid, first, plain, np.pi),
         "mode 2": still(solid, second, plain),
         "mode 1 by u_x": still(solid, first, Picture(340, 600, shade=SHADES[1])),
-        "mesh": mesh_picture(solid.mesh),
-        "held end": mesh_picture(solid.mesh, close_up=True),
+        "held end": mesh_picture(solid.mesh),
         "generator": solids_picture(scene_solids(scene)),
         "normal actuator": solids_picture(normal_actuator_solids(scene.device)),
         "display": assembly_picture(drawn_parts(display)),
@@ -130,7 +129,7 @@ def test_the_held_end_is_drawn_to_scale_by_its_regions():
     x, y, z = np.linspace(0.0, 0.5e-3, 3), np.array([0.0, 1e-3]), np.linspace(0.0, 10e-3, 5)
     region = np.broadcast_to([[[0]], [[1]]], (2, 1, 4))
     mesh = box_tetrahedra(x, y, z, region, ("shim", "piezo_top"))
-    with Image.open(io.BytesIO(mesh_picture(mesh, close_up=True))) as image:
+    with Image.open(io.BytesIO(mesh_picture(mesh))) as image:
         shown = np.asarray(image.convert("RGB"), dtype=float)
     width = (2.2 * 0.5 + 3.0 * 1.0) / np.hypot(3.0, 2.2)
     assert shown.shape[1] - 2 * 12 == pytest.approx(width * 840 / 2.2, abs=4.0)

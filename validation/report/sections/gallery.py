@@ -57,7 +57,7 @@ def meshes(study: Study) -> list[Still]:
         assert solved is not None
         mesh = cells_of(solved)
         caption = f"mesh of {name}: {mesh.cells.shape[0]} {_kind(solved, mesh)}"
-        found.append(Still(mesh_picture(mesh, close_up=True), caption))
+        found.append(Still(mesh_picture(mesh), caption))
     return found
 
 

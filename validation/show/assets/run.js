@@ -4,7 +4,7 @@
 // between its samples, and the enlargement that is stated.
 (async () => {
   const T = window.THREE, root = document.querySelector('.tr');
-  const data = JSON.parse(document.getElementById('tr-data').textContent);
+  const data = await unpacked(JSON.parse(document.getElementById('tr-data').textContent));
   const find = (name) => root.querySelector(`.tr-${name}`);
 
   const VERTEX = `
@@ -32,23 +32,8 @@
     out vec4 shown;
     void main() { shown = vec4(colour, 1.0); }`;
 
-  async function inflated(text) {
-    const packed = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate-raw'));
-    return new Response(stream).arrayBuffer();
-  }
-  const buffer = await inflated(data.blob);
-  const kinds = { f4: Float32Array, u4: Uint32Array, i2: Int16Array };
-  const array = (at) => {
-    const raw = new kinds[at.type](buffer, at.offset, at.count);
-    return at.type === 'i2' ? Float32Array.from(raw, (v) => v * at.scale) : raw;
-  };
-
-  const rest = array(data.points), lateral = array(data.lateral), axial = array(data.axial);
-  const width = data.width, count = rest.length / 3, samples = data.samples;
-  const motion = array(data.coordinates);
-  const curves = data.curves.map((c) => ({ ...c, values: array(c.values) }));
-  const forces = data.forces.map(array), phase = array(data.phase);
+  const { points: rest, lateral, axial, width, samples, coordinates: motion, curves, forces, phase } = data;
+  const count = rest.length / 3;
   const last = samples - 1, until = data.until;
 
   // ---- the body ---------------------------------------------------------------------------
@@ -117,7 +102,7 @@
     for (const region of data.regions) {
       const made = new T.BufferGeometry();
       made.setAttribute('position', attribute);
-      made.setIndex(new T.BufferAttribute(array(region.triangles), 1));
+      made.setIndex(new T.BufferAttribute(region.triangles, 1));
       const mesh = new T.Mesh(made, new T.RawShaderMaterial({
         glslVersion: T.GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: T.DoubleSide,
         uniforms: { colour: { value: new T.Color(...region.colour) } } }));

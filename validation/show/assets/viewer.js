@@ -70,22 +70,6 @@
     return made;
   }
 
-  async function inflated(text) {
-    const packed = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate-raw'));
-    return new Response(stream).arrayBuffer();
-  }
-
-  /** Arrays of the binary part by where they are; small integers are turned into SI values. */
-  function reader(buffer) {
-    const kinds = { f4: Float32Array, u4: Uint32Array, i2: Int16Array };
-    return (at) => {
-      if (!at) return null;
-      const raw = new kinds[at.type](buffer, at.offset, at.count);
-      return at.type === 'i2' ? Float32Array.from(raw, (v) => v * at.scale) : raw;
-    };
-  }
-
   /** A result at the k-th of its lengths: points and shapes are polynomials in the length. */
   function stretched(result, k) {
     const own = result.lengths, at = own.at[k];
@@ -389,8 +373,7 @@
     }
 
     async start() {
-      const buffer = await inflated(this.payload.blob), array = reader(buffer);
-      this.results = this.payload.results.map((r) => this.loaded(r, array));
+      this.results = (await unpacked(this.payload)).results;
       const T = window.THREE;
       this.renderer = new T.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
       this.renderer.setClearColor(0x000000, 0);
@@ -407,24 +390,6 @@
       this.choose(0, -1);
       this.resize(); this.look('home');
       this.renderer.setAnimationLoop((now) => this.tick(now));
-    }
-
-    loaded(result, at) {
-      const states = result.states.map((s) => ({
-        ...s, arrays: Object.fromEntries(Object.entries(s.arrays).map(([k, v]) => [k, v.map(at)])),
-      }));
-      return {
-        ...result, states, points: at(result.points), triangles: at(result.triangles),
-        edges: at(result.edges), outline: at(result.outline), cells: at(result.cells),
-        regionOfPoint: at(result.regionOfPoint), lines: at(result.lines),
-        lengths: result.lengths && this.loadedLengths(result.lengths, at),
-      };
-    }
-
-    loadedLengths(own, at) {
-      const drawn = Object.fromEntries(['triangles', 'edges', 'outline', 'cells', 'regionOfPoint'].map((k) => [k, at(own[k])]));
-      return { ...own, ...drawn, shapes: own.shapes.map(at),
-        modes: own.modes.map((m) => ({ ...m, middle: at(m.middle), apart: m.apart.map(at) })) };
     }
 
     // ---- what is shown -------------------------------------------------------------------
