@@ -50,12 +50,21 @@ class NormalActuator:
         self.solution, self.announce, self._at_rest = solution, announce, at_rest
         self.scene, self.device = solution.scene, solution.scene.device
         self.current, self.gap = self.scene.coil.current, self.scene.gap
+        #: Whether it is the paper's actuator, perhaps changed
+        self.is_papers = is_papers_actuator(self.scene)
+        asked = solution.models_of("reluctance")
+        #: Models asked for, cheapest first, and the one that others are held against
+        self.models = tuple(name for name in MODELS if name in asked)
+        self.reference = ranked(self.models)[-1]
+        field = solution.models.get(AxisymmetricModel.name)
+        #: The field model, if the scene asks for it
+        self.field_model = field if isinstance(field, AxisymmetricModel) else None
+        #: Whether a model that solves the field is asked for
+        self.has_field = MODELS[self.reference].theory == "field"
+        #: Currents (A) and gaps (m) of the families
+        self.currents: Floats = np.multiply(_SHARES, self.current)
+        self.gaps: Floats = np.geomspace(self.scene.spring.stop_gap, self.gap, _GAPS)
         self._points: dict[tuple[str, float, float], MagneticPoint] = {}
-
-    @property
-    def is_papers(self) -> bool:
-        """Whether it is the paper's actuator, perhaps changed."""
-        return is_papers_actuator(self.scene)
 
     @property
     def turns_are_set(self) -> bool:
@@ -65,28 +74,6 @@ class NormalActuator:
         return (device.rod, coil, device.sleeve, device.steel, device.gap) == (
             usual.rod, usual.coil, usual.sleeve, usual.steel, usual.gap,
         )  # fmt: skip
-
-    @property
-    def models(self) -> tuple[str, ...]:
-        """Models asked for, cheapest first."""
-        asked = self.solution.models_of("reluctance")
-        return tuple(name for name in MODELS if name in asked)
-
-    @property
-    def reference(self) -> str:
-        """The model that others are held against."""
-        return ranked(self.models)[-1]
-
-    @property
-    def field_model(self) -> AxisymmetricModel | None:
-        """The field model, if the scene asks for it."""
-        model = self.solution.models.get(AxisymmetricModel.name)
-        return model if isinstance(model, AxisymmetricModel) else None
-
-    @property
-    def has_field(self) -> bool:
-        """Whether a model that solves the field is asked for."""
-        return MODELS[self.reference].theory == "field"
 
     @cached_property
     def mapped(self) -> Solution:
@@ -155,16 +142,6 @@ class NormalActuator:
     def switching(self) -> dict[str, SwitchingCurrents]:
         """Switching currents by model."""
         return {name: model.switching() for name, model in self._mapped_models.items()}
-
-    @property
-    def currents(self) -> Floats:
-        """Currents of the families (A)."""
-        return np.asarray(np.multiply(_SHARES, self.current))
-
-    @property
-    def gaps(self) -> Floats:
-        """Gaps of the families (m)."""
-        return np.asarray(np.geomspace(self.scene.spring.stop_gap, self.gap, _GAPS))
 
     @cached_property
     def points(self) -> tuple[FieldPoint, ...]:

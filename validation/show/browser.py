@@ -81,38 +81,25 @@ def print_pdf(browser: str, page: Path, target: Path) -> None:
         raise InputError(f"{browser} did not print {page}; open the page and print it by hand")
 
 
-_OBJECT = rb"%d 0 obj\n(.*?)\nendobj"
-_REFERENCE = re.compile(rb"(\d+) 0 R")
-
-
 def anchor_pages(pdf: bytes) -> dict[str, int]:
     """Page, counted from 1, of each named destination; nothing of another PDF."""
-    root = re.search(rb"/Type /Catalog\s(.*?)\nendobj", pdf, re.DOTALL)
-    pages = root and re.search(rb"/Pages (\d+) 0 R", root[1])
-    named = root and re.search(rb"/Dests (\d+) 0 R", root[1])
+    written = re.findall(rb"(?:^|\n)(\d+) 0 obj\n(.*?)\nendobj", pdf, re.DOTALL)
+    objects: dict[bytes, bytes] = dict(written)
+    root = next((body for body in objects.values() if b"/Type /Catalog" in body), b"")
+    pages, named = (re.search(rb"/%s (\d+) 0 R" % key, root) for key in (b"Pages", b"Dests"))
     if not pages or not named:
         return {}
-    number = {page: at for at, page in enumerate(_leaves(pdf, int(pages[1])), start=1)}
-    found = re.findall(rb"/([^\s/\[]+) \[(\d+) 0 R /XYZ", _body(pdf, int(named[1])))
-    return {
-        name.decode("ascii", "replace"): number[int(page)]
-        for name, page in found
-        if int(page) in number
-    }
 
+    def leaves(node: bytes) -> list[bytes]:
+        """Objects of the pages below a node of the page tree, in order."""
+        kids = re.search(rb"/Kids \[(.*?)\]", objects.get(node, b""), re.DOTALL)
+        if kids is None:
+            return [node]
+        return [page for kid in re.findall(rb"(\d+) 0 R", kids[1]) for page in leaves(kid)]
 
-def _leaves(pdf: bytes, node: int) -> list[int]:
-    """Objects of the pages below a node of the page tree, in order."""
-    body = _body(pdf, node)
-    kids = re.search(rb"/Kids \[(.*?)\]", body, re.DOTALL)
-    if kids is None:
-        return [node]
-    return [page for kid in _REFERENCE.findall(kids[1]) for page in _leaves(pdf, int(kid))]
-
-
-def _body(pdf: bytes, number: int) -> bytes:
-    found = re.search(rb"(?:^|\n)" + _OBJECT % number, pdf, re.DOTALL)
-    return found[1] if found else b""
+    number = {page: at for at, page in enumerate(leaves(pages[1]), start=1)}
+    found = re.findall(rb"/([^\s/\[]+) \[(\d+) 0 R /XYZ", objects.get(named[1], b""))
+    return {name.decode("ascii", "replace"): number[page] for name, page in found if page in number}
 
 
 def console(wide: int) -> Console:

@@ -231,16 +231,11 @@ def write_animated_glb(
         temporary.write_bytes(_packed(content, bytes(buffer.data)))
 
 
-def drawn_scale(result: FieldResult, state: State) -> float:
-    """By how much displacements are enlarged, so that the largest is well seen."""
-    height = float(np.ptp(result.mesh.points[:, 2]))
-    size = float(np.abs(np.linalg.norm(np.abs(state.fields["displacement"]), axis=1)).max())
-    return _DRAWN * height / size
-
-
 def _parts(result: FieldResult, state: State) -> list[tuple[str, Floats]]:
     """Names and drawn displacements of a state's morph targets."""
-    moved = drawn_scale(result, state) * np.asarray(state.fields["displacement"])
+    moved = np.asarray(state.fields["displacement"])
+    largest = float(np.linalg.norm(np.abs(moved), axis=1).max())
+    moved = _DRAWN * float(np.ptp(result.mesh.points[:, 2])) / largest * moved
     if state.kind == "mode":
         return [(state.name, np.real(moved))]
     name = state.name

@@ -51,7 +51,6 @@ class ModeOverLength:
 class LengthRange:
     """A model's bimorph over a range of lengths."""
 
-    model: str  #: Its name
     here: float  #: The scene's own length (m)
     mesh: Mesh  #: Points and cells at the length in the middle
     lengths: Floats  #: (n,) Where frequencies are known, ascending (m)
@@ -114,10 +113,15 @@ def length_range(
             apart = np.abs(BarycentricInterpolator(solved, shapes[:-1])(judge) - shapes[-1]).max()
             missed = max(missed, float(apart / np.abs(shapes[-1]).max()))
             modes.append(ModeOverLength(*key, *tables[key], shapes[:-1]))
+    method = "closed form at each length"
+    if not MODELS[model].quick:
+        method = (
+            f"interpolated between {design_size(1)} lengths, accuracy {100 * scene.accuracy:g} %; "
+            "the bar holds what left-out lengths are missed by"
+        )
     return LengthRange(
-        model, scene.bimorph.length, base.mesh, lengths, solved, points[:-1], tuple(modes), missed,
-        _method(scene, model),
-    )  # fmt: skip
+        scene.bimorph.length, base.mesh, lengths, solved, points[:-1], tuple(modes), missed, method
+    )
 
 
 def _at(scene: Scene, length: float) -> Scene:
@@ -222,12 +226,3 @@ def _columns(mesh: Mesh) -> dict[int, tuple[Ints, Floats]]:
         columns = ordered.reshape(-1, heights)
         found[number] = columns, mesh.points[columns[0], 2]
     return found
-
-
-def _method(scene: Scene, model: str) -> str:
-    if MODELS[model].quick:
-        return "closed form at each length"
-    return (
-        f"interpolated between {design_size(1)} lengths, accuracy {100 * scene.accuracy:g} %; the "
-        "bar holds what left-out lengths are missed by"
-    )

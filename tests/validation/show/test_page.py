@@ -112,7 +112,7 @@ def over_length(seen):
         for n, state in enumerate(shapes)
     ]  # fmt: skip
     points = np.stack([result.mesh.points * [1.0, 1.0, s] for s in stretch])
-    return LengthRange("solid", 0.014, result.mesh, known, solved, points, tuple(modes), 1e-3, "m")
+    return LengthRange(0.014, result.mesh, known, solved, points, tuple(modes), 1e-3, "m")
 
 
 def test_lengths_of_the_page_are_the_solvers(seen, over_length):
