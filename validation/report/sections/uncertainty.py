@@ -74,15 +74,14 @@ def detailed_numbers(
     if MODELS[model].quick and given:
         at_wanted = scene.model_copy(update={"frequency": tuple(sorted(frequencies))})
         solution = solve(at_wanted, (model,), given)
-    responses = {q.name: q for q in solution.quantities if q.model == model and q.name in given}
     found = {}
     for target in targets:
         name = target.name
         if target.frequency is not None:
-            q = responses.get(name)
-            frequency = q.frequency if q and q.frequency else ()
-            for at in np.flatnonzero(np.isclose(frequency, target.frequency, rtol=1e-9, atol=0.0)):
-                found[target.label] = float(abs(q.value[at])), float(q.error[at])
+            for q in (q for q in solution.quantities if (q.name, q.model) == (name, model)):
+                near = np.isclose(q.frequency or (), target.frequency, rtol=1e-9, atol=0.0)
+                for at in np.flatnonzero(near):
+                    found[target.label] = float(abs(q.value[at])), float(q.error[at])
         elif name in scalars and not target.peak:
             cell = scalars[name]
             found[target.label] = (abs(cell.value), cell.error)
