@@ -28,15 +28,12 @@ from tactgen.validation.evidence.verification import group_rows
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.report.reluctance_data import NormalActuator, is_of_rest, needs_map
-from tactgen.validation.report.request import prepared, quantities_of, shown_model
+from tactgen.validation.report.request import prepared, quantities_of
 from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.geometry.bimorph.bricks import Bricks
-    from tactgen.geometry.meshing.mesh import Mesh
-    from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
     from tactgen.validation.models.difference import Step
     from tactgen.validation.studies.parameter_uncertainty import Uncertainty
 
@@ -147,23 +144,6 @@ class Study:
         """Where the machine's rod rests, by all models, where the normal actuator has no row."""
         found = [q for q in self.solution.quantities if is_of_rest(q.name)]
         return compare(self.scene, found, "reluctance") if not self.scene.coil.current else []
-
-    @property
-    def field(self) -> TwoMeshModel | None:
-        """The field model to be shown, if the scene asks for one that has fields."""
-        from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
-
-        model = self.solution.models.get(shown_model(self.scene) or "")
-        return model if isinstance(model, TwoMeshModel) else None
-
-    @property
-    def shown_mesh(self) -> Mesh | Bricks | None:
-        """The mesh to be shown; of bricks known before anything is solved."""
-        if shown_model(self.scene) != "solid":
-            return self.field.meshes()[0] if self.field else None
-        from tactgen.validation.models.bimorph.solid import brick_pair
-
-        return brick_pair(self.scene).meshes[0]
 
     @property
     def asks_field(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -157,17 +158,22 @@ class SolidFields:
         solved = model.meshes()[0]
         self._system: SolidSystem = model.systems()[0]
         self._lossy: SolidSystem | None = None
-        self._of_motion: dict[Motion, SolidSystem] = {}
+        related = self._system.related
+        own = self._system.motion
+        #: System of a class of motion, the same for every circuit
+        self._system_of = cache(
+            lambda motion: self._system if related is None or motion == own else related(motion)
+        )
         self._without_ports: dict[Motion, list[SolidState]] = {}
         self._sampler = Sampler(solved, self._system.nodes, detail)
         self.mesh = self._sampler.mesh  #: The points and cells
 
     def modes(self, count: int, *, open_circuit: bool) -> list[Found]:
         """Fields of the lowest `count` modes, ascending."""
-        model, system = self._model, self._system
+        model = self._model
         found: list[SolidState] = []
         for motion, number in model.motions(open_circuit=open_circuit).items():
-            of = system if system.related is None else self._related(motion)
+            of = self._system_of(motion)
             if of.has_ports:
                 found += natural_modes(of, model.scene.ends, number, open_circuit=open_circuit)
             else:
@@ -180,14 +186,6 @@ class SolidFields:
             scaled = state.scaled(sign * MODE_SIZE / size)
             out.append(self._fields(scaled, lossy=False))
         return out
-
-    def _related(self, motion: Motion) -> SolidSystem:
-        """System of a class of motion, the same for every circuit."""
-        assert self._system.related is not None
-        if motion not in self._of_motion:
-            own = motion == self._system.motion
-            self._of_motion[motion] = self._system if own else self._system.related(motion)
-        return self._of_motion[motion]
 
     def _apart(self, system: SolidSystem, number: int) -> list[SolidState]:
         """Modes that no circuit changes, of a class in which the ports take no part."""

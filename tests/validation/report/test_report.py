@@ -16,7 +16,6 @@ from tactgen.geometry.formats import engineering, percent, prefixed, share, sign
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph.solid import cells_of, mesh_pair
 from tactgen.validation.report.page import _with_pages, print_report, write_report
-from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.bimorph_figures import response_values
 from tactgen.validation.scene.scene import load_scene
 from tactgen.validation.show.browser import anchor_pages, find_browser
@@ -36,18 +35,6 @@ def test_a_model_without_a_value_there_tells_none():
     values = json.loads(response_values(np.array([10.0, 20.0]), curve))
     shown = values["cases"][0]["models"]["tmm"]
     assert shown == {"size": ["2 µm", None], "phase": ["90.0", None]}
-
-
-def test_the_mesh_that_is_shown_is_the_finer_of_two():
-    """Of bricks known before anything is solved; of beams there is none."""
-    few = "modes=1", "frequency=100", "quantities=static_tip_displacement"
-    solid, beams = (
-        Study(*load_scene("j1", [f"models={models}", *few]), lambda _: None, quick=True)
-        for models in ("tmm,solid", "tmm")
-    )
-    sizes = [bricks.used().sum() for bricks in mesh_pair(solid.scene).meshes]
-    assert solid.shown_mesh.used().sum() == max(sizes) > min(sizes)
-    assert beams.shown_mesh is None
 
 
 @pytest.mark.heavy

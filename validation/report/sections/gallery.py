@@ -53,8 +53,7 @@ def meshes(study: Study) -> list[Still]:
         if not isinstance(model, TwoMeshModel):
             continue
         study.announce(f"picture of the mesh of {name}")
-        solved = study.shown_mesh if name == "solid" else model.meshes()[0]
-        assert solved is not None
+        solved = model.meshes()[0]
         mesh = cells_of(solved)
         caption = f"mesh of {name}: {mesh.cells.shape[0]} {_kind(solved, mesh)}"
         found.append(Still(mesh_picture(mesh), caption))

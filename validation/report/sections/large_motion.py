@@ -33,7 +33,7 @@ from tactgen.validation.show.page import inline
 from tactgen.validation.show.run import fragment
 
 if TYPE_CHECKING:
-    from tactgen.validation.models.transient import Simulation
+    pass
 
 
 def backbone_plot(found: Backbone) -> str:
@@ -175,36 +175,22 @@ def _row(state: RockingState, linear: Floats) -> Context:
     }
 
 
-def run_in_time(study: Study) -> Simulation | str:
-    """Run of the paper's Fig 16, or why there is none."""
-    from tactgen.validation.evidence.cases.motion import SOURCES
-    from tactgen.validation.models.transient import run_scene
-
-    study.announce("the run of Fig 16")
-    try:
-        return run_scene(
-            study.scene,
-            SOURCES,
-            _UNTIL,
-            coil="current",
-            accuracy=_QUICK_ACCURACY if study.quick else _ACCURACY,
-            announce=study.announce,
-        )
-    except InputError as error:
-        return str(error)
-
-
 def _time(study: Study) -> Context:
     """Run of the paper's Fig 16, as a film and as pictures for paper."""
     from tactgen.validation.evidence.cases.motion import SOURCES
-    from tactgen.validation.models.transient import phases
+    from tactgen.validation.models.transient import phases, run_scene
     from tactgen.validation.show.run import still_of_run
     from tactgen.validation.studies.simulate import film_of, time_plot
 
     scene = study.scene
-    run = run_in_time(study)
-    if isinstance(run, str):
-        return {"run": None, "refused": run}
+    accuracy = _QUICK_ACCURACY if study.quick else _ACCURACY
+    study.announce("the run of Fig 16")
+    try:
+        run = run_scene(
+            scene, SOURCES, _UNTIL, coil="current", accuracy=accuracy, announce=study.announce
+        )
+    except InputError as error:
+        return {"run": None, "refused": str(error)}
     found = phases(run)
     by_name = {name: [p for p in found if p.name == name] for name in _TEXT}
     return {
