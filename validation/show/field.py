@@ -52,20 +52,14 @@ FIELDS: dict[str, FieldKind] = {
 
 @dataclass(frozen=True)
 class State:
-    """One state of the device.
-
-    Attributes
-    ----------
-    bar : float
-        Numerical error bar of a mode's frequency (Hz); nan where there is none.
-    """
+    """One state of the device."""
 
     name: str  #: Unique among the states of a result, such as "mode 1, short circuit"
     #: See :data:`StateKind` and :data:`Circuit`
     kind: StateKind
     circuit: Circuit
     frequency: float  #: Hz; 0 of a static state
-    error: float
+    error: float  #: Numerical error bar of a mode's frequency (Hz); nan where there is none
     #: By the names of :data:`FIELDS`, SI, real or complex peak amplitudes with the time factor
     #: e^{+jΩt}.  Modes are scaled to a largest displacement of :data:`MODE_SIZE`
     fields: Mapping[str, Array]

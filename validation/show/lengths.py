@@ -30,18 +30,13 @@ ModeKey = tuple[Circuit, str, int]
 
 @dataclass(frozen=True)
 class ModeOverLength:
-    """One mode over the length.
-
-    Attributes
-    ----------
-    frequency, bar : (n,) array
-        Hz; nan where it is not among the lowest that the scene asks for.
-    """
+    """One mode over the length."""
 
     #: Which it is: the place counts modes of one class of motion, from 0
     circuit: Circuit
     motion: str
     place: int
+    #: (n,) Hz, with error bars; nan where it is not among the lowest that the scene asks for
     frequency: Floats
     error: Floats
     shapes: Floats  #: (k, points, 3) Displacements at the solved lengths (m)
@@ -98,10 +93,14 @@ def length_range(
     )
     # beside the middle node, where such a polynomial strays about as far as anywhere
     judge = 0.5 * (solved[_SOLVED // 2] + solved[_SOLVED // 2 + 1])
+    asked = {
+        "accuracy": max(scene.accuracy, _SHAPES), "modes": scene.modes + _MORE, "models": (model,),
+    }  # fmt: skip
     results = []
     for number, length in enumerate((*solved, judge), start=1):
         announce(f"shapes of {model}: length {number} of {_SOLVED + 1}")
-        results.append(_fields(scene, model, float(length)))
+        coarse = _at(scene, float(length)).model_copy(update=asked)
+        results += gather(coarse, [model], (), "edges")
     base = results[_SOLVED // 2]
     carried = [carrier(base.mesh, result.mesh) for result in results]
     points = np.stack([to(of.mesh.points) for to, of in zip(carried, results, strict=True)])
@@ -127,17 +126,6 @@ def length_range(
 def _at(scene: Scene, length: float) -> Scene:
     bimorph = scene.bimorph.model_copy(update={"length": length})
     return scene.model_copy(update={"bimorph": bimorph})
-
-
-def _fields(scene: Scene, model: str, length: float) -> FieldResult:
-    coarse = _at(scene, length).model_copy(
-        update={
-            "accuracy": max(scene.accuracy, _SHAPES),
-            "modes": scene.modes + _MORE,
-            "models": (model,),
-        }
-    )
-    return gather(coarse, [model], (), "edges")[0]
 
 
 def _tables(

@@ -101,19 +101,10 @@ def section_of(field: MagneticField) -> Section:
     """Parts of a converged field with B and H at the corners of pieces of its cells."""
     d = field.discretisation
     grid = d.grid
-    across = round(np.sqrt(d.radii.shape[1]))
-    # rounding must not tell points of one column apart
-    order = np.lexsort((d.elevations, np.round(d.radii, 12)))[..., None]
-    spread = _from_gauss_points(across)
-    corners = [
-        np.einsum(
-            "ia,cabk,jb->cijk",
-            spread,
-            np.take_along_axis(values, order, axis=1).reshape(-1, across, across, 2),
-            spread,
-        )
-        for values in (field.flux_density, field.field_strength)
-    ]
+    fields = np.concatenate([field.flux_density, field.field_strength], axis=-1)
+    inside = gauss_columns(field, fields)
+    spread = _from_gauss_points(inside.shape[1])
+    corners = np.einsum("ia,cabk,jb->cijk", spread, inside, spread)
     names = tuple(dict.fromkeys(_PARTS[region.name] for region in grid.regions))
     part_of = np.array([names.index(_PARTS[region.name]) for region in grid.regions])
     r, z = (_divided(lines) for lines in (grid.r, grid.z))
@@ -126,9 +117,7 @@ def section_of(field: MagneticField) -> Section:
         number = (part * r.size + at_r) * z.size + at_z
         keys.append(number.ravel())
         places.append(np.stack([r[at_r], z[at_z]], axis=-1).reshape(-1, 2))
-        both.append(
-            np.concatenate([c[i * (grid.z.size - 1) + j] for c in corners], axis=-1).reshape(-1, 4)
-        )
+        both.append(corners[i * (grid.z.size - 1) + j].reshape(-1, 4))
         a, b, c, e = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
         quads.append(np.stack([a, b, c, e], axis=-1).reshape(-1, 4))
         owners.append(np.full(len(quads[-1]), part))
@@ -146,6 +135,15 @@ def section_of(field: MagneticField) -> Section:
         flux_density=values[:, :2],
         field_strength=values[:, 2:],
     )
+
+
+def gauss_columns(field: MagneticField, values: Floats) -> Floats:
+    """Values (cells, p², k) at the Gauss points as (cells, p, p, k), along r and z."""
+    d = field.discretisation
+    across = round(np.sqrt(d.radii.shape[1]))
+    # rounding must not tell points of one column apart
+    order = np.lexsort((d.elevations, np.round(d.radii, 12)))[..., None]
+    return np.take_along_axis(values, order, axis=1).reshape(-1, across, across, values.shape[-1])
 
 
 def _from_gauss_points(across: int) -> Floats:

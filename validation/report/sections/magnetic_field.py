@@ -11,6 +11,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
 from tactgen.validation.show.figures import BLUE, DARK, new_figure, svg
+from tactgen.validation.show.magnetic import gauss_columns
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint
@@ -67,13 +68,10 @@ def _heights(device: Device) -> tuple[float, float]:
 def _shade(axis: Any, solution: MagneticField, device: Device) -> Any:
     """Shade |B|: one patch around each quadrature point, so that jumps stay sharp."""
     d = solution.discretisation
-    magnitude = np.linalg.norm(solution.flux_density, axis=-1)
-    across = round(np.sqrt(magnitude.shape[1]))
-    # in each cell along z first; rounding must not tell points of one column apart
-    order = np.lexsort((d.elevations, np.round(d.radii, 12)))
-    sorted_by_place = np.take_along_axis(magnitude, order, axis=1)
+    magnitude = np.linalg.norm(gauss_columns(solution, solution.flux_density), axis=-1)
+    across = magnitude.shape[1]
     nr, nz = d.grid.r.size - 1, d.grid.z.size - 1
-    values = sorted_by_place.reshape(nr, nz, across, across).transpose(0, 2, 1, 3)
+    values = magnitude.reshape(nr, nz, across, across).transpose(0, 2, 1, 3)
     near = d.grid.r < 2.0 * _WIDTH * _radius(device)
     r, z = (_patches(x, across) for x in (d.grid.r[near], d.grid.z))
     table = values.reshape(nr * across, nz * across)[: r.size - 1]
