@@ -34,20 +34,11 @@ CIRCUITS: tuple[tuple[Circuit, str], ...] = (
 )  # fmt: skip
 
 
-def with_fields(scene: Scene) -> tuple[str, ...]:
-    """Scene's models of the lateral actuator: all of them have fields."""
-    lateral = models_of("bimorph")
-    return tuple(name for name in scene.models if name in lateral)
-
-
 def default_models(scene: Scene) -> tuple[str, ...]:
     """Model to look at: the fastest solid that the scene asks for, else a row."""
-    known = with_fields(scene)
-    for name in ("solid", "cad", "tmm", "beam", "lumped"):
-        if name in known:
+    for name in ("solid", "cad", "tmm", "beam", "lumped", MAGNETIC):
+        if name in scene.models:
             return (name,)
-    if MAGNETIC in scene.models:
-        return (MAGNETIC,)
     raise InputError(
         f"models = {', '.join(scene.models)} in scene {scene.name} have neither a bimorph that "
         f'moves nor a field to show; name another scene, such as "paper", or set models={MAGNETIC}'

@@ -14,7 +14,7 @@ from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.export import check_place
 from tactgen.validation.show.field import FieldResult, Shade, shades_of
-from tactgen.validation.show.gather import MAGNETIC, default_models, gather, with_fields
+from tactgen.validation.show.gather import MAGNETIC, default_models, gather
 from tactgen.validation.show.moving import standing
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def _ranges(
 def _models(scene: Scene) -> tuple[str, ...]:
     """Fastest solid of a scene, and transfer matrices beside it."""
     first = default_models(scene)
-    alone = first in {("tmm",), (MAGNETIC,)} or "tmm" not in with_fields(scene)
+    alone = first in {("tmm",), (MAGNETIC,)} or "tmm" not in scene.models
     return first if alone else (*first, "tmm")
 
 
