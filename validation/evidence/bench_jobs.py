@@ -7,7 +7,8 @@ frequencies.  Job J2: its damped sweep at 200 frequencies.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal
+from dataclasses import replace
+from typing import Any, Unpack
 
 import numpy as np
 import scipy.sparse.linalg  # noqa: F401  (before a clock starts)
@@ -19,22 +20,25 @@ from tactgen.fem.piezo.ports import static_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import materials
 from tactgen.fem.solvers.linear_solver import available_solver, factorise
-from tactgen.geometry.arrays import Ints, Numbers
+from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.evidence.peers.job import (
     LAYERS,
     Answer,
-    Clock,
+    Fineness,
     Job,
     Material,
-    answer,
     bricks,
+    layers_across,
+    planes,
+    solved,
 )
 from tactgen.validation.models.bimorph.natural_modes import coarse_modes, fine_modes, lowest_modes
 from tactgen.validation.scene.scene import Scene, load_scene
@@ -44,6 +48,10 @@ MODES = 4
 #: Error asked of the reduction to ports, relative; far below the meshes' errors.
 _REDUCTION = 1e-6
 
+#: So few bricks that asking them which modes are the lowest costs next to nothing: two along the
+#: length, of degree 5 (two percent off, where its modes lie tens apart), as the intervals at both
+#: ends (thicknesses) are so long that nothing is left between them.
+_SCOUT = BrickMeshing((2, 2, 5), smallest=1e3, tip=1e3)
 #: The solid model's own family.
 BRICKS = "bricks of high order"
 
@@ -53,62 +61,33 @@ def j1() -> Scene:
     return load_scene("j1", [])[0]
 
 
-def job(
-    *,
-    kind: Literal["brick", "tetra"] = "brick",
-    order: int = 2,
-    through_piezo: int = 1,
-    through_shim: int = 1,
-    across: int = 2,
-    longest: float,
-    first: float,
-    growth: float = 4.0,
-    device: Device | None = None,
-) -> Job:
+#: What is not said of a fineness.
+_USUAL = Fineness(
+    kind="brick", order=2, through_piezo=1, through_shim=1, across=2, growth=4.0
+)  # fmt: skip
+
+
+def job(device: Device | None = None, **fineness: Unpack[Fineness]) -> Job:
     """Job J1, or another device's, as plain numbers; without frequencies."""
     device = device or j1().device
-    regions = ("piezo_top", "shim")
-    exact, lossy = (
-        materials(device, regions, device.piezo.ceramic(), lossy=loss) for loss in (False, True)
-    )
+    known = materials(device, ("piezo_top", "shim"), device.piezo.ceramic(), lossy=True)
     bimorph = device.bimorph
-    return Job(
-        piezo_thickness=bimorph.piezo_thickness,
-        shim_thickness=bimorph.shim_thickness,
-        width=bimorph.width,
-        length=bimorph.length,
-        ceramic=_plain(exact["piezo_top"], lossy["piezo_top"]),
-        shim=_plain(exact["shim"], lossy["shim"]),
-        modes=MODES,
-        frequencies=[],
-        kind=kind,
-        order=order,
-        through_piezo=through_piezo,
-        through_shim=through_shim,
-        across=across,
-        longest=longest,
-        first=first,
-        growth=growth,
-    )
+    return {
+        "piezo_thickness": bimorph.piezo_thickness, "shim_thickness": bimorph.shim_thickness,
+        "width": bimorph.width, "length": bimorph.length, "ceramic": _plain(known["piezo_top"]),
+        "shim": _plain(known["shim"]), "modes": MODES, "frequencies": [], **_USUAL, **fineness,
+    }  # fmt: skip
 
 
-def _plain(exact: Any, lossy: Any) -> Material:
-    """Region's tensors as lists: the lossy ones hold the imaginary parts."""
-
-    def rows(values: Numbers) -> list[list[float]]:
-        return [[float(v) for v in row] for row in values]
-
-    empty: list[list[float]] = []
-    piezo, damped = exact.piezo, lossy.piezo
-    return Material(
-        stiffness=rows(lossy.c.real),
-        stiffness_loss=rows(lossy.c.imag),
-        coupling=rows(damped.e.real) if piezo else empty,
-        coupling_loss=rows(damped.e.imag) if piezo else empty,
-        permittivity=rows(damped.eps.real) if piezo else empty,
-        permittivity_loss=rows(damped.eps.imag) if piezo else empty,
-        density=exact.density,
-    )
+def _plain(lossy: Any) -> list[Material]:
+    """Region's tensors as lists: their real parts, and the imaginary ones."""
+    piezo = lossy.piezo
+    tensors = (lossy.c, piezo.e if piezo else np.array([]), piezo.eps if piezo else np.array([]))
+    parts = ([t.real.tolist() for t in tensors], [t.imag.tolist() for t in tensors])
+    return [
+        Material(stiffness=c, coupling=e, permittivity=eps, density=lossy.density)
+        for c, e, eps in parts
+    ]
 
 
 def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
@@ -116,53 +95,47 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     # the solver's libraries come with its first call, before the clock starts: their time is the
     # process's, not the mesh's
     factorise(sparse.csr_matrix(np.eye(2)))
-    solver = available_solver()
     device, make = j1().device, FAMILIES[family]
-
-    clock = Clock()
-    mesh = make(device, fineness)
-    clock.stop("mesh")
-    system = assemble(device, mesh, lossy=bool(frequencies))
-    clock.stop("assembly")
-    if frequencies:
-        values = _sweep(system, frequencies)
-        clock.stop("sweep")
-        return answer(clock, system.size, solver, sweep=values)
-    _ = system.held_factor
-    clock.stop("factor")
-    static = _static(system)
-    clock.stop("solve")
-    natural = _natural(device, mesh, system)
-    clock.stop("eigen")
-    return answer(clock, system.size, solver, static=static, natural=natural)
+    return solved(
+        frequencies, available_solver(), lambda: make(device, fineness),
+        lambda mesh: _Own(device, mesh, lossy=bool(frequencies)),
+    )  # fmt: skip
 
 
-def _static(system: Any) -> tuple[float, float]:
-    """Deflection and capacitance of the clamped, free bimorph."""
-    response = respond(attach(static_multiport(system), Ends()), {"voltage": 1.0})
-    return float(response.motion["w_tip"][0].real), float(response.effort["voltage"][0].real)
+class _Own:
+    """The job on a mesh of ours."""
 
+    def __init__(self, device: Device, mesh: Mesh | Bricks, *, lossy: bool) -> None:
+        self._device, self._mesh = device, mesh
+        self._system = assemble(device, mesh, lossy=lossy)
+        self.unknowns = self._system.size
 
-def _natural(device: Device, mesh: Mesh | Bricks, system: Any) -> list[float]:
-    """Natural frequencies; a coarse mesh says which classes of motion they are in."""
-    if not isinstance(mesh, Bricks):
-        return [mode.frequency for mode in natural_modes(system, Ends(), MODES)]
-    below = coarse_modes(assemble(device, scout(device), lossy=False), MODES)
-    above = fine_modes(system, below, MODES)
-    found, _ = lowest_modes(above, below, Ends(), MODES, open_circuit=False)
-    return [mode.frequency for mode in found][:MODES]
+    def sweep(self, frequencies: list[float]) -> list[complex]:
+        """Complex deflection by reduction to ports."""
+        f = np.array(frequencies)
+        port = reduce_to_ports(self._system, f, tolerance=_REDUCTION).multiport(f)
+        response = respond(attach(port, Ends()), {"voltage": 1.0})
+        return [complex(w) for w in response.motion["w_tip"]]
 
+    def factor(self) -> None:
+        """Factorise the stiffness."""
+        _ = self._system.held_factor
 
-def _sweep(system: Any, frequencies: list[float]) -> list[complex]:
-    """Complex deflection by reduction to ports."""
-    f = np.array(frequencies)
-    port = reduce_to_ports(system, f, tolerance=_REDUCTION).multiport(f)
-    response = respond(attach(port, Ends()), {"voltage": 1.0})
-    return [complex(w) for w in response.motion["w_tip"]]
+    def static(self) -> tuple[float, float]:
+        """Deflection and capacitance of the clamped, free bimorph."""
+        response = respond(attach(static_multiport(self._system), Ends()), {"voltage": 1.0})
+        tip, charge = response.motion["w_tip"], response.effort["voltage"]
+        return float(tip[0].real), float(charge[0].real)
 
-
-#: Six tetrahedra of a brick, all around its diagonal from corner 0 to corner 6.
-_TETS = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
+    def natural(self) -> list[float]:
+        """Natural frequencies; a coarse mesh says which classes of motion they are in."""
+        if not isinstance(self._mesh, Bricks):
+            return [mode.frequency for mode in natural_modes(self._system, Ends(), MODES)]
+        scout = assemble(self._device, bimorph_bricks(self._device, _SCOUT), lossy=False)
+        below = coarse_modes(scout, MODES)
+        above = fine_modes(self._system, below, MODES)
+        found, _ = lowest_modes(above, below, Ends(), MODES, open_circuit=False)
+        return [mode.frequency for mode in found][:MODES]
 
 
 def second_order(
@@ -178,15 +151,6 @@ def second_order(
         pieces=(10.0, 1e3), growth=3.0,
     )  # fmt: skip
     return bimorph_bricks(device, meshing)
-
-
-def scout(device: Device) -> Bricks:
-    """So few bricks that asking them which modes are the lowest costs next to nothing.
-
-    Two along the length, of degree 5: two percent off, where its modes lie tens apart.
-    """
-    whole = 1e3  # so long at both ends that nothing is left between them
-    return bimorph_bricks(device, BrickMeshing((2, 2, 5), smallest=whole, tip=whole))
 
 
 def hexahedra(job: Job) -> Mesh:
@@ -209,38 +173,31 @@ def hexahedra(job: Job) -> Mesh:
     )
 
 
-def structured_tetrahedra(job: Job) -> Mesh:
-    """Job's grid with every brick cut into six tetrahedra."""
-    mesh = hexahedra(job)
-    return Mesh(
-        points=mesh.points,
-        cells=mesh.cells[:, _TETS].reshape(-1, 4),
-        kind="tetra",
-        region_of_cell=np.repeat(mesh.region_of_cell, len(_TETS)),
-        regions=mesh.regions,
-        faces={name: _triangles(quads) for name, quads in mesh.faces.items()},
-    )
+def layered_tetrahedra(x: Floats, y: Floats, z: Floats, half: float) -> Mesh:
+    """Boxes between planes (m) cut into six tetrahedra each; the shim is between x = ± `half`."""
+    boxes = (y.size - 1) * (z.size - 1)
+    region = np.repeat(layers_across(x, half), boxes).reshape(-1, y.size - 1, z.size - 1)
+    mesh = box_tetrahedra(x, y, z, region, LAYERS)
+    triangles = np.concatenate([np.delete(mesh.cells, corner, axis=1) for corner in range(4)])
+    across = mesh.points[triangles, 0]
+    faces = {"base": mesh.faces["z_low"], "tip": mesh.faces["z_high"]}
+    for side, sign in (("top", 1.0), ("bottom", -1.0)):
+        for name, place in (("inner", sign * half), ("outer", sign * x[-1])):
+            on = (np.abs(across - place) < 1e-9 * x[-1]).all(axis=1)
+            faces[f"electrode_{side}_{name}"] = np.unique(np.sort(triangles[on], axis=1), axis=0)
+    return replace(mesh, faces=faces)
 
 
-def _triangles(quads: Ints) -> Ints:
-    """Cut quadrilaterals as the tetrahedra do: along lowest to highest corner."""
-    start = np.argmin(quads, axis=1)
-    a, b, c, d = (quads[np.arange(len(quads)), (start + turn) % 4] for turn in range(4))
-    return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-
-
-def free_tetrahedra(device: Device, root: float, far: float) -> Mesh:
-    """Tetwild mesh with edges of `root` at the clamp and `far` elsewhere (m)."""
-    options = TetMeshing(edge_length=far, root_edge_length=root)
-    return tetrahedralise(device, "alone", LAYERS, options)
-
-
-#: Mesh of each of our families from a device and a fineness; that of the first a level of the
-#: solid model's own.  Another one is one line.
+#: Mesh of each of our families from a device and a fineness: of the first a level of the solid
+#: model's own, of tetwild's the edges (m) at the clamp and elsewhere.  Another one is one line.
 FAMILIES: dict[str, Callable[[Device, Any], Mesh | Bricks]] = {
     BRICKS: lambda device, level: bimorph_bricks(device, LEVELS[level]),
     "hexahedra of 27 nodes": lambda device, sizes: second_order(device, *sizes),
     "hexahedra of 20 nodes": lambda _, fineness: hexahedra(fineness),
-    "structured P2 tetrahedra": lambda _, fineness: structured_tetrahedra(fineness),
-    "tetwild P2 tetrahedra": lambda device, edges: free_tetrahedra(device, *edges),
+    "structured P2 tetrahedra": lambda device, fineness: layered_tetrahedra(
+        *planes(fineness), 0.5 * device.bimorph.shim_thickness
+    ),
+    "tetwild P2 tetrahedra": lambda device, edges: tetrahedralise(
+        device, "alone", LAYERS, TetMeshing(root_edge_length=edges[0], edge_length=edges[1])
+    ),
 }

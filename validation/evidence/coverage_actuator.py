@@ -11,6 +11,7 @@ import numpy as np
 
 from tactgen.fem.magnetics.actuator_3d import solve_solid
 from tactgen.fem.magnetics.axisymmetric import solve_point
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.reluctance.section_grid import actuator_regions, air_radius
 from tactgen.geometry.reluctance.sector_tets import Sector
@@ -20,6 +21,7 @@ from tactgen.tmm.generator.transient.time_integration import output_at, simulate
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.reluctance.calibrated import VALUES, State, sizes
 from tactgen.tmm.reluctance.circuit import CELLS
+from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.map_range import map_grid, network_map
 from tactgen.tmm.reluctance.network import DirectForce, network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force
@@ -129,22 +131,31 @@ _POINTS, _GAPS = 20, 9
 
 
 def judge_map(rng: np.random.Generator) -> list[Judged]:
-    """Largest errors of one device's map, drawn by `rng`, against the network itself.
-
-    Relative to a tenth of the largest at that gap, where less: so the map states them.
-    """
+    """Largest errors of one device's map, drawn by `rng`, against the network itself."""
     scene, where, surface = _fitting(rng, lambda scene: network_map(scene.device))
     most = surface.current_limit
     currents = np.append(rng.uniform(0.0, most, _POINTS), most)
     gaps = rng.uniform(*surface.gap_limits, _POINTS)
-    right, found = network_samples(scene.device, np.sort(currents), gaps), []
+    errors = map_errors(scene.device, surface, np.sort(currents), gaps)
+    return [
+        Judged(where, name, float(error.max()), getattr(surface.interpolation_error, name))
+        for name, error in errors.items()
+    ]
+
+
+def map_errors(
+    device: Device, surface: CoenergyMap, currents: Floats, gaps: Floats
+) -> dict[str, Floats]:
+    """Errors (n_currents, n_gaps) of a map against the network itself; currents up to the largest.
+
+    Relative to a tenth of the largest at that gap, where less: so the map states them.
+    """
+    right, errors = network_samples(device, currents, gaps), {}
     for name in ("flux_linkage", "force"):
         known = getattr(right, name)
-        off = np.abs(getattr(surface, name)(right.current[:, None], gaps) - known)
-        error = off / np.maximum(np.abs(known), 0.1 * np.abs(known[-1]))
-        bar = getattr(surface.interpolation_error, name)
-        found.append(Judged(where, name, float(error.max()), bar))
-    return found
+        off = np.abs(getattr(surface, name)(currents[:, None], gaps) - known)
+        errors[name] = off / np.maximum(np.abs(known), 0.1 * np.abs(known[-1]))
+    return errors
 
 
 def judge_switching(rng: np.random.Generator) -> list[Judged]:
@@ -247,10 +258,10 @@ def judge_in_time(rng: np.random.Generator) -> list[Judged]:
 
     That is what a bar in time is of; relative to the output's largest.
     """
-    return accepted(lambda: _judged(rng))
+    return accepted(lambda: _in_time(rng))
 
 
-def _judged(rng: np.random.Generator) -> list[Judged]:
+def _in_time(rng: np.random.Generator) -> list[Judged]:
     ohms, accuracy, speed = (
         between(rng, *limits) for limits in ((1.0, 1e4), (0.01, 0.3), (1e-3, 1.0))
     )

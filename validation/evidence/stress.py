@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +37,14 @@ class Point:
     where: str  #: The parameters, for people
     error: float  #: Worst relative error of all that was compared
     bound: float  #: What the error may be
+
+    @property
+    def share(self) -> float:
+        """Share of its bound that the error takes; an error without one is beyond."""
+        if self.error == 0.0:
+            return 0.0
+        known = self.bound > 0.0 and not math.isnan(self.error)
+        return self.error / self.bound if known else math.inf
 
 
 @storable
@@ -82,29 +89,6 @@ class Stress:
     seconds: float = 0.0  #: How long the run took
 
 
-def share(error: float, bound: float) -> float:
-    """Share of its bound that an error takes; an error without one is beyond."""
-    if math.isnan(error):
-        return math.inf
-    if error == 0.0:
-        return 0.0
-    return error / bound if bound > 0.0 else math.inf
-
-
-def _beyond(points: Sequence[Point]) -> tuple[Point, ...]:
-    """Points beyond their bound, nan included."""
-    return tuple(sorted((p for p in points if not p.error <= p.bound), key=_share, reverse=True))
-
-
-def _share(point: Point) -> float:
-    return share(point.error, point.bound)
-
-
-def _over(points: Sequence[Point]) -> float:
-    """Largest share of its bound that an error takes."""
-    return max(map(_share, points), default=math.nan)
-
-
 #: Stands for the worst of no answers.
 _NONE = Point("", math.nan, math.nan)
 
@@ -122,13 +106,15 @@ def answered(
     It fails if a refusal is not one sentence, or answers are beyond their bounds: more than the
     share for which these are `promised`, or one by :data:`FAR` of them.
     """
-    beyond = _beyond(points)
+    beyond = [p for p in points if not p.error <= p.bound]  # nan included
     worst = max(beyond or points, key=lambda p: p.error, default=_NONE)
+    over = max((p.share for p in points), default=math.nan)
     clear = all(words.strip() and "\n" not in words for words in refusals)
     holds = "holds or says why not" if refusals else "holds"
-    missed = len(beyond) > (1.0 - promised) * len(points) or _over(beyond) > FAR
+    missed = len(beyond) > (1.0 - promised) * len(points) or over > FAR
     verdict = "fails" if missed or not clear else holds
-    return Row(family, what, len(points), worst, _over(points), verdict, tuple(refusals), beyond)
+    beyond.sort(key=lambda p: p.share, reverse=True)
+    return Row(family, what, len(points), worst, over, verdict, tuple(refusals), tuple(beyond))
 
 
 #: What a model may say instead of a number.
@@ -136,9 +122,10 @@ REFUSALS = (InputError, SolverError, ArithmeticError)
 
 
 class Family:
-    """Points of one family, collected as they come."""
+    """Points of one family, collected as they come; bars hold for the share `promised`."""
 
-    def __init__(self) -> None:
+    def __init__(self, promised: float = 1.0) -> None:
+        self.promised = promised
         self.points: list[Point] = []
         self.refusals: list[str] = []
 
@@ -159,17 +146,9 @@ class Family:
         except REFUSALS as error:
             self.refusals.append(str(error))
 
-    def row(self, name: str, what: str, promised: float = 1.0) -> Row:
+    def row(self, name: str, what: str) -> Row:
         """Family, judged as :func:`answered` has it."""
-        return answered(name, what, self.points, self.refusals, promised=promised)
-
-
-def spread(values: Iterable[float]) -> float:
-    """Spread of values relative to the largest; nan if one is not finite."""
-    found = list(values)
-    if not all(math.isfinite(v) for v in found):
-        return math.nan
-    return (max(found) - min(found)) / max(abs(v) for v in found)
+        return answered(name, what, self.points, self.refusals, promised=self.promised)
 
 
 #: Decades of relative error that the colours span.
@@ -234,7 +213,7 @@ def print_stress(parts: Sequence[Stress]) -> None:
     for part in parts:
         for row in part.rows:
             for point in row.beyond[:_MOST]:
-                words = f"{_share(point):.2g} times what was promised at {point.where}"
+                words = f"{point.share:.2g} times what was promised at {point.where}"
                 screen.print(f"{part.part}: {words}", markup=False)
         for said in _kinds(w for row in part.rows for w in row.refusals):
             such_as = ", such as" if len(set(said)) > 1 else ""
@@ -283,7 +262,7 @@ def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
         "verdict", "worst at", "refused", "refusals",
     )  # fmt: skip
     beyond = [
-        (part.part, r.family, p.error, p.bound, _share(p), p.where)
+        (part.part, r.family, p.error, p.bound, p.share, p.where)
         for part in parts for r in part.rows for p in r.beyond
     ]  # fmt: skip
     written = [
@@ -297,7 +276,9 @@ def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
         for number, table in enumerate(part.maps, start=1):
             stem = f"stress-{part.part}-map-{number}"
             columns = ("length_m", "frequency_hz", "error", "naive")
-            written.append(write_csv(out / f"{stem}.csv", columns, _flat(table)))
+            grid = np.meshgrid(table.lengths, table.frequencies, indexing="ij")
+            values = np.stack([*grid, table.error, table.naive], axis=-1).reshape(-1, 4)
+            written.append(write_csv(out / f"{stem}.csv", columns, values.tolist()))
             written.append(write_text(out / f"{stem}.svg", map_plot(table)))
     return written
 
@@ -310,29 +291,9 @@ def _kinds(refusals: Iterable[str]) -> list[list[str]]:
     return list(found.values())
 
 
-def _flat(table: ErrorMap) -> Iterator[tuple[float, ...]]:
-    for i, j in product(range(table.lengths.size), range(table.frequencies.size)):
-        values = (table.error[i, j], table.naive[i, j])
-        yield (float(table.lengths[i]), float(table.frequencies[j]), *map(float, values))
-
-
-#: By name, what gives the rows of a family, told whether a few points will do.
-Families = Mapping[str, Callable[[bool], Row | list[Row]]]
-
-
-#: Adds the points of a family; told whether a few will do.
-Judge = Callable[[Family, bool], None]
-
-
-def table(part: str, families: Mapping[str, tuple[str, Judge]]) -> Families:
-    """Families of a part by name, from ranges and functions that add points."""
-
-    def run(name: str, what: str, judge: Judge, quick: bool) -> Row:
-        family = Family()
-        judge(family, quick)
-        return family.row(f"{part}: {name}" if part else name, what)
-
-    return {name: partial(run, name, *row) for name, row in families.items()}
+#: The range of a family and what adds its points, or what gives rows; told if a few points will do.
+Judge = tuple[str, Callable[[Family, bool], None]] | Callable[[bool], Row | list[Row]]
+Families = Mapping[str, Judge]
 
 
 @dataclass(frozen=True)
@@ -350,9 +311,16 @@ class PartRequest:
         rows = list[Row]()
         for title, family in families.items():
             self.announce(title if title.startswith(name) else f"{name}: {title}")
-            found = self.keep((title, self.quick), partial(family, self.quick))
-            rows += found if isinstance(found, list) else [found]
+            rows += self.keep((title, self.quick), partial(self._rows, title, family))
         return Stress(name, statement, tuple(rows))
+
+    def _rows(self, title: str, judge: Judge) -> list[Row]:
+        if callable(judge):
+            found = judge(self.quick)
+            return found if isinstance(found, list) else [found]
+        (what, add), family = judge, Family()
+        add(family, self.quick)
+        return [family.row(title, what)]
 
 
 #: The parts in order: module and function, from :class:`PartRequest` to :class:`Stress`.

@@ -30,7 +30,7 @@ from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.evidence.cases import textbook_beam
 from tactgen.validation.evidence.cases.exact_beam import offset
-from tactgen.validation.evidence.stress import ErrorMap, Family, PartRequest, Stress, share, table
+from tactgen.validation.evidence.stress import ErrorMap, Family, PartRequest, Point, Stress
 
 #: Entries of D that are not zero by symmetry.
 _ENTRIES = tuple(set(product(range(5), repeat=2)) - {(0, 4), (4, 0), (2, 4), (4, 2)})
@@ -48,7 +48,7 @@ _CLAMPED_FREE = Ends()
 
 
 @cache
-def compared(beam: Section, length: float, frequency: float, ends: Ends) -> tuple[float, float]:
+def compared(beam: Section, length: float, frequency: float, ends: Ends, label: str = "") -> Point:
     """Relative error of D or of the mounted response, with its bound: the worst beside this."""
     omega = 2.0 * np.pi * frequency
     exact = reference.dynamic_stiffness(reference.constants(beam), length, omega)
@@ -61,12 +61,13 @@ def compared(beam: Section, length: float, frequency: float, ends: Ends) -> tupl
         (value, right, float(ours.error))
         for value, right in ((ours.w_tip, w_tip), (ours.charge, charge), (ours.psi_tip, psi_tip))
     ]
-    errors = [
-        (_finite(reference.relative_error(value, right)), bound)
+    where = f"{label}{_si(length, 'm')}, {_si(frequency, 'Hz')}"
+    points = [
+        Point(where, _finite(reference.relative_error(value, right)), bound)
         for value, right, bound in found
         if abs(right) > _UNDERFLOW
     ]
-    return max(errors, key=lambda each: share(*each))
+    return max(points, key=lambda point: point.share)
 
 
 def by_printed_formulas(beam: Section, length: float, frequency: float, ends: Ends) -> float:
@@ -110,7 +111,7 @@ def _finite(error: float) -> float:
 
 def run(asked: PartRequest) -> Stress:
     """Run all families; some 400 points if quick, else some 1300."""
-    found = asked.part("tmm", _STATEMENT, table("", _FAMILIES))
+    found = asked.part("tmm", _STATEMENT, _FAMILIES)
     maps = (
         asked.keep(("map", lossy, asked.quick), partial(_map, lossy, asked.quick))
         for lossy in (True, False)
@@ -163,7 +164,7 @@ def _map(lossy: bool, quick: bool) -> ErrorMap:
     lengths, frequencies = _plane(quick)
     beam, (name, ends) = beam_of(lossy=lossy), _KINDS[lossy]
     points = [[(beam, l, f, ends) for f in frequencies] for l in lengths]
-    ours = np.array([[compared(*at)[0] for at in row] for row in points])
+    ours = np.array([[compared(*at).error for at in row] for row in points])
     naive = np.array([[by_printed_formulas(*at) for at in row] for row in points])
     return ErrorMap(name, np.array(frequencies), np.array(lengths), ours, naive)
 
@@ -264,9 +265,7 @@ def _add(
     family: Family, beam: Section, ends: Ends, lengths: Iterable[float],
     frequencies: Sequence[float], label: str = "",
 ) -> None:  # fmt: skip
-    for length, frequency in product(lengths, frequencies):
-        where = f"{label}{_si(length, 'm')}, {_si(frequency, 'Hz')}"
-        family.add(where, *compared(beam, length, frequency, ends))
+    family.points += [compared(beam, *at, ends, label) for at in product(lengths, frequencies)]
 
 
 def _si(value: float, unit: str) -> str:

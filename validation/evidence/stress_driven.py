@@ -7,7 +7,7 @@ held against 80 digits elsewhere; tetrahedra of the CAD solids against bricks.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -73,8 +73,11 @@ class Pair:
 
     def row(self, sweep: Sweep, quick: bool) -> Row:
         """Row of the compared model over a sweep."""
-        name = f"{self.judged}: {sweep.family}"
-        return driven(name, sweep, self.scene, self.add, quick, promised=PROMISED)
+        family = Family(PROMISED)
+        for where, overrides in sweep.chosen(quick):
+            with family.attempt():
+                self.add(family, where, load_scene(self.scene, list(overrides))[0])
+        return family.row(f"{self.judged}: {sweep.family}", sweep.what)
 
     def add(self, family: Family, where: str, scene: Scene) -> None:
         """Solve a scene by both models, and take every quantity."""
@@ -83,25 +86,6 @@ class Pair:
             one, other = (found.get(name, model) for model in (self.judged, self.witness))
             error, bound = worst(one, other)
             family.add(f"{where}, {name}", error, bound + self.form)
-
-
-def driven(
-    name: str,
-    sweep: Sweep,
-    scene: str,
-    add: Callable[[Family, str, Scene], None],
-    quick: bool,
-    promised: float = 1.0,
-) -> Row:
-    """Row of a sweep whose points `add` compares; refusals are quoted.
-
-    `promised` is the share of answers that their bars promise to hold.
-    """
-    family = Family()
-    for where, overrides in sweep.chosen(quick):
-        with family.attempt():
-            add(family, where, load_scene(scene, list(overrides))[0])
-    return family.row(name, sweep.what, promised)
 
 
 def worst(one: Quantity, other: Quantity) -> tuple[float, float]:
@@ -283,7 +267,7 @@ def run_random(asked: PartRequest) -> Stress:
 def random_rows(asked: PartRequest, count: int) -> tuple[Row, ...]:
     """Rows of so many scenes, each with a stream of its own: bimorphs, machines."""
     seed = asked.seed
-    families = {"prototype": Family(), "generator": Family()}
+    families = {"prototype": Family(PROMISED), "generator": Family(PROMISED)}
     scenes = dict.fromkeys(families, 0)
     for number in range(count):
         asked.announce(f"random scene {number + 1} of {count}, seed {seed}")
@@ -293,7 +277,7 @@ def random_rows(asked: PartRequest, count: int) -> tuple[Row, ...]:
         families[name].points += points
         families[name].refusals += refusals
     return tuple(
-        f.row(f"random: {name}", f"{scenes[name]} scenes, seed {seed}", PROMISED)
+        f.row(f"random: {name}", f"{scenes[name]} scenes, seed {seed}")
         for name, f in families.items()
     )
 

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.equilibrium import AxialForces, axial_forces, settled_place
 from tactgen.tmm.generator.transient.time_integration import output_at, simulate
-from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step, Waveform
+from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.reluctance.map_range import network_map
-from tactgen.tmm.reluctance.network import DirectForce, network_samples
+from tactgen.tmm.reluctance.network import DirectForce
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.evidence.coverage_actuator import map_errors
 from tactgen.validation.evidence.stress import Families, Family, PartRequest, Row, Stress
-from tactgen.validation.evidence.stress_driven import MACHINE, MACHINE_PAIR, Sweep, driven, families
+from tactgen.validation.evidence.stress_driven import MACHINE, MACHINE_PAIR, families
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.small_signal import CELLS_AT_REST
 from tactgen.validation.models.transient import scene_machine
@@ -40,39 +42,30 @@ def run(asked: PartRequest) -> Stress:
     return asked.part("machine", _STATEMENT, {**sweeps, **others})
 
 
+#: Currents (mA) and how they are reached.
+_SLOW = ((20, "rising"), (60, "rising"), (100, "rising"), (60, "falling"))
+
+
 def slow_row(quick: bool) -> Row:
     """Hold the motion per ampere at almost 0 Hz against the derivative of the place of rest.
 
     The derivative is extrapolated from two central differences, whose distance is its bar.
     """
-
-    def add(family: Family, where: str, scene: Scene) -> None:
-        slow = solve(scene, ("tmm",), ("axial_tip_per_current",))
-        moved = complex(slow.get("axial_tip_per_current", "tmm").value[0])
-        current, at_rest = scene.coil.current, _network_forces(scene)
-        wide, near = (_slope(scene, at_rest, share * current) for share in (2e-3, 1e-3))
-        slope = near + (near - wide) / 3.0
-        bar = abs(near - wide) + 1e-6 * abs(slope)
-        family.compare(where, abs(moved), abs(slope), bar)
-
-    sweep = Sweep(
-        "slow motion per ampere", "1 µHz, 20 to 100 mA, on either stop",
-        tuple(
-            (f"{current} mA {history}",
-             ("load.kind=none", "frequency=1e-6 Hz", f"coil.current={current} mA",
-              f"coil.history={history}"))
-            for current, history in (
-                (20, "rising"), (60, "rising"), (100, "rising"), (60, "falling")
-            )
-        ),
-    )  # fmt: skip
-    return driven(f"machine: {sweep.family}", sweep, "generator", add, quick)
-
-
-def _network_forces(scene: Scene) -> AxialForces:
-    """Axial forces on the rod, the magnetic force by the network."""
-    exact = DirectForce(scene.device, CELLS_AT_REST, map_of(scene).gap_limits)
-    return axial_forces(scene.device, exact, scene.load.normal_force)
+    family = Family()
+    for current, history in _SLOW[::3] if quick else _SLOW:
+        with family.attempt():
+            scene, _ = load_scene("generator", [
+                "load.kind=none", "frequency=1e-6 Hz", f"coil.current={current} mA",
+                f"coil.history={history}",
+            ])  # fmt: skip
+            slow = solve(scene, ("tmm",), ("axial_tip_per_current",)).quantities[0]
+            exact = DirectForce(scene.device, CELLS_AT_REST, map_of(scene).gap_limits)
+            forces = axial_forces(scene.device, exact, scene.load.normal_force)
+            wide, near = (_slope(scene, forces, s * scene.coil.current) for s in (2e-3, 1e-3))
+            slope = near + (near - wide) / 3.0
+            bar = abs(near - wide) + 1e-6 * abs(slope)
+            family.compare(f"{current} mA {history}", abs(complex(slow.value[0])), abs(slope), bar)
+    return family.row("machine: slow motion per ampere", "1 µHz, 20 to 100 mA, on either stop")
 
 
 def _slope(scene: Scene, forces: AxialForces, step: float) -> float:
@@ -88,26 +81,16 @@ def _slope(scene: Scene, forces: AxialForces, step: float) -> float:
 
 def edge_row(quick: bool) -> Row:
     """Ask the co-energy map in its corners and on its edges, and beyond them."""
-    device = Device()
-    surface = network_map(device)
+    surface = network_map(Device())
     (near, far), most = surface.gap_limits, surface.current_limit
     family = Family()
-    for current in (1e-9 * most, 0.5 * most, most):
-        for gap in (near, 0.5 * (near + far), far):
-            exact = network_samples(device, np.array([0.0, current]), np.array([gap]))
-            linkage, force = float(exact.flux_linkage[1, 0]), float(exact.force[1, 0])
-            bar_of = surface.interpolation_error
-            where = f"{current:.3g} A, {1e6 * gap:.3g} µm"
-            # relative to a tenth of the largest at that gap, where less: so the map states it
-            largest = network_samples(device, np.array([0.0, most]), np.array([gap]))
-            for name, value, known, top, bar in (
-                ("λ", surface.flux_linkage(current, gap), linkage, largest.flux_linkage[1, 0],
-                 bar_of.flux_linkage),
-                ("F", surface.force(current, gap), force, largest.force[1, 0],
-                 bar_of.force),
-            ):  # fmt: skip
-                size = max(abs(known), 0.1 * abs(float(top)))
-                family.add(f"{where}, {name}", abs(float(value) - known) / size, bar)
+    currents, gaps = np.array([1e-9, 0.5, 1.0]) * most, np.array([near, 0.5 * (near + far), far])
+    errors = map_errors(Device(), surface, currents, gaps)
+    for (i, current), (j, gap) in product(enumerate(currents), enumerate(gaps)):
+        for name, symbol in (("flux_linkage", "λ"), ("force", "F")):
+            bar = getattr(surface.interpolation_error, name)
+            where = f"{current:.3g} A, {1e6 * gap:.3g} µm, {symbol}"
+            family.add(where, errors[name][i, j], bar)
     for current, gap in ((1.01 * most, near), (most, 1.01 * far), (most, near - 1e-6)):
         with family.attempt():
             surface.force(current, gap)
@@ -125,22 +108,20 @@ _UNDAMPED = (
     _FREE, "contact.relaxation_time=0 s", "guide.axial_damping=0 N*s/m",
     "piezo.quality_factor=1e9", "contact.friction=0.001",
 )  # fmt: skip
-_OFF = Step(0.0)
 
 
 @dataclass(frozen=True)
 class _Run:
     """Run in time: label, overrides, speed of the rod at the start (m/s).
 
-    `coil` is what drives the winding, by current unless `by_voltage`.
+    `volts` drive the winding; without them it carries no current.
     """
 
     where: str
     overrides: tuple[str, ...]
     until: float
     speed: float = 0.0
-    coil: Waveform = _OFF
-    by_voltage: bool = False
+    volts: float | None = None
 
 
 _BLOWS = tuple(
@@ -154,38 +135,42 @@ _LOSSLESS = tuple(
 _CIRCUITS = tuple(
     _Run(
         f"source of {ohms:g} ohm", (_FREE, f"coil.source_resistance={ohms:g} ohm"), 2e-4,
-        coil=Step(0.05 * ohms), by_voltage=True,
+        volts=0.05 * ohms,
     )
     for ohms in (1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
 )  # fmt: skip
 
 
+#: By row: what is run.
+_MOTIONS = {
+    "machine: blows on its stop": ("the rod at 1 cm/s to 2 m/s", _BLOWS),
+    "machine: without damping": ("no loss in contact, guide, bimorph", _LOSSLESS),
+    "machine: stiff circuits": ("10 ohm to 1 Mohm in series", _CIRCUITS),
+}
+
+
 def motion_rows(quick: bool) -> list[Row]:
     """Rows: seconds if `quick`, else a minute."""
-    return [
-        _row("machine: blows on its stop", "the rod at 1 cm/s to 2 m/s", _BLOWS, quick),
-        _row("machine: without damping", "no loss in contact, guide, bimorph", _LOSSLESS, quick),
-        _row("machine: stiff circuits", "10 ohm to 1 Mohm in series", _CIRCUITS, quick),
-    ]
-
-
-def _row(name: str, what: str, runs: tuple[_Run, ...], quick: bool) -> Row:
-    family = Family()
-    for run in runs[-1:] if quick else runs:
-        with family.attempt():
-            _judge(family, run)
-    return family.row(name, what)
+    rows = []
+    for name, (what, runs) in _MOTIONS.items():
+        family = Family()
+        for run in runs[-1:] if quick else runs:
+            with family.attempt():
+                _judge(family, run)
+        rows.append(family.row(name, what))
+    return rows
 
 
 def _judge(family: Family, run: _Run) -> None:
     """Compare every output at its worst time, and the energy."""
     scene, _ = load_scene("generator", list(run.overrides))
-    found = scene_machine(scene, coil="voltage" if run.by_voltage else "current", volts=10.0)
+    by_voltage = run.volts is not None
+    found = scene_machine(scene, coil="voltage" if by_voltage else "current", volts=10.0)
     velocity = np.zeros(found.rest.size)
     velocity[0] = run.speed
     judged, finer = (
         simulate(
-            found.system, Sources(Sine(10.0, 200.0), run.coil), run.until,
+            found.system, Sources(Sine(10.0, 200.0), Step(run.volts or 0.0)), run.until,
             position=found.rest, velocity=velocity, accuracy=_ACCURACY * share,
         )
         for share in (1.0, _FINER)
@@ -196,7 +181,7 @@ def _judge(family: Family, run: _Run) -> None:
         size = float(np.abs(values).max()) or 1.0
         at = int(np.argmax(off / np.maximum(bar, np.finfo(float).tiny)))
         family.add(f"{run.where}, {name}", off[at] / size, bar[at] / size)
-    if run.by_voltage:
+    if by_voltage:
         bar = judged.bars["current"][-1] + finer.bars["current"][-1]
         last, known = (answer.run.current[-1] for answer in (judged, finer))
         family.compare(f"{run.where}, current at the end", float(last), float(known), float(bar))

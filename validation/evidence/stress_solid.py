@@ -17,14 +17,14 @@ from tactgen.fem.piezo.modes import natural_modes
 from tactgen.fem.piezo.ports import direct_multiport, static_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import SolidSystem
-from tactgen.geometry.arrays import Floats, Ints
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, Axis, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Bimorph, Device, Glue, Shim
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.structured_tets import box_tetrahedra
-from tactgen.validation.evidence.stress import Family, PartRequest, Stress, table
+from tactgen.validation.evidence.bench_jobs import layered_tetrahedra
+from tactgen.validation.evidence.stress import Family, PartRequest, Stress
 from tactgen.validation.models.model import BRICK_FACTOR, least_difference
 
 _TWO_LEVELS = 1.25
@@ -176,9 +176,7 @@ def _shifted(device: Device, shift: float) -> Mesh:
     half = 0.5 * b.shim_thickness
     x = np.array([-half - b.piezo_thickness, -half, 0.0, half, half + b.piezo_thickness])
     y, z = np.linspace(-0.5, 0.5, 4) * b.width, np.linspace(0.0, b.length, 7)
-    region = np.repeat([1, 2, 2, 0], (y.size - 1) * (z.size - 1)).reshape(4, 3, 6)
-    mesh = box_tetrahedra(x, y, z, region, ("piezo_top", "piezo_bottom", "shim"))
-    mesh = _named_faces(mesh, half, x[-1])
+    mesh = layered_tetrahedra(x, y, z, half)
     rng = np.random.default_rng(3)
     steps = np.array([x[3] - x[2], y[1] - y[0], z[1] - z[0]])
     move = rng.uniform(-1.0, 1.0, mesh.points.shape) * steps
@@ -186,22 +184,6 @@ def _shifted(device: Device, shift: float) -> Mesh:
         move[np.isin(mesh.points[:, axis], planes), axis] = 0.0
     largest = _flattening(mesh, move)
     return replace(mesh, points=mesh.points + shift * largest * move)
-
-
-def _named_faces(mesh: Mesh, inner: float, outer: float) -> Mesh:
-    """Name base, tip and the electrodes at |x| = `inner` and `outer` of layered tetrahedra."""
-    faces = {"base": mesh.faces["z_low"], "tip": mesh.faces["z_high"]}
-    for side, sign in (("top", 1.0), ("bottom", -1.0)):
-        faces[f"electrode_{side}_inner"] = _triangles_on(mesh, sign * inner)
-        faces[f"electrode_{side}_outer"] = _triangles_on(mesh, sign * outer)
-    return replace(mesh, faces=faces)
-
-
-def _triangles_on(mesh: Mesh, place: float) -> Ints:
-    corners = ([1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2])
-    triangles = np.concatenate([mesh.cells[:, c] for c in corners])
-    on = (np.abs(mesh.points[triangles, 0] - place) < 1e-9 * abs(place)).all(axis=1)
-    return np.unique(np.sort(triangles[on], axis=1), axis=0)
 
 
 def _flattening(mesh: Mesh, move: Floats) -> float:
@@ -304,22 +286,22 @@ def _resonance(family: Family, quick: bool) -> None:
 
 #: By name: the range, and what adds the points.
 _FAMILIES = {
-    "scales": (
+    "solid: scales": (
         "permittivity with d, moduli with d, densities, lengths: 1e-10 to 1e10 times", _scales,
     ),
-    "thickness ratios": (
+    "solid: thickness ratios": (
         "shim/piezo 1e-3 to 1e3 at one total thickness, M1876 as it is", _thickness,
     ),
-    "slender": ("L/h 100 to 1e4 against beam theory, which is exact there", _slender),
-    "distorted tetrahedra": (
+    "solid: slender": ("L/h 100 to 1e4 against beam theory, which is exact there", _slender),
+    "solid: distorted tetrahedra": (
         "nodes moved by up to 99.9 % of what keeps volumes positive; bending and capacitance",
         _distorted,
     ),
-    "short electrodes": (
+    "solid: short electrodes": (
         "electrode on 1 to 1/1000 of the length, in the middle", _short_electrodes,
     ),
-    "glue": ("20 µm of 1 kPa to 1 TPa, ν up to 0.49999", _glue),
-    "resonance": (
+    "solid: glue": ("20 µm of 1 kPa to 1 TPa, ν up to 0.49999", _glue),
+    "solid: resonance": (
         "D(Ω) by reduction against direct solution, 1e-1 to 1e-12 beside a resonance", _resonance,
     ),
 }  # fmt: skip
@@ -332,4 +314,4 @@ _STATEMENT = (
 
 def run(asked: PartRequest) -> Stress:
     """Run all families; half a minute if quick, else some minutes."""
-    return asked.part("solid", _STATEMENT, table("solid", _FAMILIES))
+    return asked.part("solid", _STATEMENT, _FAMILIES)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import TypedDict
+from dataclasses import dataclass
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from tactgen.validation.evidence.single_core import peak_memory
 
 
 class Material(TypedDict):
-    """Constants of one layer in the device's axes, real and imaginary parts apart.
+    """Constants of one layer in the device's axes.
 
     Stiffness (6, 6) at constant field (Pa), coupling (3, 6) (C/m²), permittivity (3, 3) at
     constant strain (F/m); the last two are empty where there is no field.  Voigt order xx,
@@ -27,35 +27,19 @@ class Material(TypedDict):
     """
 
     stiffness: list[list[float]]
-    stiffness_loss: list[list[float]]
     coupling: list[list[float]]
-    coupling_loss: list[list[float]]
     permittivity: list[list[float]]
-    permittivity_loss: list[list[float]]
     density: float
 
 
-class Job(TypedDict):
-    """Three layers across x, standing on z = 0, which is clamped; free tip; 1 V.
+class Fineness(TypedDict, total=False):
+    """How fine: `kind` "brick" or "tetra", polynomial `order`.
 
-    Lengths in m.  Both outer faces of the ceramic are at 1 V, its faces on the shim at 0 V.
-    `frequencies` (Hz) are those of the damped sweep; without any, the job is lossless:
-    deflection, capacitance and natural frequencies.
-
-    The rest says how fine: `kind` "brick" or "tetra", polynomial `order`; bricks through a
-    ceramic layer, through the shim and across the width; the longest brick (m), the first
-    one at the clamp (m) and the ratio of neighbours.  Tetrahedra take `longest` and `first`
-    as edge lengths far from the clamp and at it.
+    Bricks through a ceramic layer, through the shim and across the width; the longest brick (m),
+    the first one at the clamp (m) and the ratio of neighbours.  Tetrahedra take `longest` and
+    `first` as edge lengths far from the clamp and at it.
     """
 
-    piezo_thickness: float
-    shim_thickness: float
-    width: float
-    length: float
-    ceramic: Material
-    shim: Material
-    modes: int
-    frequencies: list[float]
     kind: str
     order: int
     through_piezo: int
@@ -64,6 +48,24 @@ class Job(TypedDict):
     longest: float
     first: float
     growth: float
+
+
+class Job(Fineness):
+    """Three layers across x, standing on z = 0, which is clamped; free tip; 1 V.
+
+    Lengths in m; of each material the real part, and the imaginary one.  Both outer faces of the
+    ceramic are at 1 V, its faces on the shim at 0 V.  `frequencies` (Hz) are those of the damped
+    sweep; without any, the job is lossless: deflection, capacitance and natural frequencies.
+    """
+
+    piezo_thickness: float
+    shim_thickness: float
+    width: float
+    length: float
+    ceramic: list[Material]
+    shim: list[Material]
+    modes: int
+    frequencies: list[float]
 
 
 class Answer(TypedDict):
@@ -86,23 +88,43 @@ class Answer(TypedDict):
     solver: str
 
 
-@dataclass
-class Clock:
-    """Processor time of one phase after the other."""
+def solved(
+    frequencies: list[float], solver: str, make: Callable[[], Any], assemble: Callable[[Any], Any]
+) -> Answer:
+    """Solve a job, or with frequencies its sweep, phase by phase, with the resources that it took.
 
-    seconds: dict[str, float] = field(default_factory=dict)
-    _since: float = field(default_factory=time.process_time)
+    `assemble` gives from what `make` gives a model: its `unknowns`, and ``sweep``, or ``factor``,
+    ``static`` (deflection and capacitance) and ``natural`` (the frequencies), in this order.
+    """
+    seconds, since = dict[str, float](), time.process_time()
 
-    def stop(self, phase: str) -> None:
-        """Give the time since the last stop to a phase."""
+    def timed(phase: str, work: Callable[[], Any]) -> Any:
+        nonlocal since
+        result = work()
         now = time.process_time()
-        self.seconds[phase] = now - self._since
-        self._since = now
+        seconds[phase], since = now - since, now
+        return result
+
+    mesh = timed("mesh", make)
+    model = timed("assembly", lambda: assemble(mesh))
+    sweep, static, natural = [], (0.0, 0.0), []
+    if frequencies:
+        sweep = timed("sweep", lambda: model.sweep(frequencies))
+    else:
+        timed("factor", model.factor)
+        static, natural = timed("solve", model.static), timed("eigen", model.natural)
+    return Answer(
+        deflection=static[0], capacitance=static[1], natural=natural,
+        sweep=[[value.real, value.imag] for value in sweep], unknowns=model.unknowns,
+        seconds=seconds, process_seconds=time.process_time(), peak_memory=peak_memory(),
+        solver=solver,
+    )  # fmt: skip
 
 
-def tensor(values: list[list[float]], loss: list[list[float]], *, lossy: bool) -> Numbers:
+def tensor(parts: list[Material], name: str, *, lossy: bool) -> Numbers:
     """One of a material's tensors, complex if `lossy`."""
-    return np.array(values) + 1j * np.array(loss) if lossy else np.array(values)
+    real, loss = (np.array(part[name]) for part in parts)  # type: ignore[literal-required]
+    return np.asarray(real + 1j * loss if lossy else real)
 
 
 def potential_unit(material: Material) -> float:
@@ -134,29 +156,6 @@ def lowest_frequencies(
         return_eigenvectors=False,
     )
     return [float(f) for f in np.sort(np.sqrt(found)) / (2.0 * np.pi)]
-
-
-def answer(
-    clock: Clock,
-    unknowns: int,
-    solver: str,
-    *,
-    static: tuple[float, float] = (0.0, 0.0),
-    natural: list[float] | None = None,
-    sweep: list[complex] | None = None,
-) -> Answer:
-    """Answer with the resources used by this process."""
-    return Answer(
-        deflection=static[0],
-        capacitance=static[1],
-        natural=natural or [],
-        sweep=[[value.real, value.imag] for value in sweep or []],
-        unknowns=unknowns,
-        seconds=clock.seconds,
-        process_seconds=time.process_time(),
-        peak_memory=peak_memory(),
-        solver=solver,
-    )
 
 
 #: At x > 0, at x < 0, and between.
@@ -216,8 +215,8 @@ class Bricks:
         ]
 
 
-def bricks(job: Job) -> Bricks:
-    """Graded grid that the job asks for.
+def planes(job: Job) -> tuple[Floats, Floats, Floats]:
+    """Grid planes (m) along x, y and z.
 
     Bricks grow from the clamp by `growth`, and shrink by 2.5 twice at most towards layer
     faces and side edges, where stress is singular too; at the tip they are as long as a
@@ -226,18 +225,29 @@ def bricks(job: Job) -> Bricks:
     half, hp = 0.5 * job["shim_thickness"], job["piezo_thickness"]
     layer = _both_ends(hp, job["through_piezo"])
     shim = np.linspace(-half, half, job["through_shim"] + 1)
-    x = np.concatenate([-half - hp + layer[:-1], shim[:-1], half + layer])
-    y = -0.5 * job["width"] + _both_ends(job["width"], job["across"])
-    z = _from_clamp(job["length"], job["first"], hp / 6.0, job["growth"], job["longest"])
+    return (
+        np.concatenate([-half - hp + layer[:-1], shim[:-1], half + layer]),
+        -0.5 * job["width"] + _both_ends(job["width"], job["across"]),
+        _from_clamp(job["length"], job["first"], hp / 6.0, job["growth"], job["longest"]),
+    )
+
+
+def layers_across(x: Floats, half: float) -> Ints:
+    """Index into :data:`LAYERS` of each interval of planes x, of a shim between ± `half`."""
+    middle = 0.5 * (x[1:] + x[:-1])
+    return np.where(middle > half, 0, np.where(middle < -half, 1, SHIM))
+
+
+def bricks(job: Job) -> Bricks:
+    """Graded grid that the job asks for."""
+    x, y, z = planes(job)
     index = np.arange(x.size * y.size * z.size).reshape(x.size, y.size, z.size)
-    ring = ((0, 0), (1, 0), (1, 1), (0, 1))
-    corners = [(i, j, k) for k in (0, 1) for i, j in ring]
+    corners = [(i, j, k) for k in (0, 1) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
     cells = [
         index[i : x.size - 1 + i, j : y.size - 1 + j, k : z.size - 1 + k].ravel()
         for i, j, k in corners
     ]
-    middle = 0.5 * (x[1:] + x[:-1])
-    column = np.where(middle > half, 0, np.where(middle < -half, 1, 2))
+    column = layers_across(x, 0.5 * job["shim_thickness"])
     points = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
     return Bricks(points, np.stack(cells, axis=1), np.repeat(column, (y.size - 1) * (z.size - 1)))
 

@@ -19,12 +19,12 @@ from tactgen.validation.evidence.peers.job import (
     LAYERS,
     Answer,
     Bricks,
-    Clock,
     Job,
-    answer,
+    Material,
     bricks,
     lowest_frequencies,
     potential_unit,
+    solved,
     tensor,
 )
 
@@ -38,22 +38,11 @@ def run(job: Job) -> Answer:
     # imported before the clock starts: its time is the process's, not the mesh's
     import ngsolve  # noqa: F401
 
-    clock = Clock()
-    mesh = _tetrahedra(job) if job["kind"] == "tetra" else _brick_mesh(bricks(job))
-    clock.stop("mesh")
-    model = _Model(mesh, job)
-    clock.stop("assembly")
-    if job["frequencies"]:
-        values = [model.deflection_at(frequency) for frequency in job["frequencies"]]
-        clock.stop("sweep")
-        return answer(clock, model.unknowns, _SOLVER, sweep=values)
-    inverse = model.inverse()
-    clock.stop("factor")
-    static = model.static(inverse)
-    clock.stop("solve")
-    natural = model.natural_frequencies(inverse, job["modes"])
-    clock.stop("eigen")
-    return answer(clock, model.unknowns, _SOLVER, static=static, natural=natural)
+    return solved(
+        job["frequencies"], _SOLVER,
+        lambda: _tetrahedra(job) if job["kind"] == "tetra" else _brick_mesh(bricks(job)),
+        lambda mesh: _Model(mesh, job),
+    )  # fmt: skip
 
 
 class _Model:
@@ -62,7 +51,7 @@ class _Model:
     def __init__(self, mesh: Any, job: Job) -> None:
         import ngsolve as ngs
 
-        self._ngs = ngs
+        self._ngs, self._modes = ngs, job["modes"]
         order, lossy = job["order"], bool(job["frequencies"])
         self._condense = order >= 3 and not lossy
         moved = ngs.VectorH1(mesh, order=order, dirichlet="base", complex=lossy)
@@ -73,7 +62,7 @@ class _Model:
         self._free = self._space.FreeDofs(self._condense)
         self.unknowns = sum(self._space.FreeDofs())
         (u, phi), (v, psi) = self._space.TnT()
-        unit = potential_unit(job["ceramic"])
+        unit = potential_unit(job["ceramic"][0])
         c, e, eps, density = _coefficients(ngs, mesh, job, unit, lossy=lossy)
         s, t = _strain(ngs, u), _strain(ngs, v)
         self._stiffness = ngs.BilinearForm(self._space, symmetric=True, condense=self._condense)
@@ -96,26 +85,25 @@ class _Model:
         volt.components[1].Set(1.0 / unit, definedon=mesh.Boundaries("outer"))
         self._volt = volt.vec
 
-    def inverse(self) -> Any:
-        """Factorise, and return the inverse stiffness as an operator."""
+    def factor(self) -> None:
+        """Factorise; what is kept is the inverse stiffness as an operator."""
         a = self._stiffness
-        inner = a.mat.Inverse(self._free, _SOLVER)
-        if not self._condense:
-            return inner
-        one = self._ngs.IdentityMatrix()
-        to, back = one + a.harmonic_extension_trans, one + a.harmonic_extension
-        return back @ inner @ to + a.inner_solve
+        self._inverse = a.mat.Inverse(self._free, _SOLVER)
+        if self._condense:
+            one = self._ngs.IdentityMatrix()
+            to, back = one + a.harmonic_extension_trans, one + a.harmonic_extension
+            self._inverse = back @ self._inverse @ to + a.inner_solve
 
-    def static(self, inverse: Any) -> tuple[float, float]:
+    def static(self) -> tuple[float, float]:
         """Deflection and capacitance."""
         force, moved = self._volt.CreateVector(), self._volt.CreateVector()
         self._stiffness.Apply(self._volt, force)
-        moved.data = self._volt - inverse * force
+        moved.data = self._volt - self._inverse * force
         self._stiffness.Apply(moved, force)
         charge = -self._ngs.InnerProduct(self._volt, force)
         return self._ngs.InnerProduct(self._tip, moved) / self._area, charge
 
-    def natural_frequencies(self, inverse: Any, count: int) -> list[float]:
+    def natural(self) -> list[float]:
         """Lowest natural frequencies (Hz)."""
         x, y = self._volt.CreateVector(), self._volt.CreateVector()
 
@@ -125,11 +113,14 @@ class _Model:
             return np.array(y.FV().NumPy())
 
         return lowest_frequencies(
-            lambda v: times(inverse, v), lambda v: times(self._mass, v), len(x), count
+            lambda v: times(self._inverse, v), lambda v: times(self._mass, v), len(x), self._modes
         )
 
-    def deflection_at(self, frequency: float) -> complex:
-        """Complex deflection at a frequency (Hz) by a factorisation of its own."""
+    def sweep(self, frequencies: list[float]) -> list[complex]:
+        """Complex deflection at frequencies (Hz), each by a factorisation of its own."""
+        return [self._deflection_at(frequency) for frequency in frequencies]
+
+    def _deflection_at(self, frequency: float) -> complex:
         k = self._stiffness.mat
         dynamic = k.CreateMatrix()
         omega = 2.0 * np.pi * frequency
@@ -150,21 +141,17 @@ def _strain(ngs: Any, u: Any) -> Any:
 
 def _coefficients(ngs: Any, mesh: Any, job: Job, unit: float, *, lossy: bool) -> list[Any]:
     """Stiffness, coupling, permittivity and density, the potential in its unit."""
-    ceramic, shim = job["ceramic"], job["shim"]
 
-    def constant(values: Any) -> Any:
+    def constant(material: list[Material], name: str, scale: float = 1.0) -> Any:
+        values = scale * tensor(material, name, lossy=lossy)
         return ngs.CoefficientFunction(tuple(values.ravel().tolist()), dims=values.shape)
 
-    hard = {
-        "piezo.*": constant(tensor(ceramic["stiffness"], ceramic["stiffness_loss"], lossy=lossy)),
-        "shim": constant(tensor(shim["stiffness"], shim["stiffness_loss"], lossy=lossy)),
-    }
-    heavy = {"piezo.*": ceramic["density"], "shim": shim["density"]}
-    coupling = tensor(ceramic["coupling"], ceramic["coupling_loss"], lossy=lossy)
-    permittivity = tensor(ceramic["permittivity"], ceramic["permittivity_loss"], lossy=lossy)
+    ceramic, shim = job["ceramic"], job["shim"]
+    hard = {"piezo.*": constant(ceramic, "stiffness"), "shim": constant(shim, "stiffness")}
+    heavy = {"piezo.*": ceramic[0]["density"], "shim": shim[0]["density"]}
     return [
-        mesh.MaterialCF(hard), constant(unit * coupling), constant(unit**2 * permittivity),
-        mesh.MaterialCF(heavy),
+        mesh.MaterialCF(hard), constant(ceramic, "coupling", unit),
+        constant(ceramic, "permittivity", unit**2), mesh.MaterialCF(heavy),
     ]  # fmt: skip
 
 

@@ -10,7 +10,7 @@ The sweep factorises once per frequency.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -18,21 +18,27 @@ from tactgen.geometry.arrays import Floats, Ints, Sparse
 from tactgen.geometry.errors import InputError
 from tactgen.validation.evidence.peers.job import (
     Answer,
-    Clock,
     Job,
     Material,
-    answer,
     bricks,
     lowest_frequencies,
     potential_unit,
+    solved,
 )
 
-_SOLVER = "SuperLU"
-_LAYERS: tuple[Literal["ceramic"], Literal["shim"]] = ("ceramic", "shim")
 #: Voigt's order in SfePy: xx, yy, zz, xy, xz, yz.
 _ORDER = [0, 1, 2, 5, 4, 3]
 #: Distance (m) within which a vertex lies on a plane.
 _NEAR = 1e-9
+#: Parts of the piezoelectric stiffness, or of its imaginary part, by materials p and s; masses; and
+#: the integral of u_x over the tip.
+_STIFFNESS = (
+    "dw_lin_elastic.i.piezo(p{part}.D, v, u) + dw_lin_elastic.i.shim(s{part}.D, v, u)",
+    "dw_piezo_coupling.i.piezo(p{part}.e, v, phi)",
+    "dw_piezo_coupling.i.piezo(p{part}.e, u, psi) - dw_diffusion.i.piezo(p{part}.eps, psi, phi)",
+)
+_MASS = "dw_dot.i.piezo(p0.rho, v, u) + dw_dot.i.shim(s0.rho, v, u)"
+_TIP = "dw_surface_ltr.i.tip(pull.x, v)"
 
 
 def run(job: Job) -> Answer:
@@ -45,22 +51,9 @@ def run(job: Job) -> Answer:
     from sfepy.base.base import output
 
     output.set_output(quiet=True)
-    clock = Clock()
-    domain = _domain(job)
-    clock.stop("mesh")
-    model = _Model(domain, job)
-    clock.stop("assembly")
-    if job["frequencies"]:
-        values = [model.deflection_at(frequency) for frequency in job["frequencies"]]
-        clock.stop("sweep")
-        return answer(clock, model.unknowns, _SOLVER, sweep=values)
-    inverse = _factorised(model.stiffness)
-    clock.stop("factor")
-    static = model.static(inverse)
-    clock.stop("solve")
-    natural = lowest_frequencies(inverse, lambda v: model.mass @ v, model.unknowns, job["modes"])
-    clock.stop("eigen")
-    return answer(clock, model.unknowns, _SOLVER, static=static, natural=natural)
+    return solved(
+        job["frequencies"], "SuperLU", lambda: _domain(job), lambda domain: _Model(domain, job)
+    )
 
 
 def _domain(job: Job) -> Any:
@@ -74,180 +67,121 @@ def _domain(job: Job) -> Any:
 
 
 class _Model:
-    """Assembled matrices of the free unknowns; complex stiffness for a sweep.
-
-    Attributes
-    ----------
-    stiffness, mass : (n, n) sparse
-        Of the free displacements and potentials.
-    unknowns : int
-        n.
-    """
+    """Fields, terms and regions of a job; assembled matrices, complex for a sweep."""
 
     def __init__(self, domain: Any, job: Job) -> None:
-        forms = _Forms(domain, job)
-        whole: Sparse = forms.stiffness(loss=False)
-        if job["frequencies"]:
-            whole = whole + 1j * forms.stiffness(loss=True)
-        mass, tip = forms.mass(), forms.tip()
-        free, volt = forms.essential()
-        self.stiffness, self.mass = whole[free][:, free], mass[free][:, free]
-        self.unknowns = free.size
-        self._area = job["width"] * (job["shim_thickness"] + 2.0 * job["piezo_thickness"])
-        self._tip, self._free, self._volt, self._whole = tip, free, volt, whole
-        self._force, self._inertia = (whole @ volt)[free], (mass @ volt)[free]
-
-    def static(self, inverse: Any) -> tuple[float, float]:
-        """Deflection and capacitance."""
-        y = self._volt.copy()
-        y[self._free] -= inverse(self._force)
-        return float(self._tip @ y / self._area), float(-self._volt @ (self._whole @ y))
-
-    def deflection_at(self, frequency: float) -> complex:
-        """Complex deflection at a frequency (Hz) by a factorisation of its own."""
-        o2 = (2.0 * np.pi * frequency) ** 2
-        inverse = _factorised(self.stiffness - o2 * self.mass)
-        moved = -inverse(self._force - o2 * self._inertia)
-        return complex(self._tip[self._free] @ moved / self._area)
-
-
-class _Forms:
-    """Fields, terms and regions of a job; matrices over all unknowns, fixed ones included."""
-
-    def __init__(self, domain: Any, job: Job) -> None:
-        from sfepy.discrete import Equations, FieldVariable, Integral, Problem
+        from sfepy.discrete import (
+            Equations,
+            FieldVariable,
+            Integral,
+            Integrals,
+            Materials,
+            Problem,
+            Variables,
+        )
+        from sfepy.discrete import Material as Constants
         from sfepy.discrete.fem import Field
 
-        order = job["order"]
+        order, sizes = job["order"], {"approx_order": job["order"]}
         everything = domain.create_region("all", "all")
-        self._piezo = domain.create_region("piezo", "cells of group 1 +c cells of group 2")
-        self._shim = domain.create_region("shim", "cells of group 3")
+        piezo = domain.create_region("piezo", "cells of group 1 +c cells of group 2")
+        domain.create_region("shim", "cells of group 3")
         self._faces = _faces(domain, job)
-        moved = Field.from_args("moved", np.float64, "vector", everything, approx_order=order)
-        field = Field.from_args("field", np.float64, "scalar", self._piezo, approx_order=order)
-        self._spaces = (moved, field)
-        self._variables = {
-            "u": FieldVariable("u", "unknown", moved),
-            "v": FieldVariable("v", "test", moved, primary_var_name="u"),
-            "phi": FieldVariable("phi", "unknown", field),
-            "psi": FieldVariable("psi", "test", field, primary_var_name="phi"),
-        }
-        self._integral = Integral("i", order=2 * order)
-        self._unit = potential_unit(job["ceramic"])
-        self._equations = {"mass": self._inertia(job), "tip": self._mean_over_tip()}
-        for loss in (False, True) if job["frequencies"] else (False,):
-            self._equations |= self._constitutive(job, loss=loss)
-        self._all = Equations(self._equations.values())
-        self._problem = Problem("bimorph", equations=self._all)
-        self._problem.time_update()
-        self._problem.update_materials()
-
-    def _sum(self, name: str, *terms: tuple[float, str, Any, Any]) -> Any:
-        """Equation of (factor, term, region, material)."""
-        from sfepy.discrete import Equation
-        from sfepy.terms import Term
-
-        made = []
-        for factor, form, region, material in terms:
-            named = {key: v for key, v in self._variables.items() if key in _arguments(form)}
-            made.append(
-                factor
-                * Term.new(form, self._integral, region, **{material.name: material}, **named)
-            )
-        return Equation(name, sum(made[1:], made[0]))
-
-    def _constitutive(self, job: Job, *, loss: bool) -> dict[str, Any]:
-        """Two rows of the piezoelectric stiffness, or of its imaginary part."""
-        from sfepy.discrete import Material as Constants
-
-        at, (ceramic, shim) = f"{loss:d}", (_tensors(job[key], loss=loss) for key in _LAYERS)
-        p = Constants(
-            f"p{at}", D=ceramic[0], e=self._unit * ceramic[1], eps=self._unit**2 * ceramic[2]
+        moved = Field.from_args("moved", np.float64, "vector", everything, **sizes)
+        field = Field.from_args("field", np.float64, "scalar", piezo, **sizes)
+        self._spaces = {"u": moved, "phi": field}
+        variables = Variables([
+            FieldVariable("u", "unknown", moved),
+            FieldVariable("v", "test", moved, primary_var_name="u"),
+            FieldVariable("phi", "unknown", field),
+            FieldVariable("psi", "test", field, primary_var_name="phi"),
+        ])  # fmt: skip
+        self._unit, self._modes = potential_unit(job["ceramic"][0]), job["modes"]
+        materials = [Constants("pull", x=[[1.0], [0.0], [0.0]])]
+        texts = {"mass": _MASS, "tip": _TIP}
+        for part in (0, 1) if job["frequencies"] else (0,):
+            materials += [
+                Constants(f"p{part}", **_tensors(job["ceramic"][part], self._unit)),
+                Constants(f"s{part}", **_tensors(job["shim"][part], self._unit)),
+            ]
+            texts |= {f"{i} of {part}": text.format(part=part) for i, text in enumerate(_STIFFNESS)}
+        self._equations = Equations.from_conf(
+            texts, variables, domain.regions, Materials(materials),
+            Integrals([Integral("i", order=2 * order)]),
+        )  # fmt: skip
+        problem = Problem("bimorph", equations=self._equations)
+        problem.time_update()
+        problem.update_materials()
+        self._empty = problem.mtx_a
+        self._area = job["width"] * (job["shim_thickness"] + 2.0 * job["piezo_thickness"])
+        self._tip = self._equations["tip"].evaluate(
+            mode="weak", dw_mode="vector", asm_obj=np.zeros(self._empty.shape[0])
         )
-        s = Constants(f"s{at}", D=shim[0])
-        return {
-            f"u{at}": self._sum(
-                f"u{at}",
-                (1.0, f"dw_lin_elastic(p{at}.D, v, u)", self._piezo, p),
-                (1.0, f"dw_lin_elastic(s{at}.D, v, u)", self._shim, s),
-                (1.0, f"dw_piezo_coupling(p{at}.e, v, phi)", self._piezo, p),
-            ),
-            f"phi{at}": self._sum(
-                f"phi{at}",
-                (1.0, f"dw_piezo_coupling(p{at}.e, u, psi)", self._piezo, p),
-                (-1.0, f"dw_diffusion(p{at}.eps, psi, phi)", self._piezo, p),
-            ),
-        }
-
-    def _inertia(self, job: Job) -> Any:
-        from sfepy.discrete import Material as Constants
-
-        p, s = (Constants(f"rho_{key}", rho=job[key]["density"]) for key in _LAYERS)
-        return self._sum(
-            "mass",
-            (1.0, f"dw_dot({p.name}.rho, v, u)", self._piezo, p),
-            (1.0, f"dw_dot({s.name}.rho, v, u)", self._shim, s),
-        )
-
-    def _mean_over_tip(self) -> Any:
-        from sfepy.discrete import Material as Constants
-
-        pull = Constants("pull", x=[[1.0], [0.0], [0.0]])
-        return self._sum("tip", (1.0, "dw_surface_ltr(pull.x, v)", self._faces["tip"], pull))
+        stiffness = [[f"{i} of {part}" for i in range(len(_STIFFNESS))] for part in (0, 1)]
+        self._whole, mass = self._assembled(*stiffness[0]), self._assembled("mass")
+        if job["frequencies"]:
+            self._whole = self._whole + 1j * self._assembled(*stiffness[1])
+        self._free, self._volt = self._essential()
+        self.unknowns = self._free.size
+        self._stiffness, self._mass = (m[self._free][:, self._free] for m in (self._whole, mass))
+        self._force = (self._whole @ self._volt)[self._free]
+        self._inertia = (mass @ self._volt)[self._free]
 
     def _assembled(self, *names: str) -> Sparse:
-        matrix = self._problem.mtx_a.copy()
+        """Sum of equations' matrices over all unknowns, fixed ones included."""
+        matrix = self._empty.copy()
         matrix.data[:] = 0.0
         for name in names:
             matrix = self._equations[name].evaluate(mode="weak", dw_mode="matrix", asm_obj=matrix)
         return matrix
 
-    def stiffness(self, *, loss: bool) -> Sparse:
-        """Stiffness, or its imaginary part."""
-        return self._assembled(f"u{loss:d}", f"phi{loss:d}")
-
-    def mass(self) -> Sparse:
-        """Mass matrix."""
-        return self._assembled("mass")
-
-    def tip(self) -> Floats:
-        """Integral of u_x over the tip per unknown."""
-        zero = np.zeros(self._problem.mtx_a.shape[0])
-        found = self._equations["tip"].evaluate(mode="weak", dw_mode="vector", asm_obj=zero)
-        return np.asarray(found)
-
-    def essential(self) -> tuple[Ints, Floats]:
+    def _essential(self) -> tuple[Ints, Floats]:
         """Free unknowns, and all unknowns at 1 V with nothing moved."""
-        starts = self._all.variables.di.indx
-        moved, field = self._spaces
+        starts = self._equations.variables.di.indx
 
-        def on(space: Any, face: str) -> Ints:
-            return np.asarray(space.get_dofs_in_region(self._faces[face], merge=True))
+        def on(name: str, face: str) -> Ints:
+            return np.asarray(self._spaces[name].get_dofs_in_region(self._faces[face], merge=True))
 
-        volt = np.zeros(self._problem.mtx_a.shape[0])
+        volt = np.zeros(self._empty.shape[0])
         fixed = np.zeros(volt.size, dtype=bool)
-        base = 3 * on(moved, "base")[:, None] + np.arange(3)
+        base = 3 * on("u", "base")[:, None] + np.arange(3)
         fixed[starts["u"].start + base.ravel()] = True
-        outer = starts["phi"].start + on(field, "outer")
-        fixed[starts["phi"].start + on(field, "inner")] = fixed[outer] = True
+        outer = starts["phi"].start + on("phi", "outer")
+        fixed[starts["phi"].start + on("phi", "inner")] = fixed[outer] = True
         volt[outer] = 1.0 / self._unit
         return np.flatnonzero(~fixed), volt
 
+    def factor(self) -> None:
+        """Factorise."""
+        self._inverse = _factorised(self._stiffness)
 
-def _arguments(form: str) -> list[str]:
-    """Names between the brackets of a term."""
-    return form.partition("(")[2].rstrip(")").split(", ")
+    def static(self) -> tuple[float, float]:
+        """Deflection and capacitance."""
+        y = self._volt.copy()
+        y[self._free] -= self._inverse(self._force)
+        return float(self._tip @ y / self._area), float(-self._volt @ (self._whole @ y))
+
+    def natural(self) -> list[float]:
+        """Lowest natural frequencies (Hz)."""
+        return lowest_frequencies(
+            self._inverse, lambda v: self._mass @ v, self.unknowns, self._modes
+        )
+
+    def sweep(self, frequencies: list[float]) -> list[complex]:
+        """Complex deflection at frequencies (Hz), each by a factorisation of its own."""
+        found = []
+        for o2 in ((2.0 * np.pi * frequency) ** 2 for frequency in frequencies):
+            inverse = _factorised(self._stiffness - o2 * self._mass)
+            moved = -inverse(self._force - o2 * self._inertia)
+            found.append(complex(self._tip[self._free] @ moved / self._area))
+        return found
 
 
-def _tensors(material: Material, *, loss: bool) -> tuple[Floats, Floats, Floats]:
-    """Stiffness, coupling and permittivity (or their losses) in SfePy's order."""
-    part = (
-        (material["stiffness_loss"], material["coupling_loss"], material["permittivity_loss"])
-        if loss
-        else (material["stiffness"], material["coupling"], material["permittivity"])
-    )
-    c, e, eps = (np.array(values) for values in part)
-    return c[np.ix_(_ORDER, _ORDER)], e[..., _ORDER] if e.size else e, eps
+def _tensors(material: Material, unit: float) -> dict[str, Any]:
+    """Constants by their names in the equations, in SfePy's order and the potential's unit."""
+    c, e, eps = (np.array(material[n]) for n in ("stiffness", "coupling", "permittivity"))
+    known = {"D": c[np.ix_(_ORDER, _ORDER)], "rho": material["density"]}
+    return known | ({"e": unit * e[:, _ORDER], "eps": unit**2 * eps} if e.size else {})
 
 
 def _faces(domain: Any, job: Job) -> dict[str, Any]:
