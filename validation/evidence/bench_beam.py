@@ -62,8 +62,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
             seconds = on_one_core(__name__, "seconds_of", path, case, points)
             timings.append(timing_of(path, case, points, seconds, error_of(path, case)))
     announce("tmm: design map")
-    shape = [200, 2000, 3]
-    map_seconds = on_one_core(__name__, "map_seconds", *shape)
+    map_time = on_one_core(__name__, "map_seconds")
     announce("tmm: memory")
     points = 1_000_000 if quick else 10_000_000
     memory = on_one_core(__name__, "memory_of", points)
@@ -71,7 +70,7 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     targets = (
         Target("terminated points per second", 1.5e6, rate, "points/s", False, _CLOSED),
         Target(
-            "design map, 200 lengths x 2000 frequencies x 3 loads", 2.0, map_seconds, "s", True,
+            "design map, 200 lengths x 2000 frequencies x 3 loads", 2.0, map_time, "s", True,
             "tactgen.tmm.beam.parametric.tip_response",
         ),
         Target(
@@ -95,11 +94,11 @@ def seconds_of(path: str, case: str, points: int) -> float:
     return least_time(lambda: _velocity(path, f, *attached), 3)[0]
 
 
-def map_seconds(lengths: int, frequencies: int, loads: int) -> float:
+def map_seconds() -> float:
     """Least of three processor times (s) of a design map, attachments included."""
-    kinds = [Load(kind="none"), Load(), Load(kind="mass", mass=1e-3)][:loads]
-    l, f = np.linspace(5e-3, 40e-3, lengths), np.linspace(10.0, 2e3, frequencies)
-    l, f = (grid.ravel() for grid in np.meshgrid(l, f, indexing="ij"))
+    kinds = Load(kind="none"), Load(), Load(kind="mass", mass=1e-3)
+    axes = np.linspace(5e-3, 40e-3, 200), np.linspace(10.0, 2e3, 2000)
+    l, f = (grid.ravel() for grid in np.meshgrid(*axes, indexing="ij"))
 
     def work() -> None:
         for load in kinds:

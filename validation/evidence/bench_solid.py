@@ -7,11 +7,8 @@ one thread each.
 
 from __future__ import annotations
 
-import contextlib
 import math
-import os
 import platform
-import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -163,10 +160,9 @@ def run(quick: bool, announce: Callable[[str], None]) -> Bench:
         announce(f"piezo: {sentence}")
     reference = _reference(quick, announce)
     timings: list[Timing] = []
-    with _no_kept_meshes():
-        for level in ways(quick=quick):
-            announce(f"piezo: {level.path}, fineness {level.level}")
-            timings.extend(_timings(level, reference, 4 if quick else 12))
+    for level in ways(quick=quick):
+        announce(f"piezo: {level.path}, fineness {level.level}")
+        timings.extend(_timings(level, reference, 4 if quick else 12))
     conditions, targets = _conditions(reference, absent), targets_of(timings)
     seconds = time.perf_counter() - started
     return Bench("piezo", conditions, tuple(timings), targets, seconds, "compute time (s)")
@@ -203,7 +199,7 @@ def _timings(level: Level, reference: Reference, sampled: int) -> Iterator[Timin
     found = level.solve([])
     # the reference may be off by its bar, so an error is at most so large
     errors = np.abs(values_of(found) / reference.values - 1.0) + reference.bars
-    yield _timing(level, "J1", found, dict(zip(VALUES, errors.tolist(), strict=True)))
+    yield timing_of(level, "J1", found, dict(zip(VALUES, errors.tolist(), strict=True)))
     if not level.swept:
         return
     everyone = reference.frequencies.size
@@ -211,7 +207,7 @@ def _timings(level: Level, reference: Reference, sampled: int) -> Iterator[Timin
     found = level.solve(reference.frequencies[chosen].tolist())
     found["seconds"]["sweep"] *= everyone / chosen.size
     error = np.abs(_sweep_of(found) / reference.sweep[chosen] - 1.0).max()
-    yield _timing(level, "J2", found, {"sweep": float(error)})
+    yield timing_of(level, "J2", found, {"sweep": float(error)})
 
 
 def sample(reference: Reference, number: int) -> Ints:
@@ -226,29 +222,9 @@ def sample(reference: Reference, number: int) -> Ints:
     return np.unique(np.concatenate([steepest, spread]))
 
 
-def _timing(level: Level, case: str, found: Answer, errors: dict[str, float]) -> Timing:
-    return timing_of(
-        level.path, level.level, case, found["unknowns"], found["seconds"], errors, own=level.own,
-        process=found["process_seconds"], memory=found["peak_memory"],
-    )  # fmt: skip
-
-
-def timing_of(
-    path: str, level: str, case: str, unknowns: int, phases: dict[str, float],
-    errors: dict[str, float], *, own: bool, process: float = math.nan, memory: float = math.nan,
-) -> Timing:  # fmt: skip
-    """Timing of one solution of one job.
-
-    Parameters
-    ----------
-    phases : dict of str to float
-        Processor time (s) of :data:`STEPS`, as far as they occur.
-    errors : dict of str to float
-        Relative, by value; all but the capacitance are judged.
-    process, memory : float
-        Processor time (s) and peak memory (bytes) of the whole process.
-    """
-    cost = sum(phases.values())
+def timing_of(level: Level, case: str, found: Answer, errors: dict[str, float]) -> Timing:
+    """Timing of one solution of one job; of its relative errors all but the capacitance count."""
+    cost = sum(found["seconds"].values())
     worst = max(error for name, error in errors.items() if name != "capacitance")
     if "sweep" in errors:
         curves = {"J2: damped sweep": worst}
@@ -256,26 +232,13 @@ def timing_of(
         natural = max(errors[name] for name in VALUES if name.startswith("f"))
         curves = {"J1: deflection": errors["deflection"], "J1: worst of f1…f4": natural}
     values: dict[str, str | float] = {
-        "way": path, "fineness": level, "job": case, "unknowns": unknowns,
-        **{f"{step}_seconds": phases.get(step, "") for step in STEPS},
-        "compute_seconds": cost, "process_seconds": process, "peak_memory": float(memory),
+        "way": level.path, "fineness": level.level, "job": case, "unknowns": found["unknowns"],
+        **{f"{step}_seconds": found["seconds"].get(step, "") for step in STEPS},
+        "compute_seconds": cost, "process_seconds": found["process_seconds"],
+        "peak_memory": float(found["peak_memory"]),
         **{f"error_{name}": errors.get(name, "") for name in (*VALUES, "sweep")},
     }  # fmt: skip
-    return Timing(path, case, cost, worst, values, 1e-3, curves, own)
-
-
-@contextlib.contextmanager
-def _no_kept_meshes() -> Iterator[None]:
-    """Keep meshes of other runs out of the time of meshing."""
-    before = os.environ.get("TACTGEN_CACHE")
-    with tempfile.TemporaryDirectory() as empty:
-        os.environ["TACTGEN_CACHE"] = empty
-        try:
-            yield
-        finally:
-            del os.environ["TACTGEN_CACHE"]
-            if before is not None:
-                os.environ["TACTGEN_CACHE"] = before
+    return Timing(level.path, case, cost, worst, values, 1e-3, curves, level.own)
 
 
 def targets_of(timings: Iterable[Timing]) -> tuple[Target, ...]:

@@ -25,6 +25,7 @@ from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Bools, Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.bricks import Axis, Bricks, Slab
 from tactgen.validation.evidence import mesh_levels as fineness
+from tactgen.validation.evidence.peers.job import lowest_frequencies as lanczos
 
 #: A value, or a function of the coordinates (x, y, z) in metres.
 Profile: TypeAlias = float | Callable[[Floats, Floats, Floats], Floats]
@@ -265,22 +266,11 @@ def natural_frequencies(box: Box, count: int, *, loose: int = 0, near: float = 0
 
 def lowest_frequencies(stiffness: Sparse, mass: Sparse, count: int, shift: float = 0.0) -> Floats:
     """Lowest frequencies (Hz), of a `stiffness` with `shift` times the mass in it."""
-    from scipy.sparse.linalg import LinearOperator, eigsh
-
-    factor, n = factorise(stiffness), stiffness.shape[0]
-    start = factor.solve(np.asarray(mass @ np.random.default_rng(0).standard_normal(n)))
-    values = eigsh(
-        LinearOperator((n, n), matvec=lambda v: v, dtype=float),
-        k=count,
-        M=mass,
-        sigma=-shift,
-        which="LM",
-        OPinv=LinearOperator((n, n), matvec=lambda v: factor.solve(np.ravel(v)), dtype=float),
-        v0=start,
-        tol=1e-10,
-        return_eigenvectors=False,
-    )
-    return _hertz(np.sort(values))
+    n = stiffness.shape[0]
+    return np.array(lanczos(
+        factorise(stiffness).solve, lambda v: np.asarray(mass @ v), n, count, shift=shift,
+        basis=min(n, max(2 * count + 1, 20)), tolerance=1e-10,
+    ))  # fmt: skip
 
 
 def _dense_frequencies(box: Box, count: int, loose: int) -> Floats:
@@ -297,12 +287,8 @@ def _dense_frequencies(box: Box, count: int, loose: int) -> Floats:
         mass[np.ix_(heavy, heavy)],
         eigvals_only=True,
     )
-    return _hertz(values[loose : loose + count])
-
-
-def _hertz(squares: Floats) -> Floats:
-    """Frequencies from ω²; a rigid motion's may be rounded below zero."""
-    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2.0 * np.pi))
+    # a rigid motion's ω² may be rounded below zero
+    return np.asarray(np.sqrt(np.maximum(values, 0.0))[loose : loose + count] / (2.0 * np.pi))
 
 
 def _profile(value: Profile, x: Floats, y: Floats, z: Floats) -> Floats:

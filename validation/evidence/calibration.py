@@ -17,6 +17,7 @@ from tactgen.geometry.formats import share
 from tactgen.geometry.operating_system import core_count
 from tactgen.tmm.beam import calibrated as beam
 from tactgen.tmm.reluctance import calibrated as network
+from tactgen.validation.evidence.coverage import cached_by_code
 
 Announce = Callable[[str], None]
 #: Name and record of a calibration.
@@ -48,22 +49,23 @@ def table(found: Sequence[Part]) -> str:
 def _bimorph(announce: Announce, *, listed: bool = False) -> dict[str, Any]:
     from tactgen.validation.evidence import calibration_bimorph as part
 
-    observe = partial(part.observe_once, part.SEED, listed=listed)
-    observed = _observed(observe, part.LAMINATES if listed else part.DEVICES, "solid", announce)
-    unusual = {
-        what: _observed(partial(observe, what=what), part.EACH, f"solid with {what}", announce)
-        for what in (part.UNUSUAL_LISTED if listed else part.UNUSUAL)
-    }
-    return part.calibrate(observed, unusual, announce)
+    name, observe, count, unusual = (
+        ("laminate", part.observe_listed, part.LAMINATES, part.UNUSUAL_LISTED)
+        if listed
+        else ("bimorph", part.observe, part.DEVICES, part.UNUSUAL)
+    )
+    known = partial(_observed, announce, name, observe, part.SEED)
+    observed = known("solid", "", count)
+    those = {what: known(f"solid with {what}", what, part.EACH) for what in unusual}
+    return part.calibrate(observed, those, announce)
 
 
 def _reluctance(announce: Announce) -> dict[str, Any]:
     from tactgen.validation.evidence import calibration_reluctance as part
 
-    observe = partial(part.observe_once, part.SEED)
-    observed = _observed(observe, part.DEVICES, "field", announce)
-    wider = partial(observe, wider=part.WIDER)
-    beyond = _observed(wider, part.BEYOND, "field beyond the range", announce)
+    known = partial(_observed, announce, "reluctance", part.observe, part.SEED)
+    observed = known("field", 1.0, part.DEVICES)
+    beyond = known("field beyond the range", part.WIDER, part.BEYOND)
     return part.calibrate(observed, beyond, announce)
 
 
@@ -76,18 +78,24 @@ PARTS: dict[str, tuple[Callable[[Announce], dict[str, Any]], Path]] = {
 
 
 def _observed(
-    observe: Callable[[int], Any], count: int, what: str, announce: Announce
-) -> list[Any]:
-    """Random devices by number, on all cores."""
+    announce: Announce, name: str, observe: Callable[..., Any], seed: int,
+    words: str, of: object, count: int,
+) -> list[Any]:  # fmt: skip
+    """Random devices by number, on all cores; `of` is what `observe` is told besides."""
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    found = []
+    found, one = [], partial(_cached, name, observe, seed, of)
     with ProcessPoolExecutor(core_count(), mp_context=get_context("spawn")) as pool:
-        for number, one in enumerate(pool.map(observe, range(count), chunksize=8)):
-            announce(f"calibration: {what} {number + 1} of {count}")
-            found.append(one)
+        for number, device in enumerate(pool.map(one, range(count), chunksize=8)):
+            announce(f"calibration: {words} {number + 1} of {count}")
+            found.append(device)
     return found
+
+
+def _cached(name: str, observe: Callable[..., Any], seed: int, of: object, number: int) -> Any:
+    work = partial(observe, seed, number, of)
+    return cached_by_code("calibration", (name, seed, number, of), observe.__module__, work)
 
 
 def shipped() -> dict[str, dict[str, Any]]:

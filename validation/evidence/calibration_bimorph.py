@@ -13,12 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.beam import calibrated
 from tactgen.tmm.beam.calibrated import (
@@ -49,8 +48,13 @@ from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.chebyshev import Products, weighted_powers
-from tactgen.validation.evidence.coverage import cached_by_code
-from tactgen.validation.evidence.fit_record import evidence, products_record, rounded
+from tactgen.validation.evidence.fit_record import (
+    covering,
+    evidence,
+    products_record,
+    rounded,
+    solve_normal,
+)
 from tactgen.validation.evidence.random_devices import (
     accepted,
     clamped_bimorph,
@@ -159,14 +163,9 @@ def _of_ports(stiffness: Any) -> Floats:
     return np.asarray(np.abs([flexible[0, 0], flexible[0, 1], flexible[1, 1], *moved, free]))
 
 
-def observe_once(seed: int, number: int, what: str = "", *, listed: bool = False) -> Observed:
-    """Solid of a random device, cached."""
-    name = "laminate" if listed else "bimorph"
-    one: Observed = cached_by_code(
-        "calibration", (name, seed, number, what), __name__,
-        partial(observe, seed, number, what, listed=listed),
-    )  # fmt: skip
-    return one
+def observe_listed(seed: int, number: int, what: str = "") -> Observed:
+    """The same of listed layers."""
+    return observe(seed, number, what, listed=True)
 
 
 # ---- six static numbers of a beam with a root of its own ----
@@ -183,17 +182,6 @@ class Devices:
     root: Floats  #: (n,) Length of the zone next to the clamp (m)
     sections: Section  #: Far from the ends, arrays (n,)
     observed: tuple[Observed, ...]
-
-    def part(self, which: Ints | Bools) -> Devices:
-        """Some of them."""
-        numbers = np.arange(len(self.observed))[which]
-        return Devices(
-            tuple(self.scenes[i] for i in numbers),
-            self.groups[numbers], TheoryChange(*(of[numbers] for of in self.theory)),
-            self.length[numbers], self.root[numbers],
-            Section(*(getattr(self.sections, name)[numbers] for name in Section.__annotations__)),
-            tuple(self.observed[i] for i in numbers),
-        )  # fmt: skip
 
 
 def devices_of(observed: Sequence[Observed]) -> Devices:
@@ -249,19 +237,23 @@ def statics(factors: Floats, of: Devices) -> Floats:
 
 
 def fit(
-    of: Devices, kind: str, announce: Callable[[str], None]
+    observed: Sequence[Observed], announce: Callable[[str], None]
 ) -> tuple[Fit, dict[str, dict[str, Any]]]:
     """Fit to a part of the devices, with errors from the rest, and what these show by group."""
-    training = np.random.default_rng(SEED).random(len(of.observed)) < FITTED
-    known, fresh = of.part(training), of.part(~training)
-    bounds = of.groups.min(axis=0), of.groups.max(axis=0)
-    products, clamp = (
-        Products(*bounds, weighted_powers(weights, degree)) for degree, weights in _TERMS[kind]
+    training = np.random.default_rng(SEED).random(len(observed)) < FITTED
+    known, fresh = (
+        devices_of([observed[i] for i in np.flatnonzero(own)]) for own in (training, ~training)
     )
-    count = len(products.powers) + of.theory.sizes.shape[1] * len(clamp.powers)
+    every = np.concatenate([known.groups, fresh.groups])
+    listed = bool(fresh.scenes[0].bimorph.layers)
+    products, clamp = (
+        Products(every.min(axis=0), every.max(axis=0), weighted_powers(weights, degree))
+        for degree, weights in _TERMS["listed" if listed else "three"]
+    )
+    count = len(products.powers) + known.theory.sizes.shape[1] * len(clamp.powers)
     found = Fit(
         products, clamp, np.zeros((count, 6)), np.zeros((count, 3)),
-        np.zeros((1 + 2 * of.groups.shape[1], len(ERRORS))),
+        np.zeros((1 + 2 * every.shape[1], len(ERRORS))),
     )  # fmt: skip
     announce("calibration: factors of the section")
     found = replace(
@@ -271,27 +263,24 @@ def fit(
     found = replace(found, ratios=_fit_ratios(known, found))
     announce("calibration: errors")
     pairs = zip(fresh.observed, fresh.scenes, strict=True)
-    left = np.array([left_over(*one, alone(found)) for one in pairs])
-    found = replace(found, errors=_fit_errors(fresh, left, found))
-    stated = np.exp(found.products.quadratic(fresh.groups) @ found.errors)
-    shown = {}
-    for group, which in _groups_shown(fresh, kind).items():
-        devices = [one.overrides for one in fresh.part(which).observed]
+    left = np.array([left_over(*pair, Calibration(found, {})) for pair in pairs])
+    rows = found.products.quadratic(fresh.groups)
+    found = replace(
+        found, errors=covering(rows, np.maximum(left, _LEAST), _RIDGE_OF_ERRORS, _QUANTILE)
+    )
+    stated, shown = np.exp(rows @ found.errors), {}
+    for group, which in _groups_shown(fresh, listed=listed).items():
+        devices = [fresh.observed[i].overrides for i in np.flatnonzero(which)]
         shown[group] = {"evidence": evidence(ERRORS, left[which], stated[which], devices)}
     return found, shown
 
 
-def _groups_shown(of: Devices, kind: str) -> dict[str, Bools]:
+def _groups_shown(of: Devices, *, listed: bool) -> dict[str, Bools]:
     """Devices (n,) of the groups whose errors are shown apart."""
-    if kind == "listed":
+    if listed:
         return {"layers": np.ones(len(of.observed), dtype=bool)}
     soft = np.array([core_shear(scene.device) for scene in of.scenes]) > _SOFT
     return {"stiff": ~soft, "soft": soft}
-
-
-def alone(known: Fit) -> Calibration:
-    """Calibration that knows nothing but one fit."""
-    return Calibration(known, {})
 
 
 def _fit_factors(of: Devices, terms: Floats) -> Floats:
@@ -310,26 +299,19 @@ def _fit_factors(of: Devices, terms: Floats) -> Floats:
         rows = np.einsum("nij,nt->nijt", slopes * counts[..., None], terms)
         rows = rows.reshape(-1, 6 * count)
         right = ((measured - now) * counts).ravel()
-        normal, flat = rows.T @ rows, found.T.ravel()
-        ridge = _RIDGE * np.trace(normal) / len(normal)
-        normal[np.diag_indices_from(normal)] += ridge
-        found = found + np.linalg.solve(normal, rows.T @ right - ridge * flat).reshape(6, count).T
+        found = found + solve_normal(rows, right, _RIDGE, found.T.ravel()).reshape(6, count).T
     return found
 
 
 def _fit_ratios(of: Devices, known: Fit) -> Floats:
     """Coefficients (t, 3) of the logarithms of the frequencies' ratios."""
     terms = known.terms(of.groups, of.theory.sizes)
-    sought = np.array([
-        _ratios(one, scene, alone(known)) for one, scene in zip(of.observed, of.scenes, strict=True)
-    ])  # fmt: skip
+    pairs = zip(of.observed, of.scenes, strict=True)
+    sought = np.array([_ratios(*pair, Calibration(known, {})) for pair in pairs])
     found = []
     for left, known_part in zip(np.log(sought).T, of.theory.ratios.T[:3], strict=True):
         counts = 1.0 / (1.0 + np.abs(known_part) / _TRUSTED_RATIO)
-        rows = terms * counts[:, None]
-        normal = rows.T @ rows
-        normal[np.diag_indices_from(normal)] += _RIDGE * np.trace(normal) / len(normal)
-        found.append(np.linalg.solve(normal, rows.T @ (counts * (left - known_part))))
+        found.append(solve_normal(terms * counts[:, None], counts * (left - known_part), _RIDGE))
     return np.array(found).T
 
 
@@ -385,44 +367,22 @@ def left_over(one: Observed, scene: Scene, known: Calibration) -> Floats:
     return np.asarray(np.abs([at_rest[0], at_rest[3], at_rest[5], *apart, coupling]))
 
 
-def _fit_errors(of: Devices, left: Floats, known: Fit) -> Floats:
-    """Coefficients (1 + 2 g, 7) of the logarithms of the errors, such that they cover."""
-    return _covering(
-        known.products.quadratic(of.groups), np.maximum(left, _LEAST), _RIDGE_OF_ERRORS
-    )
-
-
-def _covering(rows: Floats, sizes: Floats, ridge: float, quantile: float = _QUANTILE) -> Floats:
-    """Coefficients (t, k) of logarithms that cover all but a few of sizes (n, k), nan left out."""
-    found = np.zeros((rows.shape[1], sizes.shape[1]))
-    for k, size in enumerate(sizes.T):
-        known = np.isfinite(size)
-        a, error = rows[known], size[known]
-        normal = a.T @ a + ridge * len(a) * np.diag([0.0] + [1.0] * (a.shape[1] - 1))
-        found[:, k] = np.linalg.solve(normal, a.T @ np.log(error))
-        found[0, k] += np.log(np.quantile(error / np.exp(a @ found[:, k]), quantile))
-    return found
-
-
 def calibrate(
     observed: Sequence[Observed],
     unusual: Mapping[str, Sequence[Observed]],
     announce: Callable[[str], None],
 ) -> dict[str, Any]:
     """Calibration as it is written to a file: of piezo, shim and piezo, or of listed layers."""
-    devices = devices_of(observed)
-    kind = "listed" if devices.scenes[0].bimorph.layers else "three"
-    found, shown = fit(devices, kind, announce)
-    record: dict[str, Any] = {"devices": len(observed), "seed": SEED, "fit": _plain(found), **shown}
-    record["beyond"] = {}
+    found, shown = fit(observed, announce)
     # such a device has errors of the fit alone where no property is said to widen them
     none = Widening(
         np.zeros(STEP_SIZES), np.zeros(STEP_SIZES), np.zeros((1 + STEP_SIZES, len(ERRORS)))
     )
     known = Calibration(found, dict.fromkeys(unusual, none))
-    for what, those in unusual.items():
-        record["beyond"][what] = _widening(known, those)
-    return record
+    beyond = {what: _widening(known, those) for what, those in unusual.items()}
+    plain = products_record(found.products) | {"clamp": found.clamp.powers.tolist()}
+    plain |= {name: rounded(getattr(found, name)) for name in ("factors", "ratios", "errors")}
+    return {"devices": len(observed), "seed": SEED, "fit": plain, **shown, "beyond": beyond}
 
 
 def _widening(known: Calibration, of: Sequence[Observed]) -> dict[str, Any]:
@@ -439,22 +399,12 @@ def _widening(known: Calibration, of: Sequence[Observed]) -> dict[str, Any]:
     def fitted(to: Bools) -> Widening:
         found = Widening(low, high, np.zeros((1 + STEP_SIZES, len(ERRORS))))
         terms = found.terms(sizes[to])
-        covering = _covering(terms, ratios[to], _RIDGE_OF_STEPS, _QUANTILE_OF_STEPS)
-        return replace(found, logarithms=covering)
+        logarithms = covering(terms, ratios[to], _RIDGE_OF_STEPS, _QUANTILE_OF_STEPS)
+        return replace(found, logarithms=logarithms)
 
     even = np.arange(len(of)) % 2 == 0
     for fresh in (even, ~even):
         stated[fresh] *= fitted(~fresh)(sizes[fresh])
     whole = vars(fitted(np.ones_like(even)))
-    record = {name: np.vectorize(rounded)(array).tolist() for name, array in whole.items()}
+    record = {name: rounded(array) for name, array in whole.items()}
     return {**record, "evidence": evidence(ERRORS, left, stated, [one.overrides for one in of])}
-
-
-def _plain(found: Fit) -> dict[str, Any]:
-    return products_record(found.products) | {
-        "clamp": found.clamp.powers.tolist(),
-        **{
-            name: [[rounded(v) for v in row] for row in getattr(found, name)]
-            for name in ("factors", "ratios", "errors")
-        },
-    }

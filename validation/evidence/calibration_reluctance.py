@@ -8,19 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.arrays import Floats
 from tactgen.geometry.store.values import storable
 from tactgen.tmm.chebyshev import Products, weighted_powers
 from tactgen.tmm.reluctance import calibrated
 from tactgen.tmm.reluctance.calibrated import GROUPS, VALUES, Fit, State, corrected, groups
 from tactgen.tmm.reluctance.network import network_samples
-from tactgen.validation.evidence.coverage import PROMISED, cached_by_code
-from tactgen.validation.evidence.fit_record import evidence, products_record, rounded
+from tactgen.validation.evidence.coverage import PROMISED
+from tactgen.validation.evidence.fit_record import (
+    covering,
+    evidence,
+    products_record,
+    rounded,
+    solve_normal,
+)
 from tactgen.validation.evidence.random_devices import accepted, any_actuator
 from tactgen.validation.scene.scene import Scene, load_scene
 
@@ -42,7 +47,7 @@ _RIDGE, _STEPS = 1e-5, 8
 _LINEAR = 0.2
 #: Weights of force, flux linkage and co-energy.
 _COUNTS = np.array([2.0, 1.0, 1.0])
-_QUANTILE, _LEAST = 0.97, 5e-4
+_QUANTILE, _LEAST, _RIDGE_OF_ERRORS = 0.97, 5e-4, 1e-2
 
 
 @storable
@@ -75,13 +80,6 @@ def observe(seed: int, number: int, wider: float = 1.0) -> ObservedField:
     return accepted(attempt)
 
 
-def observe_once(seed: int, number: int, wider: float = 1.0) -> ObservedField:
-    """Field of a random actuator, cached."""
-    name, work = ("reluctance", seed, number, wider), partial(observe, seed, number, wider)
-    one: ObservedField = cached_by_code("calibration", name, __name__, work)
-    return one
-
-
 @dataclass(frozen=True)
 class Points:
     """ObservedField points as arrays over n of them."""
@@ -93,14 +91,6 @@ class Points:
     current: Floats  #: (n,) In A
     network: Floats  #: (n, 4)
     field: Floats  #: (n, 4)
-
-    def part(self, which: Ints | Bools) -> Points:
-        """Some of them."""
-        numbers = np.arange(len(self.scenes))[which]
-        arrays = (self.groups, self.gap, self.current, self.network, self.field)
-        scenes = tuple(self.scenes[i] for i in numbers)
-        overrides = tuple(self.overrides[i] for i in numbers)
-        return Points(scenes, overrides, *(one[numbers] for one in arrays))
 
 
 def points_of(observed: Sequence[ObservedField]) -> Points:
@@ -117,20 +107,23 @@ def points_of(observed: Sequence[ObservedField]) -> Points:
     return Points(scenes, overrides, np.array(at), gap, current, network, field)
 
 
-def fit(of: Points, kind: str) -> tuple[Fit, dict[str, Any]]:
+def fit(observed: Sequence[ObservedField], kind: str) -> tuple[Fit, dict[str, Any]]:
     """Fit to a part of the points, with errors from the rest, and what these show."""
-    training = np.random.default_rng(SEED).random(len(of.scenes)) < FITTED
-    known, fresh = of.part(training), of.part(~training)
-    low, high = of.groups.min(axis=0), of.groups.max(axis=0)
-    turns = GROUPS.index("ampere turns")
-    low[turns] = np.quantile(of.groups[:, turns], _LINEAR)
+    training = np.random.default_rng(SEED).random(len(observed)) < FITTED
+    known, fresh = (
+        points_of([observed[i] for i in np.flatnonzero(own)]) for own in (training, ~training)
+    )
+    every, turns = np.concatenate([known.groups, fresh.groups]), GROUPS.index("ampere turns")
+    low, high = every.min(axis=0), every.max(axis=0)
+    low[turns] = np.quantile(every[:, turns], _LINEAR)
     products = Products(low, high, weighted_powers(_WEIGHTS[kind], _DEGREE[kind]))
     none = np.zeros((1 + 2 * len(GROUPS), len(VALUES)))
     found = Fit(products, _fit_energy(known, products), none)
-    left = left_over(fresh, found)
-    found = replace(found, errors=_fit_errors(products.quadratic(fresh.groups), left))
-    stated = np.exp(products.quadratic(fresh.groups) @ found.errors)
-    return found, evidence(VALUES, left, stated, fresh.overrides)
+    left, rows = left_over(fresh, found), products.quadratic(fresh.groups)
+    found = replace(
+        found, errors=covering(rows, np.maximum(left, _LEAST), _RIDGE_OF_ERRORS, _QUANTILE)
+    )
+    return found, evidence(VALUES, left, np.exp(rows @ found.errors), fresh.overrides)
 
 
 def _fit_energy(of: Points, products: Products) -> Floats:
@@ -149,11 +142,7 @@ def _fit_energy(of: Points, products: Products) -> Floats:
         slopes = parts[:, :, None] * terms[:, None, :] + own
         slopes *= factor[:, None, None] / size[:, :, None]
         rows = (slopes * _COUNTS[:, None]).reshape(-1, found.size)
-        normal = rows.T @ rows
-        ridge = _RIDGE * np.trace(normal) / len(normal)
-        normal[np.diag_indices_from(normal)] += ridge
-        right = rows.T @ (left * _COUNTS).ravel() - ridge * found
-        found = found + np.linalg.solve(normal, right)
+        found = found + solve_normal(rows, (left * _COUNTS).ravel(), _RIDGE, found)
     return found
 
 
@@ -171,15 +160,6 @@ def left_over(of: Points, known: Fit) -> Floats:
     return np.asarray(np.abs(np.array(found)[:, :, 0] - of.field) / _sizes(of))
 
 
-def _fit_errors(rows: Floats, left: Floats) -> Floats:
-    """Coefficients (1 + 2 g, 4) of the logarithms of the errors (n, 4), such that they cover."""
-    error = np.maximum(left, _LEAST)
-    normal = rows.T @ rows + 1e-2 * len(rows) * np.diag([0.0] + [1.0] * (rows.shape[1] - 1))
-    found = np.linalg.solve(normal, rows.T @ np.log(error))
-    found[0] += np.log(np.quantile(error / np.exp(rows @ found), _QUANTILE, axis=0))
-    return np.asarray(found)
-
-
 def calibrate(
     observed: Sequence[ObservedField],
     beyond: Sequence[ObservedField],
@@ -187,30 +167,27 @@ def calibrate(
 ) -> dict[str, Any]:
     """Calibration as it is written to a file, from devices within its range and beyond it."""
     record: dict[str, Any] = {"devices": len(observed), "seed": SEED}
-    inside, outside = points_of(observed), points_of(beyond)
     for kind in ("straight", "saturating"):
         announce(f"calibration: {kind} magnetisation curves")
-        found, shown = fit(_of_kind(inside, kind), kind)
-        widened = _widening(_of_kind(outside, kind), found)
-        record[kind] = {**_plain(found), "beyond": widened, "evidence": shown}
+        found, shown = fit(_of_kind(observed, kind), kind)
+        record[kind] = products_record(found.products) | {
+            "coefficients": rounded(found.coefficients), "errors": rounded(found.errors),
+            "beyond": _widening(points_of(_of_kind(beyond, kind)), found), "evidence": shown,
+        }  # fmt: skip
     return record
 
 
-def _of_kind(of: Points, kind: str) -> Points:
-    straight = np.array([calibrated.is_straight(scene.device) for scene in of.scenes])
-    return of.part(straight if kind == "straight" else ~straight)
+def _of_kind(observed: Sequence[ObservedField], kind: str) -> list[ObservedField]:
+    devices = (load_scene("reluctance", list(one.overrides))[0].device for one in observed)
+    straight = [calibrated.is_straight(device) for device in devices]
+    return [
+        one for one, is_so in zip(observed, straight, strict=True) if is_so == (kind == "straight")
+    ]
 
 
 def _widening(of: Points, known: Fit) -> float:
     """Factor on all errors that covers the devices beyond the range."""
-    beyond = of.part(np.array([bool(known.outside(at)) for at in of.groups]))
-    stated = np.exp(known.products.quadratic(beyond.groups) @ known.errors)
-    ratios = (left_over(beyond, known) / stated).max(axis=1)
-    return float(f"{max(np.quantile(ratios, PROMISED), 1.0):.3g}")
-
-
-def _plain(found: Fit) -> dict[str, Any]:
-    return products_record(found.products) | {
-        "coefficients": [rounded(v) for v in found.coefficients],
-        "errors": [[rounded(v) for v in row] for row in found.errors],
-    }
+    stated = np.exp(known.products.quadratic(of.groups) @ known.errors)
+    ratios = (left_over(of, known) / stated).max(axis=1)
+    beyond = [bool(known.outside(at)) for at in of.groups]
+    return float(f"{max(np.quantile(ratios[beyond], PROMISED), 1.0):.3g}")

@@ -14,9 +14,7 @@ from tactgen.fem.piezo.bricks import assemble_bricks
 from tactgen.fem.piezo.krylov import reduce_to_ports
 from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.modes import natural_modes
-from tactgen.fem.piezo.ports import ports_from_blocks
-from tactgen.fem.piezo.system import SolidSystem
-from tactgen.geometry.arrays import Floats
+from tactgen.fem.piezo.ports import static_multiport
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.checks import beyond_plain_layers
@@ -24,7 +22,7 @@ from tactgen.tmm.beam.dimensionless_groups import laminate
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
 from tactgen.tmm.ports.elements import attach, base_stiffness
-from tactgen.tmm.ports.multiport import Multiport, respond
+from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate
 from tactgen.validation.evidence.cases import exact_beam as exact
@@ -103,12 +101,20 @@ def against_digits(scene: Scene, where: str) -> list[Judged]:
     """Answers of a bimorph of one cross-section on its support, its tip free."""
     driven = ("tip_displacement", "tip_rotation", "admittance")
     quantities = solve(scene, ["tmm"], (*_STATIC, *driven, _SHORT, _OPEN)).quantities
-    lossless, at_rest = _row(scene, lossy=False), _at_rest_by_digits(scene)
+    lossless, (at_rest, _, free, blocked) = _row(scene, lossy=False), _by_digits(scene, 0.0)
     right: dict[str, list[Any]] = {
-        name: [value] for name, value in zip(_STATIC, at_rest, strict=True)
+        name: [value] for name, value in zip(_STATIC, (at_rest, free, blocked), strict=True)
     }
-    columns = zip(*_driven_by_digits(scene), strict=True)
-    right |= {name: list(column) for name, column in zip(driven, columns, strict=True)}
+    responses = [_by_digits(scene, frequency) for frequency in scene.frequency]
+    with mp.workdps(exact.DIGITS):
+        right |= {
+            "tip_displacement": [moved for moved, *_ in responses],
+            "tip_rotation": [turned for _, turned, *_ in responses],
+            "admittance": [
+                2j * mp.pi * mp.mpf(frequency) * charge
+                for frequency, (*_, charge, _) in zip(scene.frequency, responses, strict=True)
+            ],
+        }
     answers = []
     for quantity in quantities:
         values, bars = np.ravel(quantity.value), np.ravel(quantity.error)
@@ -123,29 +129,21 @@ def against_digits(scene: Scene, where: str) -> list[Judged]:
     return answers
 
 
-def _at_rest_by_digits(scene: Scene) -> tuple[Any, ...]:
-    """Static deflection (m) and the capacitances free and blocked (F)."""
-    d = _stiffness(_row(scene, lossy=False), 0.0)
-    base = scene.ends.lossless.base
-    held = None if base is None else (base.lateral_stiffness, base.rotational_stiffness)
-    moved, charge, _ = exact.tip_motion(d, held, 0)
+def _by_digits(scene: Scene, frequency: float) -> tuple[Any, Any, Any, Any]:
+    """Tip's displacement (m) and rotation (rad), and capacitances free and blocked (F).
+
+    Without losses at rest.
+    """
+    ends, base = scene.ends if frequency else scene.ends.lossless, None
+    if ends.base is not None:
+        lateral, rotational = base_stiffness(ends.base, np.array([frequency]))
+        base = complex(lateral[0]), complex(rotational[0])
     with mp.workdps(exact.DIGITS):
-        return moved * scene.drive.voltage, charge, d[4, 4]
-
-
-def _driven_by_digits(scene: Scene) -> list[tuple[Any, ...]]:
-    """Tip's displacement (m) and rotation (rad) and the admittance (S) by frequency."""
-    row, volts, found = _row(scene, lossy=True), scene.drive.voltage, []
-    for frequency in scene.frequency:
-        base = None
-        if scene.ends.base is not None:
-            lateral, rotational = base_stiffness(scene.ends.base, np.array([frequency]))
-            base = complex(lateral[0]), complex(rotational[0])
-        with mp.workdps(exact.DIGITS):
-            omega = 2 * mp.pi * mp.mpf(frequency)
-            moved, charge, turned = exact.tip_motion(_stiffness(row, omega), base, 0)
-            found.append((moved * volts, turned * volts, mp.j * omega * charge))
-    return found
+        omega, volts = 2 * mp.pi * mp.mpf(frequency), scene.drive.voltage
+        row = _row(scene, lossy=bool(frequency))
+        d = reduce(exact.join, [exact.dynamic_stiffness(*piece, omega) for piece in row])
+        moved, charge, turned = exact.tip_motion(d, base, 0)
+        return moved * volts, turned * volts, charge, d[4, 4]
 
 
 def _row(scene: Scene, *, lossy: bool) -> Row:
@@ -154,11 +152,6 @@ def _row(scene: Scene, *, lossy: bool) -> Row:
     bare = exact.without_electrode(active)
     pieces = beam_pieces(scene.device, scene.support)
     return [(active if piece.electrode else bare, piece.length) for piece in pieces]
-
-
-def _stiffness(row: Row, omega: Any) -> mp.matrix:
-    parts = [exact.dynamic_stiffness(constants, length, omega) for constants, length in row]
-    return reduce(exact.join, parts)
 
 
 #: Where responses of solids are judged, per first resonance: at all but rest, about the first
@@ -267,13 +260,8 @@ def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
         value, error = (
             np.atleast_1d(a)[:count] for a in (beam.value, beam.modelling_error)
         )  # fmt: skip
-        known = np.isfinite(error)
-        label = " ".join(overrides)
-        answers += [
-            one for one, is_known in zip(
-                relative(label, name, value, error, right[:count]), known, strict=True
-            ) if is_known
-        ]  # fmt: skip
+        judged_here = relative(" ".join(overrides), name, value, error, right[:count])
+        answers += [one for one in judged_here if np.isfinite(one.bar)]
     return answers
 
 
@@ -306,7 +294,7 @@ def reference(case: Case, kinds: Iterable[str]) -> Known:
     scene = case.scene()
     bricks = bimorph_bricks(scene.device, case.reference)
     system = assemble_bricks(scene.device, bricks, lossy=False)
-    port = _at_rest(system)
+    port = static_multiport(system)
     response = respond(attach(port, scene.ends.lossless), {"voltage": scene.drive.voltage})
     modes = natural_modes(system, scene.ends, scene.modes)
     opened = natural_modes(system, scene.ends, 1, open_circuit=True)[0]
@@ -338,18 +326,6 @@ def _responses(scene: Scene, bricks: Bricks) -> Known:
         ("tip_displacement", ""): [complex(value) for value in response.motion["w_tip"]],
         ("admittance", ""): [complex(value) for value in current],
     }
-
-
-def _at_rest(system: SolidSystem) -> Multiport:
-    """D(0) to some seven digits, with no residual in long double."""
-    n, stiffness = system.inner, system.stiffness
-    x: Floats = np.zeros((n + 3, 5))
-    x[n:, :3] = np.eye(3)
-    x[:n] = system.held_factor.solve(np.hstack([-stiffness.border, system.tip[:n]]))
-    force, seen = stiffness @ x, system.tip.T @ x
-    blocks = (force[n:, :3], force[n:, 3:], seen[:, :3], seen[:, 3:])
-    stacked = (np.array([part], dtype=complex) for part in blocks)
-    return ports_from_blocks(np.zeros(1), *stacked)
 
 
 #: Where the response of a surrogate is judged, per first resonance; how far its lengths reach.

@@ -6,6 +6,7 @@ undisturbed on the same store and folder, which must give what an undisturbed ru
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import math
@@ -23,7 +24,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import cached_result, stored_result
@@ -113,13 +114,12 @@ class Surroundings:
     limit: tuple[str, int] | None = None
 
 
-@dataclass(frozen=True)
-class Ended:
+class Ended(NamedTuple):
     """Exit of a process: code (negative for a signal) and output."""
 
     code: int
-    out: str
-    err: str
+    out: str = ""
+    err: str = ""
 
 
 def begin(command: Command, around: Surroundings, **streams: Any) -> subprocess.Popen[str]:
@@ -142,43 +142,34 @@ def begin(command: Command, around: Surroundings, **streams: Any) -> subprocess.
     return process
 
 
-def finish(process: subprocess.Popen[str], *, after: float | None = None, end: int = 0) -> Ended:
+def finish(
+    process: subprocess.Popen[str], after: float | None = None, end: int = signal.SIGKILL
+) -> Ended:
     """Wait for a process; after so many seconds (if it still runs) it gets a signal.
 
     A process that hangs is killed and has no code of its own: it counts as endless.
     """
     try:
-        out, err = process.communicate(timeout=after if after is not None else ENDLESS)
+        out, err = process.communicate(timeout=ENDLESS if after is None else after)
     except subprocess.TimeoutExpired:
-        _signal(process, end or signal.SIGKILL)
-        try:
-            out, err = process.communicate(timeout=ENDLESS)
-        except subprocess.TimeoutExpired:
-            _signal(process, signal.SIGKILL)
-            process.communicate()
-            return Ended(124, "", "endless")
-        if after is None:
-            return Ended(124, out or "", "endless")
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, end)  # and all that it started
+        if after is not None:
+            return finish(process)
+        process.communicate()
+        return Ended(124, "", "endless")
     return Ended(process.returncode, out or "", err or "")
 
 
-def before_us(done: Ended) -> bool:
-    """Whether Ctrl-C met Python while it was loading itself: its words then, not ours."""
-    return done.code == 1 and "KeyboardInterrupt" in done.err and "tactgen" not in done.err
-
-
-def _signal(process: subprocess.Popen[str], number: int) -> None:
-    """Signal the process and all that it started."""
-    try:
-        os.killpg(process.pid, number)
-    except ProcessLookupError:
-        return
+def _files(folder: Path) -> dict[str, Path]:
+    """Files below a folder by their names; drafts have no name of ours yet."""
+    files = (p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(DRAFT))
+    return {str(path.relative_to(folder)): path for path in sorted(files)}
 
 
 def half_written(folder: Path) -> list[str]:
-    """Files below a folder that are not whole; drafts have no name of ours yet."""
-    files = (p for p in folder.rglob("*") if p.is_file() and not p.name.startswith(DRAFT))
-    return [str(path.relative_to(folder)) for path in sorted(files) if not _whole(path)]
+    """Files below a folder that are not whole."""
+    return [name for name, path in _files(folder).items() if not _whole(path)]
 
 
 def _whole(path: Path) -> bool:
@@ -258,6 +249,14 @@ _CODE = (
 _KIND = "stress.faults"
 
 
+class Undisturbed(NamedTuple):
+    """A command that was let alone: what it answered, how long it took (s), and what it left."""
+
+    answer: Any
+    seconds: float
+    around: Surroundings
+
+
 class Trials:
     """The undisturbed runs of the commands, and the folders of the spoilt ones."""
 
@@ -266,18 +265,13 @@ class Trials:
         self.measured = folder / "measured.csv"
         self.measured.write_text(MEASURED, encoding="utf-8")
         self.count = 0
-        self.right: dict[str, Any] = {}
-        self.seconds: dict[str, float] = {}
-        self.files: dict[str, list[str]] = {}
-        self.stores: dict[str, Path] = {}
+        self.right: dict[str, Undisturbed] = {}
         for command in commands:
             around, started = self.place(), time.perf_counter()
-            self.stores[command.name] = around.store
             done = finish(begin(command, around))
-            self.seconds[command.name] = time.perf_counter() - started
+            seconds = time.perf_counter() - started
             assert done.code == 0, f"{command.name} undisturbed: {done.err}"
-            self.right[command.name] = answer(command, done)
-            self.files[command.name] = _names(around.out)
+            self.right[command.name] = Undisturbed(answer(command, done), seconds, around)
 
     def place(self) -> Surroundings:
         """Own folder and an own store."""
@@ -290,13 +284,11 @@ class Trials:
         self, command: Command, around: Surroundings, done: Ended, codes: Sequence[int]
     ) -> str:
         """Faults after a disturbed run, "" if none."""
-        ours, _ = said(done)
         if done.code not in codes:
             return f"ended with {done.code}: {done.err[-200:]}"
-        if not ours:
+        if not said(done)[0]:
             return f"said {done.err[-200:]}"
-        left = half_written(around.out)
-        if left:
+        if left := half_written(around.out):
             return f"half-written: {', '.join(left)}"
         if done.code == 0:  # it did its work all the same: that is what is looked at
             return self.compared(command, around, done)
@@ -313,19 +305,14 @@ class Trials:
 
     def compared(self, command: Command, around: Surroundings, done: Ended) -> str:
         """Differences of a run from an undisturbed one."""
-        if answer(command, done) != self.right[command.name]:
+        right = self.right[command.name]
+        if answer(command, done) != right.answer:
             return "the answer is another"
-        missing = set(self.files[command.name]) - set(_names(around.out))
+        missing = _files(right.around.out).keys() - _files(around.out)
         if missing or half_written(around.out):
             return f"not all files are there: {sorted(missing)}"
         drafts = [p.name for p in around.out.rglob(f"{DRAFT}*")]
         return f"drafts were left: {drafts}" if drafts else ""
-
-
-def _names(folder: Path) -> list[str]:
-    return sorted(
-        str(p.relative_to(folder)) for p in folder.rglob("*") if not p.name.startswith(DRAFT)
-    )
 
 
 #: Points of a family: where, what is wrong (nothing if all is right), and how the process ended
@@ -340,10 +327,11 @@ def ended_by(number: int, codes: Sequence[int], share: int = 1) -> Callable[[Tri
         for turn in range(times // share):
             command = trials.commands[turn % len(trials.commands)]
             around = trials.place()
-            moment = trials.chance.random() * trials.seconds[command.name]
-            done = finish(begin(command, around), after=moment, end=number)
-            if before_us(done):
-                done = Ended(-number, "", "")
+            moment = trials.chance.random() * trials.right[command.name].seconds
+            done = finish(begin(command, around), moment, number)
+            # Ctrl-C met Python while it was loading itself: its words then, not ours
+            if done.code == 1 and "KeyboardInterrupt" in done.err and "tactgen" not in done.err:
+                done = Ended(-number)
             wrong = trials.judge(command, around, done, codes)
             yield f"{command.name} after {moment:.2f} s", wrong, None
 
@@ -355,8 +343,9 @@ def corrupted(trials: Trials, times: int) -> Points:
     for turn in range(times // 2):
         command = trials.commands[turn % len(trials.commands)]
         around = trials.place()
-        if trials.stores[command.name].exists():  # some commands cache nothing
-            shutil.copytree(trials.stores[command.name], around.store)
+        store = trials.right[command.name].around.store
+        if store.exists():  # some commands cache nothing
+            shutil.copytree(store, around.store)
         entries = sorted(around.store.rglob("*.kept"))
         how = trials.chance.choice(("bit", "cut", "empty", "swapped"))
         for path in entries:
@@ -386,9 +375,13 @@ def read_only(trials: Trials, _: int) -> Points:
         yield f"{command.name}, store", trials.judge(command, spoilt, done, (0,)), done
         if "{out}" in command.line:
             done = finish(begin(command, replace(spoilt, out=Path(_NOWHERE))))
-            right = done.code == _REFUSED and said(done)[0]
-            wrong = "" if right else f"ended with {done.code}: {done.err}"
-            yield f"{command.name}, folder", wrong, done
+            yield f"{command.name}, folder", _refused(done), done
+
+
+def _refused(done: Ended) -> str:
+    """Faults of a process that was to refuse, "" if none."""
+    right = done.code == _REFUSED and said(done)[0]
+    return "" if right else f"ended with {done.code}: {done.err[-200:]}"
 
 
 def two_at_once(trials: Trials, _: int) -> Points:
@@ -397,11 +390,7 @@ def two_at_once(trials: Trials, _: int) -> Points:
         around = trials.place()
         pair = [finish(process) for process in [begin(command, around) for _ in range(2)]]
         for number, done in enumerate(pair, start=1):
-            wrong = ""
-            if done.code == 0:
-                wrong = trials.compared(command, around, done)
-            elif done.code != _REFUSED or not said(done)[0]:
-                wrong = f"ended with {done.code}: {done.err[-200:]}"
+            wrong = trials.compared(command, around, done) if done.code == 0 else _refused(done)
             yield f"{command.name}, number {number}", wrong, done
         if any(done.code for done in pair):
             yield f"{command.name}, both", trials.again(command, around), None
@@ -450,18 +439,6 @@ FAMILIES: dict[str, tuple[str, Callable[[Trials, int], Points]]] = {
 }  # fmt: skip
 
 
-def judge(name: str, trials: Trials, times: int) -> Row:
-    """Row of a family."""
-    what, run = FAMILIES[name]
-    family = Family()
-    for where, wrong, done in run(trials, times):
-        if done is not None and done.code == _REFUSED:
-            family.refusals.append(said(done)[1])
-        family.add(f"{where}{': ' if wrong else ''}{wrong}", math.inf if wrong else 0.0, 0.0)
-    what = f"{len(trials.commands)} commands, {what}"
-    return family.row(f"faults: {name}", what)
-
-
 def _spoil(path: Path, other: Path, how: str, chance: random.Random) -> None:
     content = bytearray(path.read_bytes())
     if how == "bit" and content:
@@ -492,9 +469,15 @@ def _rows(asked: PartRequest) -> tuple[Row, ...]:
         asked.announce("faults: undisturbed runs")
         commands = LIGHT if asked.quick else (*LIGHT, *HEAVY)
         trials, rows = Trials(commands, Path(folder), asked.seed), []
-        for name in FAMILIES:
+        for name, (what, run_family) in FAMILIES.items():
             asked.announce(f"faults: {name}")
-            rows.append(judge(name, trials, 6 if asked.quick else 60))
+            family = Family()
+            for where, wrong, done in run_family(trials, 6 if asked.quick else 60):
+                if done is not None and done.code == _REFUSED:
+                    family.refusals.append(said(done)[1])
+                where += f": {wrong}" if wrong else ""
+                family.add(where, math.inf if wrong else 0.0, 0.0)
+            rows.append(family.row(f"faults: {name}", f"{len(commands)} commands, {what}"))
         return tuple(rows)
 
 

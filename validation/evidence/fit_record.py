@@ -1,4 +1,4 @@
-"""What a calibration's fit leaves on devices that it had not seen, and how files hold it."""
+"""What calibrations have in common: normal equations, errors that cover, what files hold."""
 
 from __future__ import annotations
 
@@ -51,9 +51,32 @@ def evidence(
     }  # fmt: skip
 
 
-def rounded(value: Any) -> float:
-    """Number to five digits, as files hold it."""
-    return float(f"{float(value):.5g}")
+def solve_normal(rows: Floats, right: Floats, ridge: float, start: Floats | float = 0.0) -> Floats:
+    """Step of least squares from `start`, with a ridge relative to the mean diagonal."""
+    normal = rows.T @ rows
+    own = ridge * np.trace(normal) / len(normal)
+    normal[np.diag_indices_from(normal)] += own
+    return np.asarray(np.linalg.solve(normal, rows.T @ right - own * start))
+
+
+def covering(rows: Floats, sizes: Floats, ridge: float, quantile: float) -> Floats:
+    """Coefficients (t, k) of logarithms that cover all but a few of sizes (n, k), nan left out.
+
+    By rows (n, t) whose first column is 1, which the ridge leaves free.
+    """
+    found = np.zeros((rows.shape[1], sizes.shape[1]))
+    for k, size in enumerate(sizes.T):
+        known = np.isfinite(size)
+        a, error = rows[known], size[known]
+        normal = a.T @ a + ridge * len(a) * np.diag([0.0] + [1.0] * (a.shape[1] - 1))
+        found[:, k] = np.linalg.solve(normal, a.T @ np.log(error))
+        found[0, k] += np.log(np.quantile(error / np.exp(a @ found[:, k]), quantile))
+    return found
+
+
+def rounded(values: Any) -> Any:
+    """Numbers to five digits, as files hold them: of arrays as lists."""
+    return np.vectorize(lambda value: float(f"{float(value):.5g}"))(values).tolist()
 
 
 def products_record(products: Products) -> dict[str, Any]:

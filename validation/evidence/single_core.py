@@ -13,6 +13,7 @@ import math
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -25,20 +26,23 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", VARIAB
 
 
 def on_one_core(module: str, function: str, *arguments: Any, python: str = sys.executable) -> Any:
-    """Call ``module.function(*arguments)`` alone; arguments and result are JSON values.
+    """Call ``module.function(*arguments)`` alone, with an empty store.
 
+    Arguments and result are JSON values.
     What the call itself prints is not looked at.  `python` may be another interpreter, as
     long as it can import the module.
 
     Raises InputError if the process ends badly, with the last line that it wrote.
     """
-    done = subprocess.run(
-        [python, "-m", __name__, module, function, json.dumps(arguments)],
-        env={**os.environ, **dict.fromkeys(_THREADS, "1"), "PYTHONPATH": _path()},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    # another interpreter need not know this package's place
+    places = filter(None, [str(Path(__file__).parents[3]), os.environ.get("PYTHONPATH")])
+    variables = {**dict.fromkeys(_THREADS, "1"), "PYTHONPATH": os.pathsep.join(places)}
+    with tempfile.TemporaryDirectory() as empty:  # what other runs cached takes no time
+        done = subprocess.run(
+            [python, "-m", __name__, module, function, json.dumps(arguments)],
+            env={**os.environ, **variables, "TACTGEN_CACHE": empty},
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
     if done.returncode != 0:
         last = (done.stderr.strip().splitlines() or ["no message"])[-1]
         raise InputError(
@@ -46,12 +50,6 @@ def on_one_core(module: str, function: str, *arguments: Any, python: str = sys.e
             "ask for less with --quick"
         )
     return json.loads(done.stdout.splitlines()[-1])
-
-
-def _path() -> str:
-    """PYTHONPATH with this package's place, which another interpreter need not know."""
-    here = str(Path(__file__).parents[3])
-    return os.pathsep.join([here, *filter(None, [os.environ.get("PYTHONPATH")])])
 
 
 def peak_memory() -> int:

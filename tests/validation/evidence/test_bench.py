@@ -23,10 +23,11 @@ from tactgen.validation.evidence.single_core import on_one_core, peak_memory
 
 
 def test_measured_alone_on_one_core():
-    """A measurement runs in its own process, limited to one thread."""
+    """A measurement runs in its own process, limited to one thread, and finds nothing cached."""
     for limit in ("OMP_NUM_THREADS", "TACTGEN_THREADS"):
         assert on_one_core("os", "getenv", limit) == "1"
     assert on_one_core("os", "getpid") != os.getpid()
+    assert on_one_core("os", "getenv", "TACTGEN_CACHE") != os.environ["TACTGEN_CACHE"]
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="limits are told by /proc")

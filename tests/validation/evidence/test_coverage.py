@@ -7,9 +7,6 @@ import json
 import numpy as np
 import pytest
 
-from tactgen.fem.piezo.bricks import assemble_bricks
-from tactgen.fem.piezo.ports import direct_multiport
-from tactgen.geometry.bimorph.bricks import bimorph_bricks
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance.circuit import CELLS
@@ -90,16 +87,6 @@ def test_the_networks_own_pull_is_the_maps():
         by_map, found = (getattr(pull, name)(current, gap) for pull in (surface, exact))
         assert found.shape == (2, 3)
         assert found == pytest.approx(by_map, rel=0.02), name
-
-
-def test_what_judges_the_solid_finds_the_ports_of_its_bricks(few_bricks):
-    """A route of its own, without refinement of what it solves: to seven digits."""
-    device = Device()
-    system = assemble_bricks(device, bimorph_bricks(device, few_bricks[0]), lossy=False)
-    exact = direct_multiport(system, np.zeros(1)).stiffness[0]
-    found = solid._at_rest(system).stiffness[0]
-    size = np.sqrt(np.abs(np.diag(exact)))
-    assert (np.abs(found - exact) / np.outer(size, size)).max() < 1e-7
 
 
 def test_wide_bars_are_said_in_table_json_and_csv(monkeypatch, capsys, tmp_path):

@@ -133,29 +133,25 @@ def potential_unit(material: Material) -> float:
 
 
 def lowest_frequencies(
-    inverse: Callable[[Floats], Floats], weigh: Callable[[Floats], Floats], size: int, count: int
-) -> list[float]:
-    """Lowest natural frequencies (Hz) by SciPy's Lanczos with a given inverse.
+    inverse: Callable[[Floats], Floats], weigh: Callable[[Floats], Floats], size: int, count: int,
+    *, shift: float = 0.0, basis: int | None = None, tolerance: float = 1e-8,
+) -> list[float]:  # fmt: skip
+    """Lowest natural frequencies (Hz) by SciPy's Lanczos with the inverse of K + shift · M.
 
     The potential has no mass; starting from inverse times mass keeps it where the
-    displacement puts it.
+    displacement puts it.  A rigid motion's Ω² may be rounded below zero.
     """
     from scipy.sparse.linalg import LinearOperator, eigsh
 
     mass = LinearOperator((size, size), matvec=weigh, dtype=float)
-    start = inverse(weigh(np.random.default_rng(0).standard_normal(size)))
     found = eigsh(
         mass,  # in inverse mode the stiffness itself is not asked for
-        k=count,
-        M=mass,
-        sigma=0.0,
+        k=count, M=mass, sigma=-shift,
         OPinv=LinearOperator((size, size), matvec=inverse, dtype=float),
-        v0=start,
-        ncv=3 * count,
-        tol=1e-8,
-        return_eigenvectors=False,
-    )
-    return [float(f) for f in np.sort(np.sqrt(found)) / (2.0 * np.pi)]
+        v0=inverse(weigh(np.random.default_rng(0).standard_normal(size))),
+        ncv=basis or 3 * count, tol=tolerance, return_eigenvectors=False,
+    )  # fmt: skip
+    return [float(f) for f in np.sqrt(np.maximum(np.sort(found), 0.0)) / (2.0 * np.pi)]
 
 
 #: At x > 0, at x < 0, and between.
