@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -13,6 +12,7 @@ from typing import Any
 from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering
+from tactgen.validation.evidence.coverage import loaded
 from tactgen.validation.show.browser import console
 from tactgen.validation.show.figures import ORANGE, panels, plain_numbers, svg
 
@@ -73,8 +73,7 @@ class Bench:
 
 def run_parts(names: Iterable[str], quick: bool, announce: Callable[[str], None]) -> list[Bench]:
     """Measure the named parts (keys of :data:`PARTS`) in order."""
-    modules = (importlib.import_module(f"{__package__}.{PARTS[name]}") for name in names)
-    return [module.run(quick, announce) for module in modules]
+    return [loaded(f"{PARTS[name]}.run")(quick, announce) for name in names]
 
 
 #: Of a run: time (s) and error.

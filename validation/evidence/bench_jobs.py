@@ -138,21 +138,6 @@ class _Own:
         return [mode.frequency for mode in found][:MODES]
 
 
-def second_order(
-    device: Device, through: int, side: float, smallest: float, longest: float
-) -> Bricks:
-    """Bricks of degree 2, which are hexahedra of 27 nodes, on the quarter.
-
-    `through` a ceramic layer; `side`, `smallest` and `longest` as of a BrickMeshing.
-    """
-    layers = (1.0 / through,) * through
-    meshing = BrickMeshing(
-        (2, 2, 2), layers, side=side, smallest=smallest, tip=smallest, longest=longest,
-        pieces=(10.0, 1e3), growth=3.0,
-    )  # fmt: skip
-    return bimorph_bricks(device, meshing)
-
-
 def hexahedra(job: Job) -> Mesh:
     """Job's grid of bricks as hexahedra."""
     grid = bricks(job)
@@ -189,10 +174,15 @@ def layered_tetrahedra(x: Floats, y: Floats, z: Floats, half: float) -> Mesh:
 
 
 #: Mesh of each of our families from a device and a fineness: of the first a level of the solid
-#: model's own, of tetwild's the edges (m) at the clamp and elsewhere.  Another one is one line.
+#: model's own; of 27 nodes on the quarter (bricks of degree 2), how many through a ceramic layer,
+#: and `side`, `smallest`, `longest` of a BrickMeshing; of tetwild's the edges (m) at the clamp and
+#: elsewhere.  Another one is one line.
 FAMILIES: dict[str, Callable[[Device, Any], Mesh | Bricks]] = {
     BRICKS: lambda device, level: bimorph_bricks(device, LEVELS[level]),
-    "hexahedra of 27 nodes": lambda device, sizes: second_order(device, *sizes),
+    "hexahedra of 27 nodes": lambda device, sizes: bimorph_bricks(device, BrickMeshing(
+        (2, 2, 2), (1.0 / sizes[0],) * sizes[0], side=sizes[1], smallest=sizes[2], tip=sizes[2],
+        longest=sizes[3], pieces=(10.0, 1e3), growth=3.0,
+    )),
     "hexahedra of 20 nodes": lambda _, fineness: hexahedra(fineness),
     "structured P2 tetrahedra": lambda device, fineness: layered_tetrahedra(
         *planes(fineness), 0.5 * device.bimorph.shim_thickness
@@ -200,4 +190,4 @@ FAMILIES: dict[str, Callable[[Device, Any], Mesh | Bricks]] = {
     "tetwild P2 tetrahedra": lambda device, edges: tetrahedralise(
         device, "alone", LAYERS, TetMeshing(root_edge_length=edges[0], edge_length=edges[1])
     ),
-}
+}  # fmt: skip

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -241,9 +242,7 @@ def fit(
 ) -> tuple[Fit, dict[str, dict[str, Any]]]:
     """Fit to a part of the devices, with errors from the rest, and what these show by group."""
     training = np.random.default_rng(SEED).random(len(observed)) < FITTED
-    known, fresh = (
-        devices_of([observed[i] for i in np.flatnonzero(own)]) for own in (training, ~training)
-    )
+    known, fresh = (devices_of(list(compress(observed, own))) for own in (training, ~training))
     every = np.concatenate([known.groups, fresh.groups])
     listed = bool(fresh.scenes[0].bimorph.layers)
     products, clamp = (
@@ -270,7 +269,7 @@ def fit(
     )
     stated, shown = np.exp(rows @ found.errors), {}
     for group, which in _groups_shown(fresh, listed=listed).items():
-        devices = [fresh.observed[i].overrides for i in np.flatnonzero(which)]
+        devices = [one.overrides for one in compress(fresh.observed, which)]
         shown[group] = {"evidence": evidence(ERRORS, left[which], stated[which], devices)}
     return found, shown
 

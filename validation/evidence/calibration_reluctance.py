@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -110,9 +111,7 @@ def points_of(observed: Sequence[ObservedField]) -> Points:
 def fit(observed: Sequence[ObservedField], kind: str) -> tuple[Fit, dict[str, Any]]:
     """Fit to a part of the points, with errors from the rest, and what these show."""
     training = np.random.default_rng(SEED).random(len(observed)) < FITTED
-    known, fresh = (
-        points_of([observed[i] for i in np.flatnonzero(own)]) for own in (training, ~training)
-    )
+    known, fresh = (points_of(list(compress(observed, own))) for own in (training, ~training))
     every, turns = np.concatenate([known.groups, fresh.groups]), GROUPS.index("ampere turns")
     low, high = every.min(axis=0), every.max(axis=0)
     low[turns] = np.quantile(every[:, turns], _LINEAR)
@@ -179,10 +178,8 @@ def calibrate(
 
 def _of_kind(observed: Sequence[ObservedField], kind: str) -> list[ObservedField]:
     devices = (load_scene("reluctance", list(one.overrides))[0].device for one in observed)
-    straight = [calibrated.is_straight(device) for device in devices]
-    return [
-        one for one, is_so in zip(observed, straight, strict=True) if is_so == (kind == "straight")
-    ]
+    straight = kind == "straight"
+    return list(compress(observed, (calibrated.is_straight(d) == straight for d in devices)))
 
 
 def _widening(of: Points, known: Fit) -> float:

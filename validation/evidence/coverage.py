@@ -140,19 +140,10 @@ class Part:
 
 
 def cached_by_code(kind: str, of: tuple[object, ...], module: str, work: Callable[[], Any]) -> Any:
-    """Result of `work`, cached under the code that computed it.
+    """Result of `work`, so that a run that was stopped goes on where it was.
 
-    A run that was stopped so goes on where it was.
-
-    Parameters
-    ----------
-    kind : str
-        What the store lists it as.
-    of : tuple
-        What is judged, with the seed that it is drawn by.  The built-in scenes count, too: all is
-        made of them.
-    module : str
-        What judges.
+    Cached as of a kind by what is judged, with its seed, by the code of the `module` that judges,
+    and by the built-in scenes: all is made of them.
     """
     return cached_result(kind, (*of, built_in_texts()), (module, *_CODE), work)
 

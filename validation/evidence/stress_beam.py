@@ -50,10 +50,8 @@ _CLAMPED_FREE = Ends()
 @cache
 def compared(beam: Section, length: float, frequency: float, ends: Ends, label: str = "") -> Point:
     """Relative error of D or of the mounted response, with its bound: the worst beside this."""
-    omega = 2.0 * np.pi * frequency
-    exact = reference.dynamic_stiffness(reference.constants(beam), length, omega)
-    base, tip = _attached(ends, frequency)
-    w_tip, charge, psi_tip = reference.tip_motion(exact, base, tip)
+    omega, (base, tip) = 2.0 * np.pi * frequency, _attached(ends, frequency)
+    exact, (w_tip, charge, psi_tip) = exactly(beam, length, frequency, ends)
     ours = mounted_response(beam, length, omega, base=base, tip=tip)
     d, bounds = dynamic_stiffness(beam, length, omega), rounding(beam, length, omega)
     found = [(d[at], exact[at], float(bounds[at])) for at in _ENTRIES]
@@ -74,16 +72,21 @@ def by_printed_formulas(beam: Section, length: float, frequency: float, ends: En
     """The same error of the paper's matrix A; nan at 0 Hz."""
     if not frequency:
         return math.nan
-    omega, f = 2.0 * np.pi * frequency, np.array([frequency])
-    exact = reference.dynamic_stiffness(reference.constants(beam), length, omega)
-    base, tip = _attached(ends, frequency)
-    w_tip, *_ = reference.tip_motion(exact, base, tip)
+    f, (base, tip) = np.array([frequency]), _attached(ends, frequency)
+    exact, (w_tip, *_) = exactly(beam, length, frequency, ends)
     a = textbook_beam.transfer(beam, length, f)
     velocity = textbook_beam.response(a, f, base=base, tip=tip)[0, 0]
     return max(
         _entry_error(textbook_beam.dynamic_stiffness(beam, length, f)[0], exact),
-        _finite(reference.relative_error(velocity / (1j * omega), w_tip)),
+        _finite(reference.relative_error(velocity / (2j * np.pi * frequency), w_tip)),
     )
+
+
+def exactly(beam: Section, length: float, frequency: float, ends: Ends) -> tuple[Any, Any]:
+    """D (5, 5), and per volt (w_tip, charge, ψ_tip) on these ends."""
+    omega = 2.0 * np.pi * frequency
+    d = reference.dynamic_stiffness(reference.constants(beam), length, omega)
+    return d, reference.tip_motion(d, *_attached(ends, frequency))
 
 
 def _attached(ends: Ends, frequency: float) -> tuple[tuple[complex, complex] | None, complex]:

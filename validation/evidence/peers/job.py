@@ -158,11 +158,10 @@ def lowest_frequencies(
 LAYERS = ("piezo_top", "piezo_bottom", "shim")
 SHIM = 2
 
-#: Corners of a brick's six faces.
-_SIDES = {
-    "x_low": [0, 3, 7, 4], "x_high": [1, 2, 6, 5], "y_low": [0, 1, 5, 4],
-    "y_high": [3, 2, 6, 7], "z_low": [0, 1, 2, 3], "z_high": [4, 5, 6, 7],
-}  # fmt: skip
+#: Corners of a brick's faces at the low and the high end of each axis.
+_SIDES = (
+    ([0, 3, 7, 4], [1, 2, 6, 5]), ([0, 1, 5, 4], [3, 2, 6, 7]), ([0, 1, 2, 3], [4, 5, 6, 7]),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -187,28 +186,22 @@ class Bricks:
 
     def faces(self) -> list[Face]:
         """All faces on the surface and between ceramic and shim."""
-        low, high = self.points.min(axis=0), self.points.max(axis=0)
+        ends = self.points.min(axis=0), self.points.max(axis=0)
         half = float(self.points[self.cells[self.layer == SHIM], 0].max())
-
-        def on(layer: int, side: str, axis: int, value: float) -> Ints:
-            quads = self.cells[self.layer == layer][:, _SIDES[side]]
-            inside = np.isclose(self.points[quads, axis], value, atol=1e-12)
-            return np.asarray(quads[np.all(inside, axis=1)])
-
+        # name, layer, the one behind, axis, its end, and the place on it
+        surface = (("base", 2, 0), ("tip", 2, 1), ("side", 1, 0), ("side", 1, 1))
+        wanted = [
+            (name, layer, None, axis, end, ends[end][axis])
+            for layer in range(len(LAYERS)) for name, axis, end in surface
+        ]  # fmt: skip
+        wanted += [("outer", 0, None, 0, 1, ends[1][0]), ("outer", 1, None, 0, 0, ends[0][0])]
+        inner = (("inner", 0, SHIM, 0, 0, half), ("inner", 1, SHIM, 0, 1, -half))
         found = []
-        for layer in range(len(LAYERS)):
-            for name, side, axis, value in (
-                ("base", "z_low", 2, low[2]), ("tip", "z_high", 2, high[2]),
-                ("side", "y_low", 1, low[1]), ("side", "y_high", 1, high[1]),
-            ):  # fmt: skip
-                found.append(Face(name, layer, None, on(layer, side, axis, value)))
-        return [
-            *found,
-            Face("outer", 0, None, on(0, "x_high", 0, high[0])),
-            Face("outer", 1, None, on(1, "x_low", 0, low[0])),
-            Face("inner", 0, SHIM, on(0, "x_low", 0, half)),
-            Face("inner", 1, SHIM, on(1, "x_high", 0, -half)),
-        ]
+        for name, layer, behind, axis, end, place in (*wanted, *inner):
+            quads = self.cells[self.layer == layer][:, _SIDES[axis][end]]
+            on = np.isclose(self.points[quads, axis], place, atol=1e-12).all(axis=1)
+            found.append(Face(name, layer, behind, quads[on]))
+        return found
 
 
 def planes(job: Job) -> tuple[Floats, Floats, Floats]:
