@@ -7,7 +7,6 @@ frequencies.  Job J2: its damped sweep at 200 frequencies.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -25,12 +24,14 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mesh import CellKind, Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.evidence.peers.job import (
     LAYERS,
+    SHIM,
+    SIDES,
     Answer,
     Fineness,
     Job,
@@ -141,21 +142,8 @@ class _Own:
 def hexahedra(job: Job) -> Mesh:
     """Job's grid of bricks as hexahedra."""
     grid = bricks(job)
-    faces: dict[str, list[Ints]] = {}
-    for face in grid.faces():
-        if face.name != "side" and face.quads.size:
-            name = face.name
-            if name in ("outer", "inner"):
-                name = f"electrode_{LAYERS[face.layer].removeprefix('piezo_')}_{name}"
-            faces.setdefault(name, []).append(face.quads)
-    return Mesh(
-        points=grid.points,
-        cells=grid.cells,
-        kind="hexahedron",
-        region_of_cell=grid.layer,
-        regions=LAYERS,
-        faces={name: np.concatenate(parts) for name, parts in faces.items()},
-    )
+    sides = np.concatenate([grid.cells[:, side] for ends in SIDES for side in ends])
+    return _named(grid.points, grid.cells, "hexahedron", grid.layer, sides)
 
 
 def layered_tetrahedra(x: Floats, y: Floats, z: Floats, half: float) -> Mesh:
@@ -163,14 +151,23 @@ def layered_tetrahedra(x: Floats, y: Floats, z: Floats, half: float) -> Mesh:
     boxes = (y.size - 1) * (z.size - 1)
     region = np.repeat(layers_across(x, half), boxes).reshape(-1, y.size - 1, z.size - 1)
     mesh = box_tetrahedra(x, y, z, region, LAYERS)
-    triangles = np.concatenate([np.delete(mesh.cells, corner, axis=1) for corner in range(4)])
-    across = mesh.points[triangles, 0]
-    faces = {"base": mesh.faces["z_low"], "tip": mesh.faces["z_high"]}
-    for side, sign in (("top", 1.0), ("bottom", -1.0)):
-        for name, place in (("inner", sign * half), ("outer", sign * x[-1])):
-            on = (np.abs(across - place) < 1e-9 * x[-1]).all(axis=1)
-            faces[f"electrode_{side}_{name}"] = np.unique(np.sort(triangles[on], axis=1), axis=0)
-    return replace(mesh, faces=faces)
+    sides = np.concatenate([np.delete(mesh.cells, corner, axis=1) for corner in range(4)])
+    return _named(mesh.points, mesh.cells, "tetra", mesh.region_of_cell, sides)
+
+
+def _named(points: Floats, cells: Ints, kind: CellKind, layer: Ints, sides: Ints) -> Mesh:
+    """Mesh of three layers with its named faces, from the `sides` of all cells."""
+    half, outer = points[cells[layer == SHIM], 0].max(), points[:, 0].max()
+    x, z, faces = points[sides, 0], points[sides, 2], {}
+    for name, along, place in (
+        ("base", z, 0.0), ("tip", z, z.max()),
+        ("electrode_top_inner", x, half), ("electrode_top_outer", x, outer),
+        ("electrode_bottom_inner", x, -half), ("electrode_bottom_outer", x, -outer),
+    ):  # fmt: skip
+        on = sides[(np.abs(along - place) < 1e-9 * outer).all(axis=1)]
+        _, once = np.unique(np.sort(on, axis=1), axis=0, return_index=True)
+        faces[name] = on[once]
+    return Mesh(points, cells, kind, layer, LAYERS, faces)
 
 
 #: Mesh of each of our families from a device and a fineness: of the first a level of the solid

@@ -10,8 +10,9 @@ from __future__ import annotations
 import math
 import platform
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,20 @@ class Level:
 
 def ways(*, quick: bool) -> list[Level]:
     """All that is to be run; peers that are not installed are left out."""
-    found = _own_ways(quick=quick)
+    few = slice(1 if quick else None)
+    grids = [_bricks(grid, 2) for grid in _SECOND[few]]
+    families: tuple[tuple[str, Sequence[Any], bool], ...] = (
+        (BRICKS, range(2 if quick else 4), True),
+        ("hexahedra of 27 nodes", _TRIQUADRATIC[few], False),
+        ("hexahedra of 20 nodes", grids, False),
+        ("structured P2 tetrahedra", grids, False),
+        ("tetwild P2 tetrahedra", () if quick else _TETWILD, False),
+    )
+    found = [
+        Level(family, str(number), own(family, fineness), swept, own=True)
+        for family, finenesses, swept in families
+        for number, fineness in enumerate(finenesses, 1)
+    ]
     for peer in PEERS:
         if not missing(peer):
             found += _peer_ways(peer, quick=quick)
@@ -72,37 +86,13 @@ def ways(*, quick: bool) -> list[Level]:
 
 def own(family: str, fineness: Any) -> Solve:
     """Solution of the jobs by one of our methods at a fineness."""
-
-    def run(frequencies: list[float]) -> Answer:
-        found: Answer = on_one_core(bench_jobs.__name__, "solve_own", family, fineness, frequencies)
-        return found
-
-    return run
-
-
-def _own_ways(*, quick: bool) -> list[Level]:
-    def levels(family: str, finenesses: list[Any], swept: bool) -> list[Level]:
-        return [
-            Level(family, str(number), own(family, fineness), swept, own=True)
-            for number, fineness in enumerate(finenesses, 1)
-        ]
-
-    grids = [_bricks(grid, 2) for grid in _SECOND[: 1 if quick else None]]
-    return [
-        *levels(BRICKS, list(range(2 if quick else 4)), True),
-        *levels("hexahedra of 27 nodes", list(_TRIQUADRATIC[: 1 if quick else None]), False),
-        *levels("hexahedra of 20 nodes", grids, False),
-        *levels("structured P2 tetrahedra", grids, False),
-        *levels("tetwild P2 tetrahedra", [] if quick else list(_TETWILD), False),
-    ]
+    return partial(on_one_core, bench_jobs.__name__, "solve_own", family, fineness)
 
 
 def _peer_ways(peer: str, *, quick: bool) -> list[Level]:
     def level(path: str, number: int, fineness: Job, swept: bool) -> Level:
         def run(frequencies: list[float]) -> Answer:
-            chosen = fineness.copy()
-            chosen["frequencies"] = frequencies
-            return solve(peer, chosen)
+            return solve(peer, {**fineness, "frequencies": frequencies})
 
         return Level(f"{peer}, {path}", str(number), run, swept, own=False)
 

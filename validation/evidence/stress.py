@@ -203,11 +203,12 @@ def print_stress(parts: Sequence[Stress]) -> None:
 
     screen = console(200)
     table = Table(title="worst errors, against what was promised of each answer")
-    for name in ("part", *_CELLS):
+    for name in ("part", *_SHOWN):
         table.add_column(name, justify="right" if name in _NUMBERS else "left")
     for part in parts:
         for row in part.rows:
-            table.add_row(part.part, *(cell(row) for cell in _CELLS.values()))
+            known = _values(row)
+            table.add_row(part.part, *(_cell(name, known[name]) for name in _SHOWN))
         table.add_section()
     screen.print(table)
     for part in parts:
@@ -223,50 +224,47 @@ def print_stress(parts: Sequence[Stress]) -> None:
         screen.print(f"{part.part} ({part.seconds:.0f} s): {part.statement}", markup=False)
 
 
-_CELLS: dict[str, Callable[[Row], str]] = {
-    "family": lambda row: row.family,
-    "range": lambda row: row.what,
-    "points": lambda row: str(row.points),
-    "refused": lambda row: str(len(row.refusals)),
-    "beyond": lambda row: str(len(row.beyond)),
-    "worst": lambda row: short(row.worst.error),
-    "promised": lambda row: short(row.worst.bound),
-    "over bar": lambda row: "-" if math.isnan(row.over) else f"{row.over:.2g}",
-    "verdict": lambda row: row.verdict,
-    "worst at": lambda row: row.worst.where,
-}
+def _values(row: Row) -> dict[str, Any]:
+    """Columns of files by their headings."""
+    return {
+        "family": row.family, "range": row.what, "points": row.points, "beyond": len(row.beyond),
+        "worst": row.worst.error, "promised": row.worst.bound, "over bar": row.over,
+        "verdict": row.verdict, "worst at": row.worst.where, "refused": len(row.refusals),
+        "refusals": " | ".join(said[0] for said in _kinds(row.refusals)),
+    }  # fmt: skip
+
+
+#: Columns on the screen, and those of them to the right.
+_SHOWN = (
+    "family", "range", "points", "refused", "beyond", "worst", "promised", "over bar", "verdict",
+    "worst at",
+)  # fmt: skip
+_NUMBERS = _SHOWN[2:8]
 #: Answers beyond their bars that are printed of a family; files have all.
 _MOST = 10
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
-_NUMBERS = ("points", "refused", "beyond", "worst", "promised", "over bar")
 
 
-def short(value: float) -> str:
-    """Two digits; words for nan and values above 1."""
+def _cell(name: str, value: Any) -> str:
+    """Two digits of a number that is no count; words for nan and errors above 1."""
+    if not isinstance(value, float):
+        return str(value)
     if math.isnan(value):
         return "-"
+    if name == "over bar":
+        return f"{value:.2g}"
     return "no digit" if value >= 1.0 else f"{value:.1e}"
 
 
 def write_stress(parts: Sequence[Stress], out: Path) -> list[Path]:
     """Write CSVs of all rows and of answers beyond, a CSV and an SVG of every map; return all."""
-    rows = [
-        (part.part, r.family, r.what, r.points, len(r.beyond), r.worst.error, r.worst.bound, r.over,
-         r.verdict, r.worst.where, len(r.refusals),
-         " | ".join(said[0] for said in _kinds(r.refusals)))
-        for part in parts
-        for r in part.rows
-    ]  # fmt: skip
-    head = (
-        "part", "family", "range", "points", "beyond", "worst", "promised", "over bar",
-        "verdict", "worst at", "refused", "refusals",
-    )  # fmt: skip
+    rows = [{"part": part.part} | _values(row) for part in parts for row in part.rows]
     beyond = [
         (part.part, r.family, p.error, p.bound, p.share, p.where)
         for part in parts for r in part.rows for p in r.beyond
     ]  # fmt: skip
     written = [
-        write_csv(out / "stress.csv", head, rows),
+        write_csv(out / "stress.csv", tuple(rows[0]), (row.values() for row in rows)),
         write_csv(
             out / "stress-beyond.csv",
             ("part", "family", "error", "promised", "over bar", "where"), beyond,

@@ -159,7 +159,7 @@ LAYERS = ("piezo_top", "piezo_bottom", "shim")
 SHIM = 2
 
 #: Corners of a brick's faces at the low and the high end of each axis.
-_SIDES = (
+SIDES = (
     ([0, 3, 7, 4], [1, 2, 6, 5]), ([0, 1, 5, 4], [3, 2, 6, 7]), ([0, 1, 2, 3], [4, 5, 6, 7]),
 )  # fmt: skip
 
@@ -198,7 +198,7 @@ class Bricks:
         inner = (("inner", 0, SHIM, 0, 0, half), ("inner", 1, SHIM, 0, 1, -half))
         found = []
         for name, layer, behind, axis, end, place in (*wanted, *inner):
-            quads = self.cells[self.layer == layer][:, _SIDES[axis][end]]
+            quads = self.cells[self.layer == layer][:, SIDES[axis][end]]
             on = np.isclose(self.points[quads, axis], place, atol=1e-12).all(axis=1)
             found.append(Face(name, layer, behind, quads[on]))
         return found
