@@ -70,45 +70,11 @@ class _Model:
     """Fields, terms and regions of a job; assembled matrices, complex for a sweep."""
 
     def __init__(self, domain: Any, job: Job) -> None:
-        from sfepy.discrete import (
-            Equations,
-            FieldVariable,
-            Integral,
-            Integrals,
-            Materials,
-            Problem,
-            Variables,
-        )
-        from sfepy.discrete import Material as Constants
-        from sfepy.discrete.fem import Field
+        from sfepy.discrete import Problem
 
-        order, sizes = job["order"], {"approx_order": job["order"]}
-        everything = domain.create_region("all", "all")
-        piezo = domain.create_region("piezo", "cells of group 1 +c cells of group 2")
-        domain.create_region("shim", "cells of group 3")
-        self._faces = _faces(domain, job)
-        moved = Field.from_args("moved", np.float64, "vector", everything, **sizes)
-        field = Field.from_args("field", np.float64, "scalar", piezo, **sizes)
-        self._spaces = {"u": moved, "phi": field}
-        variables = Variables([
-            FieldVariable("u", "unknown", moved),
-            FieldVariable("v", "test", moved, primary_var_name="u"),
-            FieldVariable("phi", "unknown", field),
-            FieldVariable("psi", "test", field, primary_var_name="phi"),
-        ])  # fmt: skip
         self._unit, self._modes = potential_unit(job["ceramic"][0]), job["modes"]
-        materials = [Constants("pull", x=[[1.0], [0.0], [0.0]])]
-        texts = {"mass": _MASS, "tip": _TIP}
-        for part in (0, 1) if job["frequencies"] else (0,):
-            materials += [
-                Constants(f"p{part}", **_tensors(job["ceramic"][part], self._unit)),
-                Constants(f"s{part}", **_tensors(job["shim"][part], self._unit)),
-            ]
-            texts |= {f"{i} of {part}": text.format(part=part) for i, text in enumerate(_STIFFNESS)}
-        self._equations = Equations.from_conf(
-            texts, variables, domain.regions, Materials(materials),
-            Integrals([Integral("i", order=2 * order)]),
-        )  # fmt: skip
+        self._faces = _faces(domain, job)
+        self._spaces, self._equations = _equations(domain, job, self._unit)
         problem = Problem("bimorph", equations=self._equations)
         problem.time_update()
         problem.update_materials()
@@ -177,6 +143,39 @@ class _Model:
         return found
 
 
+def _equations(domain: Any, job: Job, unit: float) -> tuple[dict[str, Any], Any]:
+    """Fields of displacement u and potential phi, and the equations of all matrices."""
+    from sfepy.discrete import Equations, FieldVariable, Integral, Integrals, Materials, Variables
+    from sfepy.discrete import Material as Constants
+    from sfepy.discrete.fem import Field
+
+    order = job["order"]
+    moved = Field.from_args(
+        "moved", np.float64, "vector", domain.regions["all"], approx_order=order
+    )  # fmt: skip
+    field = Field.from_args(
+        "field", np.float64, "scalar", domain.regions["piezo"], approx_order=order
+    )  # fmt: skip
+    variables = Variables([
+        FieldVariable("u", "unknown", moved),
+        FieldVariable("v", "test", moved, primary_var_name="u"),
+        FieldVariable("phi", "unknown", field),
+        FieldVariable("psi", "test", field, primary_var_name="phi"),
+    ])  # fmt: skip
+    materials = [Constants("pull", x=[[1.0], [0.0], [0.0]])]
+    texts = {"mass": _MASS, "tip": _TIP}
+    for part in (0, 1) if job["frequencies"] else (0,):
+        materials += [
+            Constants(f"p{part}", **_tensors(job["ceramic"][part], unit)),
+            Constants(f"s{part}", **_tensors(job["shim"][part], unit)),
+        ]
+        texts |= {f"{i} of {part}": text.format(part=part) for i, text in enumerate(_STIFFNESS)}
+    integrals = Integrals([Integral("i", order=2 * order)])
+    return {"u": moved, "phi": field}, Equations.from_conf(
+        texts, variables, domain.regions, Materials(materials), integrals
+    )
+
+
 def _tensors(material: Material, unit: float) -> dict[str, Any]:
     """Constants by their names in the equations, in SfePy's order and the potential's unit."""
     c, e, eps = (np.array(material[n]) for n in ("stiffness", "coupling", "permittivity"))
@@ -185,7 +184,10 @@ def _tensors(material: Material, unit: float) -> dict[str, Any]:
 
 
 def _faces(domain: Any, job: Job) -> dict[str, Any]:
-    """Named faces as regions."""
+    """Named faces as regions, and those of all cells, of the ceramic and of the shim."""
+    domain.create_region("all", "all")
+    domain.create_region("piezo", "cells of group 1 +c cells of group 2")
+    domain.create_region("shim", "cells of group 3")
     half = 0.5 * job["shim_thickness"]
     outer, upper = half + job["piezo_thickness"] - _NEAR, job["length"] - _NEAR
     where = {
