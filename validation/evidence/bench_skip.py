@@ -77,42 +77,40 @@ _LATERAL = ("tactgen.fem.piezo", "tactgen.fem.beam")
 _SOLID = ("models=solid", "quantities=tip_displacement", "mesh.level=2", "frequency=10,100")
 _PORTS = ("solid.ports",)
 
-
-def cases() -> tuple[Case, ...]:
-    """Scenes, those that others start from first."""
-    return (
-        Case("TMM only", "paper", ("models=tmm", "quantities=tip_displacement", "frequency=100"),
-             (*_FIELDS, "scipy.sparse", *_MAGNETIC)),
-        Case("lumped only", "paper", ("models=lumped", "quantities=capacitance_free"),
-             (*_FIELDS, "scipy.sparse", *_MAGNETIC)),
-        Case("statics only", "j1", ("models=solid", "quantities=static_tip_displacement",
-             "mesh.level=2"), ("cadquery", "vtkmodules", "matplotlib", *_MAGNETIC)),
-        Case("modes only", "j1", ("models=solid", "quantities=short_circuit_frequencies",
-             "mesh.level=2", "modes=2"), ("cadquery", "vtkmodules", "matplotlib", *_MAGNETIC)),
-        Case("one frequency", "prototype", ("models=beam", "quantities=tip_velocity",
-             "frequency=500"), ("cadquery", "vtkmodules", "matplotlib", *_MAGNETIC)),
-        Case("one length", "prototype", ("models=tmm", "quantities=short_circuit_frequencies",
-             "bimorph.length=15mm"), (*_FIELDS, *_MAGNETIC)),
-        Case("piezo only", "j1", _SOLID, ("cadquery", "vtkmodules", "matplotlib", *_MAGNETIC)),
-        Case("magnetics only", "reluctance", ("models=network", "quantities=magnetic_force"),
-             ("cadquery", "vtkmodules", "matplotlib", *_LATERAL)),
-        Case("changed load", "j1", (*_SOLID, "load.kind=finger"), (*_MAGNETIC,),
-             "piezo only", _PORTS),
-        Case("changed voltage", "j1", (*_SOLID, "drive.voltage=2 V"), (*_MAGNETIC,),
-             "piezo only", _PORTS),
-        Case("changed support", "j1", (*_SOLID, "support.rotational_stiffness=0.1 N*m/rad"),
-             (*_MAGNETIC,), "piezo only", _PORTS),
-        Case("changed density", "j1", (*_SOLID, "piezo.density=7800 kg/m^3"), (*_MAGNETIC,),
-             "piezo only"),
-        Case("unchanged", "j1", _SOLID, ("skfem", *_MAGNETIC), "piezo only", _PORTS),
-        Case("picture only", "paper", ("models=tmm",),
-             ("skfem", "pytetwild", *_LATERAL, *_MAGNETIC), picture=True),
-    )  # fmt: skip
+#: Scenes, those that others start from first.
+CASES = (
+    Case("TMM only", "paper", ("models=tmm", "quantities=tip_displacement", "frequency=100"),
+         (*_FIELDS, "scipy.sparse", *_MAGNETIC)),
+    Case("lumped only", "paper", ("models=lumped", "quantities=capacitance_free"),
+         (*_FIELDS, "scipy.sparse", *_MAGNETIC)),
+    Case("statics only", "j1", ("models=solid", "quantities=static_tip_displacement",
+         "mesh.level=2"), ("cadquery", "vtkmodules", "matplotlib", *_MAGNETIC)),
+    Case("modes only", "j1", ("models=solid", "quantities=short_circuit_frequencies",
+         "mesh.level=2", "modes=2"), ("cadquery", "vtkmodules", "matplotlib", *_MAGNETIC)),
+    Case("one frequency", "prototype", ("models=beam", "quantities=tip_velocity",
+         "frequency=500"), ("cadquery", "vtkmodules", "matplotlib", *_MAGNETIC)),
+    Case("one length", "prototype", ("models=tmm", "quantities=short_circuit_frequencies",
+         "bimorph.length=15mm"), (*_FIELDS, *_MAGNETIC)),
+    Case("piezo only", "j1", _SOLID, ("cadquery", "vtkmodules", "matplotlib", *_MAGNETIC)),
+    Case("magnetics only", "reluctance", ("models=network", "quantities=magnetic_force"),
+         ("cadquery", "vtkmodules", "matplotlib", *_LATERAL)),
+    Case("changed load", "j1", (*_SOLID, "load.kind=finger"), (*_MAGNETIC,),
+         "piezo only", _PORTS),
+    Case("changed voltage", "j1", (*_SOLID, "drive.voltage=2 V"), (*_MAGNETIC,),
+         "piezo only", _PORTS),
+    Case("changed support", "j1", (*_SOLID, "support.rotational_stiffness=0.1 N*m/rad"),
+         (*_MAGNETIC,), "piezo only", _PORTS),
+    Case("changed density", "j1", (*_SOLID, "piezo.density=7800 kg/m^3"), (*_MAGNETIC,),
+         "piezo only"),
+    Case("unchanged", "j1", _SOLID, ("skfem", *_MAGNETIC), "piezo only", _PORTS),
+    Case("picture only", "paper", ("models=tmm",),
+         ("skfem", "pytetwild", *_LATERAL, *_MAGNETIC), picture=True),
+)  # fmt: skip
 
 
 def run(quick: bool, announce: Callable[[str], None]) -> Bench:
     """Measure all scenes; quick: those without a field solution."""
-    picked = [c for c in cases() if not quick or not (c.scene == "j1" or c.picture)]
+    picked = [c for c in CASES if not quick or not (c.scene == "j1" or c.picture)]
     timings: list[Timing] = []
     faults: list[str] = []
     with tempfile.TemporaryDirectory() as folder:

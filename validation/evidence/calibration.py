@@ -54,18 +54,18 @@ def _bimorph(announce: Announce, *, listed: bool = False) -> dict[str, Any]:
         if listed
         else ("bimorph", part.observe, part.DEVICES, part.UNUSUAL)
     )
-    known = partial(_observed, announce, name, observe, part.SEED)
-    observed = known("solid", "", count)
-    those = {what: known(f"solid with {what}", what, part.EACH) for what in unusual}
+    solved = partial(_observed, announce, name, observe, part.SEED)
+    observed = solved("solid", "", count)
+    those = {what: solved(f"solid with {what}", what, part.EACH) for what in unusual}
     return part.calibrate(observed, those, announce)
 
 
 def _reluctance(announce: Announce) -> dict[str, Any]:
     from tactgen.validation.evidence import calibration_reluctance as part
 
-    known = partial(_observed, announce, "reluctance", part.observe, part.SEED)
-    observed = known("field", 1.0, part.DEVICES)
-    beyond = known("field beyond the range", part.WIDER, part.BEYOND)
+    solved = partial(_observed, announce, "reluctance", part.observe, part.SEED)
+    observed = solved("field", 1.0, part.DEVICES)
+    beyond = solved("field beyond the range", part.WIDER, part.BEYOND)
     return part.calibrate(observed, beyond, announce)
 
 

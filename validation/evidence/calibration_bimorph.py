@@ -188,20 +188,16 @@ class Devices:
 def devices_of(observed: Sequence[Observed]) -> Devices:
     """Observed devices with their groups and their laminates."""
     scenes = tuple(load_scene("prototype", list(one.overrides))[0] for one in observed)
-    plates = [interior(scene.device) for scene in scenes]
-    theory = [
-        theory_change(scene.device, plate, root_length(scene.device))
-        for scene, plate in zip(scenes, plates, strict=True)
-    ]
+    devices = [scene.device for scene in scenes]
+    plates, roots = [interior(device) for device in devices], [*map(root_length, devices)]
+    theory = [theory_change(*each) for each in zip(devices, plates, roots, strict=True)]
     return Devices(
         scenes,
-        np.array([groups(scene.device) for scene in scenes]),
+        np.array([groups(device) for device in devices]),
         TheoryChange(*(np.array(of) for of in zip(*theory, strict=True))),
         np.array([scene.bimorph.length for scene in scenes]),
-        np.array([root_length(scene.device) for scene in scenes]),
-        Section(
-            *(np.array([getattr(s, name) for s in plates]) for name in Section.__annotations__)
-        ),
+        np.array(roots),
+        Section(*(np.array([getattr(s, n) for s in plates]) for n in Section.__annotations__)),
         tuple(observed),
     )
 

@@ -16,7 +16,6 @@ from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.reluctance.section_grid import actuator_regions, air_radius
 from tactgen.geometry.reluctance.sector_tets import Sector
 from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
-from tactgen.tmm.generator.small_signal import Linearised
 from tactgen.tmm.generator.transient.time_integration import output_at, simulate
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.reluctance.calibrated import VALUES, State, sizes
@@ -176,23 +175,19 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
     model = make_model("tmm", scene, Stages(make_plan(scene, ("tmm",), _MOTIONS).keys))
     found = []
     judged = model.answer("small_signal")
-    exact = RodWithError(_finer_rod(scene))
-    right: SmallSignal = replace(judged, linear=exact)
+    # a network finer than any that judges it, without a map anywhere
+    coarse = DirectForce(scene.device, CELLS, map_of(scene).gap_limits)
+    forces = axial_forces(scene.device, coarse, scene.load.normal_force)
+    place = resting_place(forces, abs(scene.coil.current), scene.coil.history)
+    finest = replace(coarse, cells=_FINEST * CELLS, step=_LONGER * coarse.step)
+    rod = RodWithError(rod_by_network(scene, finest, place))
+    right: SmallSignal = replace(judged, linear=rod)
     for name in _MOTIONS:
         read = QUANTITIES[name].read
         assert isinstance(read, AnswerReadout)
         answer, known = read.of(judged), read.of(right)
         found += relative(where, name, answer.value, answer.error, known.value)
     return found
-
-
-def _finer_rod(scene: Scene) -> Linearised:
-    """Rod by a network finer than any that judges it, without a map anywhere."""
-    coarse = DirectForce(scene.device, CELLS, map_of(scene).gap_limits)
-    forces = axial_forces(scene.device, coarse, scene.load.normal_force)
-    place = resting_place(forces, abs(scene.coil.current), scene.coil.history)
-    finest = replace(coarse, cells=_FINEST * CELLS, step=_LONGER * coarse.step)
-    return rod_by_network(scene, finest, place)
 
 
 def _fitting(rng: np.random.Generator, tried: Callable[[Scene], T]) -> tuple[Scene, str, T]:

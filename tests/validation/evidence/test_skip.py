@@ -27,7 +27,7 @@ def test_faults_are_found(warm, fault):
 
 def test_a_changed_density_must_be_computed():
     """Taking over what was solved with another density would be a wrong answer."""
-    density = next(case for case in skip.cases() if case.after and not case.reused)
+    density = next(case for case in skip.CASES if case.after and not case.reused)
     assert skip._faults(density, said(), said(computed=["solid.ports"])) == []
     (fault,) = skip._faults(density, said(), said())
     assert "answered with the old one" in fault
@@ -35,7 +35,7 @@ def test_a_changed_density_must_be_computed():
 
 def test_a_process_of_its_own_tells_what_it_did(tmp_path):
     """The transfer-matrix case: no heavy library, one stage, all others skipped."""
-    case = skip.cases()[0]
+    case = skip.CASES[0]
     found = skip.solved(case, tmp_path)
     assert found["computed"] == ["tmm.ports"]
     assert not set(case.absent) & set(found["watched"])
@@ -47,4 +47,4 @@ def test_nothing_needless_is_done():
     """All scenes, cold and warm."""
     found = skip.run(False, lambda _: None)
     assert found.targets[0].met, found.targets[0].how
-    assert len(found.timings) == 2 * len(skip.cases())
+    assert len(found.timings) == 2 * len(skip.CASES)
