@@ -301,8 +301,15 @@ class PartRequest:
     quick: bool  #: Whether a few points will do
     seed: int = 0  #: Of all that is drawn
     announce: Callable[[str], None] = lambda _: None  #: Told what is being done
-    #: Given what a result is of, and what computes it, returns it
-    keep: Callable[[tuple[object, ...], Callable[[], Any]], Any] = lambda _, work: work()
+    #: Part and module by which results are kept; without them they are not
+    kept_as: tuple[str, str] | None = None
+
+    def keep(self, of: tuple[object, ...], work: Callable[[], Any]) -> Any:
+        """Result of `work`, from the store if there is one of the same."""
+        if self.kept_as is None:
+            return work()
+        name, module = self.kept_as
+        return cached_by_code("stress", (name, *of, self.seed), module, work)
 
     def part(self, name: str, statement: str, families: Families) -> Stress:
         """Part with the rows of all its families, each announced before."""
@@ -344,13 +351,6 @@ def run_parts(
     found = []
     for name in names:
         run, started = loaded(PARTS[name]), time.perf_counter()
-
-        def keep(
-            of: tuple[object, ...], work: Callable[[], Any],
-            name: str = name, module: str = run.__module__,
-        ) -> Any:  # fmt: skip
-            return cached_by_code("stress", (name, *of, seed), module, work)
-
-        part = run(PartRequest(quick, seed, announce, keep))
+        part = run(PartRequest(quick, seed, announce, (name, run.__module__)))
         found.append(replace(part, seconds=time.perf_counter() - started))
     return found
