@@ -9,7 +9,6 @@ from tactgen.geometry.units import VOLTAGE
 from tactgen.validation.command_line.commands import backbone, design, positions, simulate
 from tactgen.validation.command_line.commands.common import low_high, values_of
 from tactgen.validation.command_line.study_options import whole_number
-from tactgen.validation.scene.files import parse_frequencies
 from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
 
 #: By name, what reads the option, what it takes and with what result, and what it refuses.
@@ -50,13 +49,6 @@ OPTIONS = {
                                 "start": 0.0}},
         ("1 V step at 2 ms until 2 ms", "1 V square 100 Hz duty 1", "1 V square 100 Hz duty 0",
          "1 V sine 1 mHz phase 1", "1e-10 V", "1e6 V", "1 V sine 0 Hz", "1 V step at -1 ms"),
-    ),
-    "frequency": (
-        parse_frequencies,
-        {"10:10:1": [10.0], "10:20:2": [10.0, 20.0], "10:40:3:log": [10.0, 20.0, 40.0],
-         "1 kHz, 5": [1000.0, 5.0]},
-        ("10:20:0", "10:20:1", "10:20", "10:20:1000001", "0:10:3:log", "-1", "1 s", "", "1 mHz",
-         "10:20:2:x"),
     ),
 }  # fmt: skip
 

@@ -82,7 +82,7 @@ def test_version_and_examples(capsys):
 @pytest.mark.parametrize(
     ("arguments", "meant"),
     [(["slove"], "solve"), (["solve", "--quantiy", "x"], "--quantity"),
-     (["design", "--aim", "shortes"], "shortest"), (["report", "--quik"], "--quick")],
+     (["design", "--aim", "shortes"], "shortest")],
 )  # fmt: skip
 def test_misspelt_commands_options_and_choices(capsys, arguments, meant):
     """The nearest one is named."""

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.streams import name_files, say, usable_streams
 
 
@@ -50,15 +49,3 @@ def test_a_word_that_cannot_be_written_stops_nothing(monkeypatch):
 
     monkeypatch.setattr(sys, "stderr", Full())
     say("anything")
-
-
-def test_a_disk_that_fills_up_at_the_last_word(monkeypatch, capsys):
-    """What is still to be written when the command is done counts: exit code 2."""
-
-    class Full(io.StringIO):
-        def flush(self):
-            raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(sys, "stdout", Full())
-    assert main(["scenes"]) == 2
-    assert "standard output cannot be written (no space left" in capsys.readouterr().err

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.inputs import scene_warnings, values_read
 from tactgen.validation.scene.scene import load_scene
@@ -81,19 +80,32 @@ def test_beyond_the_table_only_its_fit_answers_and_says_so(measured):
     assert (apart <= q.error).all()
 
 
-def test_its_key_is_what_is_in_the_file(measured, tmp_path):
+#: Columns of the tables that a scene may name, each constant over the frequency.
+TABLES = {
+    "load": "impedance_re (N s/m),impedance_im (N s/m)",
+    "support": "rotational_stiffness_re (N m/rad),rotational_stiffness_im (N m/rad)",
+    "threshold": "threshold (um)",
+}
+
+
+@pytest.mark.parametrize("group", TABLES)
+def test_a_tables_key_is_what_is_in_the_file(tmp_path, group):
     """Another name for the same numbers is the same; other numbers under that name are not."""
-    scene, _ = load_scene("paper", measured)
-    first = values_read(scene, ("load",))
-    other = write(tmp_path / "other.csv", spring_damper, np.geomspace(10.0, 1000.0, 50))
-    again, _ = load_scene("paper", ("load.kind=table", f"load.file={other}"))
-    assert values_read(again, ("load",)) == first
-    write(other, lambda f: 2.0 * spring_damper(f), np.geomspace(10.0, 1000.0, 50))
-    assert values_read(again, ("load",)) != first
+
+    def scene(name, value):
+        cells = ",".join([value] * (1 + TABLES[group].count(",")))
+        rows = (f"{f},{cells}" for f in (1, 2, 5, 20, 100, 1000))
+        (tmp_path / name).write_text("\n".join([f"frequency (Hz),{TABLES[group]}", *rows]))
+        return load_scene("paper", (f"{group}.kind=table", f"{group}.file={tmp_path / name}"))[0]
+
+    one, other = (values_read(scene(name, "1"), (group,)) for name in ("one.csv", "other.csv"))
+    assert other == one
+    assert values_read(scene("other.csv", "2"), (group,)) != one
 
 
-def test_what_is_missing_or_idle_is_said(capsys):
-    assert main(["solve", "paper", "--set", "load.kind=table"]) == 2
-    assert "needs load.file" in capsys.readouterr().err
-    scene, origins = load_scene("paper", ["load.file=nowhere.csv"])
-    assert any('set load.kind = "table"' in text for text in scene_warnings(scene, origins))
+@pytest.mark.parametrize("group", TABLES)
+def test_a_table_that_is_missing_or_idle_is_said(group):
+    with pytest.raises(InputError, match=f"needs {group}.file"):
+        solved("paper", ("tmm",), "threshold_voltage", f"{group}.kind=table")
+    scene, origins = load_scene("paper", [f"{group}.file=nowhere.csv"])
+    assert any(f'set {group}.kind = "table"' in text for text in scene_warnings(scene, origins))

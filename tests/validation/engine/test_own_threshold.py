@@ -1,16 +1,13 @@
 """An own detection threshold: where it counts, what its key is, and what is refused."""
 
 import json
-import shutil
 
 import numpy as np
 import pytest
 
-from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.inputs import scene_warnings, values_read
 from tactgen.validation.scene.scene import load_scene, scene_values
 from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdicts
 from tactgen.validation.studies.whatif.definition import Statement
@@ -45,14 +42,6 @@ def test_ratio_and_voltage_say_the_same(felt):
     np.testing.assert_allclose(twice.value, 2.0 * voltage.value, rtol=1e-12)
 
 
-def test_where_it_is_not_stated_there_is_no_value(felt):
-    _, ratio, _ = solved("frequency=5,40", *felt)
-    assert np.isnan(ratio.value).tolist() == [True, False]
-    scene, _ = load_scene("paper", ("frequency=5", "models=tmm", "load.kind=none", *felt))
-    with pytest.raises(InputError, match="outside the range of the detection threshold"):
-        solve(scene, None, BOTH)
-
-
 def test_design_asks_for_it(felt, capsys):
     """As much margin about twice the threshold as twice the margin about the paper's."""
     asked = ["design", "paper", "--json", "--lengths", "14mm:28mm"]
@@ -75,36 +64,3 @@ def test_aims_ask_for_it(felt):
     (found,) = verdicts(run_study(statement), aims)
     paper, own = (judged.margins[0][0] for judged in found.judged)
     assert own == pytest.approx(paper / 2.0, rel=1e-9)
-
-
-def test_its_key_is_what_is_in_the_file(felt, tmp_path):
-    shutil.copy(tmp_path / "felt.csv", tmp_path / "copy.csv")
-    scene, _ = load_scene("paper", felt)
-    copy, _ = load_scene("paper", (felt[0], f"threshold.file={tmp_path / 'copy.csv'}"))
-    first = values_read(scene, ("threshold",))
-    assert values_read(copy, ("threshold",)) == first
-    (tmp_path / "copy.csv").write_text("frequency (Hz), threshold (um)\n10, 1\n20, 1\n")
-    assert values_read(copy, ("threshold",)) != first
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("frequency (Hz), threshold (um)\n10, 2\n20, -1", "line 3: threshold -1e-06 m is not"),
-        ("frequency (Hz), threshold (V)\n10, 2\n20, 1", "which is not that of a displacement"),
-        ("frequency (Hz)\n10\n20", "has no threshold column"),
-    ],
-)
-def test_what_cannot_be_used_is_refused(tmp_path, capsys, text, words):
-    path = tmp_path / "felt.csv"
-    path.write_text(text + "\n")
-    sets = ["--set", "threshold.kind=table", "--set", f"threshold.file={path}"]
-    assert main(["solve", "paper", *sets]) == 2
-    assert words in capsys.readouterr().err
-
-
-def test_what_is_missing_or_idle_is_said(capsys):
-    assert main(["solve", "paper", "--set", "threshold.kind=table"]) == 2
-    assert "needs threshold.file" in capsys.readouterr().err
-    scene, origins = load_scene("paper", ["threshold.file=nowhere.csv"])
-    assert any('set threshold.kind = "table"' in text for text in scene_warnings(scene, origins))

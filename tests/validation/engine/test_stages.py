@@ -1,27 +1,23 @@
 """What is kept between runs: found again, bit for bit, without the field solvers' libraries."""
 
 import json
-import pickle
 import subprocess
 import sys
 from functools import partial
 
 import pytest
 
-from tactgen.geometry.store.store import holdings
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import as_json, solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.models.classes import stage_code
 from tactgen.validation.models.model import Stages
 from tactgen.validation.scene.scene import load_scene
 
 #: Solid and fields, small.
 SCENES = (
     ("j1", ("frequency=100,2000", "mesh.level=2", "modes=2", "models=solid")),
-    ("prototype", ("frequency=100,500", "mesh.level=2", "models=solid")),
     ("reluctance", ("models=axisymmetric", "accuracy=5%")),
 )
 
@@ -100,35 +96,3 @@ def test_answers_from_the_store_load_no_solver():
     command = [sys.executable, "-c", script, json.dumps(SCENES)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (result.stdout.strip(), result.stderr) == ("[]", "")
-
-
-def test_one_scene_at_once_is_solved_once(own_store):
-    """Two runs of one scene beside each other: one computes a stage, the other waits for it."""
-    name, overrides = SCENES[0]
-    some = "quantities=static_tip_displacement,short_circuit_frequencies"
-    overrides = (*overrides, some)
-    script = (
-        "import json, pickle, sys; from tactgen.validation.scene.scene import load_scene; "
-        "from tactgen.validation.engine.solve import solve\n"
-        "from tactgen.validation.models.bimorph import solid\n"
-        "solid.LEVELS = pickle.loads(bytes.fromhex(sys.argv[2]))\n"
-        "name, overrides = json.loads(sys.argv[1])\nran = []\n"
-        "found = solve(load_scene(name, overrides)[0], announce=ran.append)\n"
-        "print(json.dumps([ran, [abs(q.value).tolist() for q in found.quantities]]))"
-    )
-    coarse = pickle.dumps(solid.LEVELS).hex()
-    command = [sys.executable, "-c", script, json.dumps([name, overrides]), coarse]
-    both = [
-        subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) for _ in range(2)
-    ]
-    found = []
-    for process in both:
-        out, said = process.communicate(timeout=300)
-        assert (process.returncode, said) == (0, b"")
-        found.append(json.loads(out))
-    (ran, values), (other_ran, other_values) = found
-    assert values == other_values
-    computed = [stage for stage in (*ran, *other_ran) if stage_code(stage)]
-    assert sorted(computed) == sorted(set(computed))
-    assert {"solid.static", "solid.modal"} <= set(computed)
-    assert holdings()["solid.static"].entries == 1

@@ -141,8 +141,3 @@ def test_what_is_of_the_rod_is_refused(capsys, tmp_path, monkeypatch, arguments)
     code, out, err = run(capsys, "--voltage", "1 V", *arguments)
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert f"{arguments[0]} is of the generator on its rod" in err
-
-
-def test_nothing_that_drives_it_is_said(capsys):
-    _, _, err = run(capsys, "--until", "1 ms")
-    assert 'nothing drives it; give --voltage, for example --voltage "60 V sine' in err

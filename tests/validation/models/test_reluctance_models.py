@@ -2,13 +2,10 @@
 
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import make_plan
-from tactgen.validation.engine.warnings import number_warnings
-from tactgen.validation.models.model import Quantity
 from tactgen.validation.models.reluctance.field import _fine_enough
 from tactgen.validation.scene.scene import load_scene
 
@@ -34,31 +31,6 @@ def test_the_grid_is_refined_until_the_bar_is_met(accuracy, bar, tried):
 
     _fine_enough(GRIDS, accuracy, solve)
     assert asked == tried
-
-
-def quantity(value, bar):
-    return Quantity(
-        name="magnetic_force", model="axisymmetric", value=np.asarray(value), unit="N",
-        error=np.asarray(bar), method="", seconds=0.0,
-    )  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("value", "bar", "words"),
-    [
-        (0.1, 2e-4, "magnetic_force (up to 0.2 %)"),
-        (0.0, 1e-8, "magnetic_force (zero within its error)"),
-        (0.0, 0.0, ""),
-        (0.1, 5e-5, ""),
-        (np.nan, np.nan, ""),
-    ],
-)
-def test_bars_beyond_the_accuracy_are_told(value, bar, words):
-    """How wide it is, or that the value may be zero; nothing of what has no value."""
-    scene, _ = load_scene("reluctance")
-    found = number_warnings(scene, [quantity(value, bar)])
-    assert len(found) == bool(words)
-    assert all(words in text for text in found)
 
 
 def test_what_makes_no_circuit_is_refused_before_anything_is_solved():

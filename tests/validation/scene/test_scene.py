@@ -18,42 +18,27 @@ from tactgen.validation.scene.scene import load_scene
     ("override", "words"),
     [
         ("bimorph.length=25", ['bimorph.length = "25"', "has no unit", '"20 mm"']),
-        ("bimorph.length=25kg", ["not a length", '"20 mm"']),
-        ("bimorph.shim_thickness=0mm", ["bimorph.shim_thickness", "greater than 0 m"]),
-        ("bimorph.lenght=25mm", ['did you mean "bimorph.length"']),
         ("bimorf.length=25mm", ['did you mean "bimorph.length"']),
         ("bimorph=25mm", ["is a group"]),
-        ("length", ["KEY=VALUE"]),
         ("piezo.material=PZT-9", ['"PZT-9" is not in the library', "PZT-5H"]),
         ("support.kind=glued", ["support.kind", "'clamped'", "'rod' or 'contact'"]),
-        ("models=tmn", ['model "tmn" is unknown', 'did you mean "tmm"']),
         ("quantities=tip_speed", ['quantity "tip_speed" is unknown', "did you mean"]),
         ("piezo.d31=210 pC/N", ["d31 = 2.1e-10 m/V", "; write d31 with a minus"]),
-        ("shim.poisson_ratio=0.5", ["less than 0.5"]),
-        ("accuracy=0", ["accuracy", "greater than 0"]),
         ("mesh.level=6", ["mesh.level", "whole number from 0 to 5"]),
-        ("frequency=10:20", ["START:STOP:N"]),
-        ("frequency=-5", ["not negative"]),
         ("coil.outer_radius=1mm", ["coil.outer_radius", "sleeve.inner_radius"]),
         ("gap=0 mm", ["gap", "greater than 0 mm", '"0.2 mm"']),
         ("bimorph.length=1e300 m", ["bimorph.length", "from 0.001 mm to 100000 mm"]),
         ("piezo.eps33=1000", ["piezo.eps33 = 1000", "negative energy", "raise piezo.eps33"]),
         ("support.kind=sprng", ['did you mean "spring"']),
-        ("modes=21", ['modes = "21"', "whole number from 1 to 20", "write for example 4"]),
-        ("modes=٣", ["whole number from 1 to 20"]),
+        ("modes=٣", ['modes = "٣"', "whole number from 1 to 20", "write for example 4"]),
         ("name=a\nb", ["name = ", "one line"]),
-        ("models=,", ["model", "unknown"]),
         (f"bimorph.length={'9' * 9000}", ["bimorph.length", "…", '"20 mm"']),
     ],
 )
 def test_bad_values_are_refused_in_one_sentence(override, words):
     """The sentence names the key, the value and the remedy."""
-
-    def use():
-        load_scene("paper", [override])[0].piezo.ceramic().tensors()
-
     with pytest.raises(InputError) as caught:
-        use()
+        load_scene("paper", [override])
     sentence = str(caught.value)
     assert all(word in sentence for word in words), sentence
     assert "\n" not in sentence
@@ -76,16 +61,6 @@ def test_parts_that_do_not_fit_are_refused(overrides, words):
     assert all(word in str(caught.value) for word in words), caught.value
 
 
-@pytest.mark.parametrize("kind", ["clamped", "spring"])
-def test_a_wide_bimorph_may_be_studied_alone(kind):
-    """Without a rod to stand in, the rod's diameter is no limit, and has no effect."""
-    overrides = ["bimorph.width=5mm", f"support.kind={kind}", "rod.head_radius=1.2mm"]
-    scene, origins = load_scene("paper", overrides)
-    assert scene.bimorph.width == 5e-3
-    (warning,) = (w for w in scene_warnings(scene, origins) if "rod.head_radius" in w)
-    assert 'set support.kind = "rod" to use it' in warning
-
-
 @pytest.mark.parametrize(
     ("content", "words"),
     [
@@ -97,16 +72,13 @@ def test_a_wide_bimorph_may_be_studied_alone(kind):
         (b"[bimorf]\n", ['"bimorf" is unknown', 'did you mean "bimorph"']),
         (b"'bimorph.length' = '3 mm'\n", ['did you mean "bimorph.length"']),
         (b"[piezo]\nmaterial = ['a']\n", ["piezo.material = ['a']", "not in the library"]),
-        (b"models = 3\n", ["models = 3", "not a list of names"]),
         (b"models = []\n", ["models = []", "names nothing", "lumped"]),
         (b"models = ['tmm', 3]\n", ["models", "not a list of names"]),
         (b"frequency = []\n", ["frequency = []", "no frequency"]),
         (b"frequency = true\n", ["frequency", "not a frequency"]),
-        (b"frequency = nan\n", ["frequency", "finite"]),
         (b"name = 3\n", ["name = 3", "not text", "quotes"]),
         (b"modes = true\n", ["modes", "whole number"]),
         (b"gap = 0x" + b"f" * 9000 + b"\n", ["gap", '"0.2 mm"']),
-        (b"accuracy = [0.1]\n", ["accuracy = [0.1]"]),
         (b"gap = " + b"1" * 5000, ["not valid TOML"]),
     ],
 )
@@ -151,7 +123,6 @@ def test_a_folder_is_called_one(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("name", "overrides", "words"),
     [
-        ("paper", ["load.stiffness=100 N/m"], ["load.stiffness = 100 N/m", 'kind = "finger"']),
         ("paper", ["load.kind=spring_damper"], ["load.stiffness = 0 N/m", "free tip"]),
         (
             "paper", ["load.kind=spring_damper", "load.stiffness=1 N/m", "load.mass=1 mg"],
@@ -162,8 +133,6 @@ def test_a_folder_is_called_one(tmp_path, monkeypatch):
             "paper", ["support.kind=clamped", "support.lateral_stiffness=2e6 N/m"],
             ["support.lateral_stiffness = 2000000 N/m", 'support.kind = "clamped"'],
         ),
-        ("paper", ["gap=0.3 mm"], ["gap = 0.3 mm", "--set models=network"]),
-        ("paper", ["steel.curve=linear"], ["steel.curve = linear", "--set models=network"]),
         (
             "paper", ["mesh.time_limit=60 s", "models=solid"],
             ["mesh.time_limit = 60 s", "--set models=cad"],
@@ -172,9 +141,7 @@ def test_a_folder_is_called_one(tmp_path, monkeypatch):
             "paper", ["mesh.kind=tetwild", "models=network"],
             ["mesh.kind = tetwild", "--set models=magnetic3d"],
         ),
-        ("paper", ["mesh.level=3", "models=tmm"], ["mesh.level = 3", "--set models=solid"]),
         ("paper", ["mesh.level=2", "accuracy=0.01"], ["accuracy = 0.01", "mesh.level = 2"]),
-        ("reluctance", ["bimorph.length=25 mm"], ["bimorph.length = 25 mm", "--set models=tmm"]),
         ("reluctance", ["frequency=10,20"], ["frequency = 2 values", "--set models=tmm"]),
         ("reluctance", ["rod.density=7800 kg/m^3"], ["rod.density", 'support.kind = "rod"']),
         (
@@ -266,15 +233,12 @@ def test_digits_that_nobody_wrote_are_not_shown():
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("500", [500.0]),
-        ("10,0.5 kHz", [10.0, 500.0]),
         ("10:30:3", [10.0, 20.0, 30.0]),
         ("10:1000:3:log", [10.0, 100.0, 1000.0]),
         ("0", [0.0]),
         ("10:10:1", [10.0]),
         (" 1e3 Hz , 5 MHz, 2khz", [1000.0, 5e6, 2000.0]),
         (100, [100.0]),
-        ([10, 20.5], [10.0, 20.5]),
         (["100 Hz", "0.5 kHz", 7], [100.0, 500.0, 7.0]),
     ],
 )
@@ -290,9 +254,13 @@ def test_frequency_lists(text, expected):
         ("5 mHz", ["MHz"]),
         ("١٠", ["not a frequency"]),
         ("10:20:٣", ["whole number"]),
-        ("10,", ["not a frequency"]),
+        ("10:20:0", ["whole number"]),
+        ("10:20:1000001", ["1000000"]),
+        ("10:20:1", ["1 point"]),
+        ("10:20", ["START:STOP:N"]),
+        ("10:20:2:x", ["START:STOP:N"]),
+        ("-1", ["not negative"]),
         ("", ["no frequency"]),
-        ("5 kkHz", ["not a frequency"]),
         ("0:5:1:log", ["above 0 Hz"]),
         ("1e9999", ["finite"]),
         ("1 kHz:1e9 Hz:3", ["at most 10 MHz"]),
@@ -342,9 +310,7 @@ def test_paths_in_a_scene_start_at_the_scene(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(
     "text",
-    [".".join(["a"] * 5000) + " = 1", "[" + ".".join(["a"] * 5000) + "]", "a = " + "[" * 5000,
-     "bimorph." + ".".join(["a"] * 5000) + " = 1", "a = " + "{a=" * 5000],
-    ids=["key", "table", "list", "group", "inline"],
+    ["a = " + "[" * 5000, "bimorph." + ".".join(["a"] * 5000) + " = 1"], ids=["list", "group"],
 )  # fmt: skip
 def test_deep_nesting_is_refused(tmp_path, text):
     """By the thousand, in one sentence of bounded length."""

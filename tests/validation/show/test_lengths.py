@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import BarycentricInterpolator
 
-from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
@@ -90,12 +89,6 @@ def test_the_solid_over_the_length():
     found = length_range(scene, "solid", ENDS, known=11)
     check(scene, "solid", found)
     assert found.missed < 1e-2  # what shapes on a coarse division may be off by
-
-
-def test_what_is_refused():
-    scene, _ = load_scene("j1", ["models=tmm"])
-    with pytest.raises(InputError, match="--lengths runs from 25 mm to 15 mm; begin below"):
-        length_range(scene, "tmm", ENDS[::-1])
 
 
 def test_a_shape_is_turned_like_the_first_whatever_its_size():

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.waveform import Sources, Step
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.transient import run_scene
@@ -18,7 +17,6 @@ from tactgen.validation.show.browser import find_browser, run_browser
 from tactgen.validation.show.gather import body_of
 from tactgen.validation.show.pictures import save_film
 from tactgen.validation.show.run import Film, film_payload, write_run_film
-from tactgen.validation.studies.simulate import read_film
 
 
 def made_up():
@@ -70,15 +68,6 @@ def test_bad_runs_get_one_sentence(capsys, tmp_path, monkeypatch, arguments, wor
     assert words in captured.err
     assert captured.err.count("\n") == 1
     assert not list(tmp_path.glob("*.html"))
-
-
-def test_another_netcdf_is_refused(tmp_path):
-    from scipy.io import netcdf_file
-
-    with netcdf_file(str(tmp_path / "map.nc"), "w") as file:
-        file.title = "something else"
-    with pytest.raises(InputError, match="not a run of a generator"):
-        read_film(tmp_path / "map.nc")
 
 
 @pytest.mark.heavy

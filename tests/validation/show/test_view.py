@@ -7,7 +7,9 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.show.moving import standing
 from tactgen.validation.show.view import Look, _models, harmonic_frequencies, looked_at, show, view
+from tactgen.validation.show.viewer import payload
 
 QUICK = ["j1", "--set", "models=tmm", "--set", "modes=2"]
 
@@ -15,9 +17,12 @@ QUICK = ["j1", "--set", "models=tmm", "--set", "modes=2"]
 def test_a_slider_of_the_length_moves_the_bimorph_alone():
     """Else the rod below it is there too, as a rigid body."""
     contact, _ = load_scene("generator", ["models=tmm", "modes=1", "quantities=tip_displacement"])
-    for ends, rod in (((18e-3, 22e-3), False), (None, True)):
+    for ends, rod in (((18e-3, 22e-3), []), (None, ["rod", "coil"])):
         (result,) = looked_at(contact, Look(lengths=ends, frequencies=()), str)
-        assert ({"rod", "coil"} < set(result.mesh.regions)) == rod
+        shown = payload([result])["results"][0]["regions"]
+        assert [r["name"] for r in shown if r["rigid"]] == rod
+    held = load_scene("paper", ["models=tmm"])[0]
+    assert standing(held, result) is result
 
 
 def test_a_notebook_holds_the_page():

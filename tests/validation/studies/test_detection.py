@@ -113,6 +113,7 @@ def test_a_tip_that_does_not_respond_has_no_voltage():
     ("content", "words"),
     [
         ("frequency (Hz)\n100\n200\n", "has no threshold column"),
+        ("frequency (Hz),threshold (V)\n10,2\n20,1\n", "which is not that of a displacement"),
         ("frequency (Hz),threshold (um)\n100,0\n200,1\n", "line 2: threshold 0 m is not above 0"),
         ("frequency (Hz),threshold (um)\n100,1\n", "holds 1 frequencies; a curve needs at least 2"),
     ],

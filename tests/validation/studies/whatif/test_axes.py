@@ -40,7 +40,6 @@ def test_ranges_and_lists_are_in_si():
         ("bimorph.lenght=1mm,2mm", 'did you mean "bimorph.length"'),
         ("bimorph.length", "is not KEY=VALUES"),
         ("bimorph.length=14:22mm:5", "has no unit"),
-        ("bimorph.length=14V:22V:5", "which is not a length"),
         ("bimorph.length=22mm:14mm:5", "is empty or runs backwards"),
         ("bimorph.length=14mm:22mm:1", "whole number from 2"),
         ("bimorph.length=14mm:22mm:5:cubic", "is not START:STOP:N"),
@@ -51,7 +50,6 @@ def test_ranges_and_lists_are_in_si():
         ("load.kind=finger,nonw", 'did you mean "none"'),
         ("models=tmm,solid", "use --model"),
         ("bimorph=1,2", "is a group"),
-        ("gap=normal(200um,10um)", "add for example --sample 16"),
         ("bimorph.length=14mm:22mm", "add for example --sample 16"),
         ("gap=gauss(200um,10um)", "is not a distribution; write normal(mean"),
         ("load.kind=normal(1,2)", "not a number on a scale"),
@@ -69,7 +67,6 @@ def test_what_cannot_be_an_axis_is_refused(text, words):
     ("text", "words"),
     [
         ("gap=normal(200um,10V)", "which is not a length"),
-        ("gap=normal(200um,-2%)", '"-2%" must be above 0; write for example 2%'),
         ("gap=lognormal(200um,0%)", '"0%" must be above 0; write for example 2%'),
         ("gap=lognormal(200um,10um)", "share of the median"),
         ("gap=200um,210um", "no axis can be drawn from"),

@@ -105,12 +105,6 @@ def killed_study(start, tmp_path, store, count, points, *more):
     return kills
 
 
-@pytest.mark.usefixtures("undrawn")
-def test_a_study_survives_kills(start, tmp_path, own_store):
-    """One kill: nothing lost or changed, at most the point in flight repeated."""
-    assert killed_study(start, tmp_path, own_store, 1, 9, "--set", "modes=1") == 1
-
-
 @pytest.mark.heavy
 def test_a_study_survives_fifty_kills(start, tmp_path, own_store):
     """The same with fifty."""

@@ -111,20 +111,6 @@ def test_a_failure_is_kept_until_it_is_tried_again(solved, monkeypatch):
     assert run_study(asked).counts.failed == 0
 
 
-def test_a_damaged_answer_is_computed_anew(solved, own_store):
-    """One flipped bit in what is kept: the numbers are the same as before."""
-    asked = statement("bimorph.length=14mm,18mm")
-    first = run_study(asked)
-    for file in own_store.glob("whatif.tmm-*.kept"):
-        content = bytearray(file.read_bytes())
-        content[-3] ^= 4
-        file.write_bytes(bytes(content))
-    again = run_study(asked)
-    assert again.counts.computed == 2
-    for (_, _, a), (_, _, b) in zip(first.rows, again.rows, strict=True):
-        np.testing.assert_array_equal(a.quantities[0].value, b.quantities[0].value)
-
-
 def test_what_is_shared_is_scheduled_once():
     """Questions of one field solution go to one worker, those that share a stage wait for it."""
 
