@@ -99,8 +99,6 @@ FIELD_MODES = {f"{model}.modes_{end}" for model in ("solid", "cad") for end in (
     [
         ("drive.voltage=7V", set()),
         ("coil.length=1.5mm", MAGNETIC | MACHINE | DISPLAY | NEIGHBOURS),
-        ("gap=0.15mm", MAGNETIC | MACHINE | DISPLAY | NEIGHBOURS),
-        ("steel.curve=linear", MAGNETIC | MACHINE | DISPLAY | NEIGHBOURS),
         ("rod.density=7800kg/m^3", MACHINE | DISPLAY),
         # the map's range is decided by the spring
         ("spring.preload=90mN", MAGNETIC - POINTS | MACHINE | DISPLAY),
@@ -113,7 +111,6 @@ FIELD_MODES = {f"{model}.modes_{end}" for model in ("solid", "cad") for end in (
             for s in ("point", "switching", "rest")}),
         ("mesh.level=3", {s for s in stage_reads() if s.startswith(("solid", "cad"))} - MACHINE),
         ("piezo.density=7800kg/m^3", set(stage_reads()) - MAGNETIC - NEIGHBOURS),
-        ("bimorph.length=21mm", set(stage_reads()) - MAGNETIC - NEIGHBOURS),
     ],
 )  # fmt: skip
 def test_keys_change_with_the_inputs_that_a_stage_reads(override, stale):

@@ -154,7 +154,7 @@ def test_values_at_some_points_only_are_refused():
         fit_surrogate(load_scene("paper")[0], dict.fromkeys("ab", (1.0, 2.0)), answers)
 
 
-@pytest.mark.parametrize("keys", range(1, 9))
+@pytest.mark.parametrize("keys", [1, 2, 8])
 def test_the_design_is_inside_and_overdetermines(keys):
     box = Box({str(n): (1.0, 2.0) for n in range(keys)})
     place = box.design()

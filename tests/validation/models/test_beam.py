@@ -7,7 +7,6 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 
 CASES = {
-    "paper": ("paper",),
     "soft spring": ("prototype", "support.rotational_stiffness=0.002 N*m/rad"),
     "slender": ("paper", "bimorph.length=200mm", "load.kind=none"),
     "stubby": ("paper", "bimorph.length=2mm"),

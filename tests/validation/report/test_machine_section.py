@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from pages import page_text
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
@@ -17,7 +18,6 @@ from tactgen.validation.report.sections.generator import MOTIONS, POSITIONS, SUP
 from tactgen.validation.scene.scene import load_scene
 
 FEW = ("models=tmm,network", "frequency=10,100,439,1000")
-NUMBER = {"support": 3}
 ALONE = "quantities=static_tip_displacement"
 RESTING = ["rod_position", "finger_force", "contact_force"]
 
@@ -25,19 +25,6 @@ RESTING = ["rod_position", "finger_force", "contact_force"]
 def study(name="generator", *overrides, quick=True):
     scene, origins = load_scene(name, [*FEW, *overrides])
     return Study(scene, origins, lambda _: None, quick=quick)
-
-
-def page(section, of, shown):
-    template = templates().get_template(f"{section.id}.html")
-    return template.render(scene=of.scene, quick=of.quick, number=NUMBER, **shown)
-
-
-def words(section, of, shown):
-    """What a section says."""
-    html = page(section, of, shown)
-    text = re.sub(r"\s+", " ", re.sub(r"<svg.*?</svg>|<[^>]+>", " ", html, flags=re.DOTALL))
-    assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
-    return text
 
 
 @pytest.mark.parametrize(
@@ -97,9 +84,11 @@ def test_the_moment_is_held_against_what_the_contact_bears():
 
 def test_a_quick_report_says_what_it_leaves_out(up):
     """Large amplitudes take long; the command that gives them is named."""
-    amplitude = words(large_motion.AMPLITUDE, up, large_motion.AMPLITUDE.context(up))
-    assert "Not in the quick version" in amplitude
-    assert "tactgen backbone" in amplitude
+    template, shown = templates().get_template("amplitude.html"), large_motion.AMPLITUDE.context(up)
+    text = page_text(template.render(scene=up.scene, quick=True, number={"support": 3}, **shown))
+    assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
+    assert "Not in the quick version" in text
+    assert "tactgen backbone" in text
 
 
 @pytest.fixture(scope="module")

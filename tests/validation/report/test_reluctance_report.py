@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from pages import page_text
 
 from tactgen.tmm.reluctance.coenergy_fit import read_map
 from tactgen.validation.command_line.cli import main
@@ -34,8 +35,7 @@ def ids(html):
 
 
 def words(html):
-    plain = re.sub(r"(?s)<svg.*?</svg>|<[^>]+>", " ", html[html.index("<main>") :])
-    return re.sub(r"\s+", " ", plain)
+    return page_text(html).replace("\n", " ").replace(" | ", " ")
 
 
 @pytest.fixture(scope="module")

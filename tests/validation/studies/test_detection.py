@@ -10,7 +10,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, LITERATURE_BOUND, threshold_of
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import as_json, solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdicts
+from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.study import run_study
 
 
 def test_the_papers_points_are_joined_in_log_log():
@@ -42,20 +45,60 @@ def test_weights_are_the_derivatives(frequency):
     assert DISPLAY_THRESHOLD.weights(frequency) == pytest.approx(found, abs=1e-12)
 
 
+@pytest.fixture
+def felt(tmp_path):
+    """Twice the paper's threshold as a table, and what a scene says to use it."""
+    path = tmp_path / "felt.csv"
+    rows = [f"{p.frequency}, {2e6 * p.amplitude}" for p in DISPLAY_THRESHOLD.points]
+    path.write_text("\n".join(["frequency (Hz), threshold (um)", *rows]) + "\n")
+    return ("threshold.kind=table", f"threshold.file={path}")
+
+
 @pytest.mark.parametrize(
     ("model", "wiring"), [("lumped", "series"), ("tmm", "parallel"), ("beam", "series")]
 )
-def test_threshold_voltage_moves_the_tip_by_the_threshold(model, wiring):
-    """Driving each model with its own answer gives the threshold, at any scene voltage."""
-    overrides = [f"bimorph.wiring={wiring}", "frequency=10,100,940", "drive.voltage=3V"]
-    scene, _ = load_scene("paper", overrides)
-    q = solve(scene, (model,), ("threshold_voltage", "tip_displacement"))
-    voltage = q.get("threshold_voltage", model)
-    moved = np.abs(q.get("tip_displacement", model).value) / 3.0 * voltage.value
-    assert moved == pytest.approx(DISPLAY_THRESHOLD.at(np.array([10.0, 100.0, 940.0])), rel=1e-12)
+def test_ratio_and_voltage_say_the_same(felt, model, wiring):
+    """Ratio is |w| over the threshold, voltage is drive over ratio; twice the threshold, half."""
+    names = ("tip_displacement", "detection_ratio", "threshold_voltage")
+
+    def solved(*overrides):
+        asked = [f"bimorph.wiring={wiring}", "frequency=10,100,940", "drive.voltage=3V"]
+        found = solve(load_scene("paper", [*asked, *overrides])[0], (model,), names)
+        return [found.get(name, model) for name in names]
+
+    tip, ratio, voltage = solved()
+    level = DISPLAY_THRESHOLD.at(np.array(tip.frequency))
+    np.testing.assert_allclose(ratio.value, np.abs(tip.value) / level, rtol=1e-12)
+    np.testing.assert_allclose(voltage.value * ratio.value, 3.0, rtol=1e-12)
     assert voltage.unit == "V"
-    assert voltage.value.dtype == float
     assert (voltage.error > 0.0).all()
+    _, half, twice = solved(*felt)
+    np.testing.assert_allclose(half.value, 0.5 * ratio.value, rtol=1e-12)
+    np.testing.assert_allclose(twice.value, 2.0 * voltage.value, rtol=1e-12)
+
+
+def test_design_asks_for_it(felt, capsys):
+    """As much margin about twice the threshold as twice the margin about the paper's."""
+    asked = ["design", "paper", "--json", "--lengths", "14mm:28mm"]
+    assert main([*asked, "--margin", "2"]) == 0
+    paper = json.loads(capsys.readouterr().out)
+    overrides = [word for text in felt for word in ("--set", text)]
+    assert main([*asked, *overrides]) == 0
+    own = json.loads(capsys.readouterr().out)
+    assert own["length"] == pytest.approx(paper["length"], rel=1e-6)
+    assert own["margin"] == pytest.approx(paper["margin"] / 2.0, rel=1e-6)
+    assert "felt.csv" in own["aim"]["threshold"][0]["source"]
+
+
+def test_aims_ask_for_it(felt):
+    """The aims' threshold is that of each point's scene."""
+    values, _ = scene_values("paper", ("frequency=40", *felt[1:]))
+    statement = Statement("paper", values, ("threshold.kind=paper,table",), ("tmm",),
+                          ("tip_displacement",))  # fmt: skip
+    aims = parse_aims(["first(tip_displacement / threshold) >= 0"])
+    (found,) = verdicts(run_study(statement), aims)
+    paper, own = (judged.margins[0][0] for judged in found.judged)
+    assert own == pytest.approx(paper / 2.0, rel=1e-9)
 
 
 @pytest.mark.usefixtures("own_store", "coarse_bricks")

@@ -285,7 +285,6 @@ def test_fit_text(text, start, low, high):
 @pytest.mark.parametrize(
     ("fit", "words"),
     [
-        ("c_x", ['scene key "c_x" is unknown', 'did you mean "c_s"']),
         ("c_s:1..", ["NAME[=START][:LOW..HIGH]", "--fit c_s="]),
         ("=1", ["NAME[=START][:LOW..HIGH]"]),
         ("c_s=0.2", ['"0.2" has no unit', "rotational stiffness"]),

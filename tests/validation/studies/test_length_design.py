@@ -27,7 +27,6 @@ BAND = (10.0, 1000.0)
 #: From well below to above the paper's lengths: m is decided by the band's end, then a minimum.
 SHORTER = (10e-3, 40e-3)
 PROFILE = "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"
-PATCH = ["support.kind=clamped", "bimorph.layers=brass 0.2 mm; PZT-5A 0.2 mm from 3 mm to 19 mm +x"]
 KINDS = [
     ("paper", []),
     ("paper", ["bimorph.wiring=series"]),
@@ -220,29 +219,17 @@ def test_the_scenes_own_length_is_judged_once(paper, lengths):
     assert not any(i.shortest <= own <= i.longest for i in found.intervals)
 
 
-@pytest.mark.parametrize(
-    ("overrides", "lengths", "message"),
-    [
-        ([PROFILE], (20e-3, 40e-3), r"bimorph\.width_profile is stated for 20 mm; leave"),
-        (["bimorph.bare_above=12mm"], SHORTER, r"leave no electrode .* 12 mm; start above 12 mm"),
-        (PATCH, SHORTER, r"end below a layer of .*; start at 19 mm or more"),
-        (
-            [],
-            (1e-6, 40e-3),
-            r"from 0\.001 mm are shorter than .* thick, no beam; start at 0\.77 mm",
-        ),
-        ([], (1e-3, 1.0), r"to 1000 mm hold up to 29\.2 half waves at 1000 Hz.*; stop at 274 mm"),
-    ],
-)
-def test_lengths_that_cannot_be_had_are_refused(overrides, lengths, message):
+def test_lengths_that_cannot_be_had_are_refused():
     """One sentence with the remedy; never the same answer for every length."""
-    scene, _ = load_scene("paper", overrides)
-    with pytest.raises(InputError, match=message):
-        design(scene, Aim(lengths=lengths))
+    patch = "bimorph.layers=brass 0.2 mm; PZT-5A 0.2 mm from 3 mm to 19 mm +x"
+    scene, _ = load_scene("paper", ["support.kind=clamped", patch])
+    with pytest.raises(InputError, match=r"end below a layer of .*; start at 19 mm or more"):
+        design(scene, Aim(lengths=SHORTER))
 
 
 def test_the_remedies_are_accepted(paper):
-    """What the refusals of a range propose is answered: its margin can be had at both ends."""
+    """What the refusals of a range propose, 0.77 mm or more, up to 274 mm, above the bare end, is
+    answered: its margin can be had at both ends."""
     bare, _ = load_scene("paper", ["bimorph.bare_above=12mm"])
     for scene, lengths in ((paper[0], (0.77e-3, 274e-3)), (bare, (12.1e-3, 40e-3))):
         device, aim = actuator(scene), Aim(lengths=lengths)
@@ -436,11 +423,6 @@ def test_a_large_modelling_error_is_said():
     soft, _ = load_scene("paper", ["shim.youngs_modulus=20MPa", "shim.shear_modulus=7.7MPa"])
     (text,) = design(soft, Aim(lengths=(22e-3, 24e-3))).warnings
     assert "modelling error" in text
-
-
-def test_a_margin_without_end_is_refused():
-    with pytest.raises(InputError, match="margin = inf is not a factor above 0"):
-        Aim(margin=float("inf"))
 
 
 @pytest.mark.parametrize("at", [1.1, 19.9])
