@@ -35,17 +35,6 @@ def side(name, **numbers):
 
 
 @pytest.mark.parametrize(
-    ("bars", "beyond"), [((0.06, 0.05), 0), ((0.04, 0.05), 1), ((float("nan"), 0.2), 0)]
-)
-def test_bars_cover_what_they_add_up_to(bars, beyond):
-    """1.0 and 1.1: 0.11 covers, 0.09 does not; no bar is none."""
-    a, b = (Number(v, bar, "F") for v, bar in zip((1.0, 1.1), bars, strict=True))
-    (found,) = answer_differences(side("a", x=a), side("b", x=b))
-    assert found.beyond == beyond
-    assert found.relative == pytest.approx(0.1)
-
-
-@pytest.mark.parametrize(
     ("modelling", "shown"), [(0.0, ""), (0.02, " (± 2 %)"), (float("nan"), " (?)")]
 )
 def test_the_modelling_error_stands_beside_the_bar(modelling, shown):

@@ -320,21 +320,6 @@ def test_a_group_of_warnings_is_its_worst_with_its_point():
     assert found == "at 2 of 2 points by tmm, lumped: the same"
 
 
-def test_of_wide_beams_the_widest_is_the_worst():
-    """By the sentences that the models say, in any order of the points; up to 1.5 lengths wide.
-
-    Beyond, the range of the calibration decides which is worst.
-    """
-    widths = (26, 30, 26.2, 26.1)
-    said = []
-    for width in widths:
-        scene, _ = load_scene("paper", [f"bimorph.width={width}mm"])
-        said.append(solve(scene, ["tmm"], ["static_tip_displacement"]).warnings)
-    (each,) = zip(*said, strict=True)
-    (found,) = told(*(text for text in each for _ in ("tmm", "lumped")), points=len(widths))
-    assert found.endswith(f"at gap = 0.2 mm: {each[widths.index(30)]}")
-
-
 def test_an_axis_that_changes_nothing_is_named_with_its_reason():
     """A width beside its profile, a coil of a bimorph; a length is none."""
     profile = {"bimorph": {"width_profile": "0 mm: 4 mm, 20 mm: 1 mm"}}
