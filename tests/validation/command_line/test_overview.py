@@ -23,7 +23,7 @@ def run(capsys, *arguments):
 
 def test_one_screen_shows_what_json_holds(capsys):
     """Models side by side, each number in a unit with its prefix, to the five digits shown."""
-    models = ("--model", "lumped", "--model", "tmm", "--set", "modes=1")
+    models = ("--model", "lumped", "--model", "tmm", "--set", "modes=1", "--frequency", "10:900:8")
     code, out, _ = run(capsys, "solve", *models)
     lines = out.splitlines()
     assert code == 0

@@ -10,7 +10,6 @@ import meshio
 import numpy as np
 import pytest
 
-from tactgen.geometry.cad import system_libraries
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering, percent, prefixed, share, signed, with_error
 from tactgen.validation.command_line.cli import main
@@ -183,13 +182,6 @@ def test_exported_files_are_complete(tmp_path, capsys):
     finest = mesh_pair(load_scene("j1", ["mesh.level=2"])[0]).meshes[0]
     assert len(written.cells[0].data) == len(cells_of(finest).cells)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["g.glb", "g.step", "m.vtu"]
-
-
-def test_missing_library_is_one_sentence(monkeypatch):
-    """What would crash the renderer is found before it is loaded."""
-    monkeypatch.setitem(system_libraries._PACKAGE, "libnothing.so", "libosmesa6")
-    with pytest.raises(InputError, match="apt-get install --no-install-recommends libosmesa6"):
-        system_libraries.require_library("libnothing.so", "pictures")
 
 
 def test_numbers_that_are_none_and_bars_of_nothing():

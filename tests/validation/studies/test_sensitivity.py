@@ -113,15 +113,6 @@ def test_one_co_energy_map_gives_force_and_inductance():
         assert abs(slope - exact) <= 5e-3 * abs(exact)
 
 
-def test_a_contact_is_as_stiff_as_its_preload_over_its_decay_length():
-    keys = ["spring.preload", "contact.decay_length"]
-    (column,) = columns("generator", "short_circuit_frequencies", "modes=1", keys=keys)
-    pressed, rough = (column.logarithmic[key] for key in keys)
-    assert 0.3 < pressed < 0.5
-    # the pull of the coil is no part of it without current, the rod's own weight next to none
-    assert rough == pytest.approx(-pressed, rel=0.01)
-
-
 def test_a_key_that_changes_how_many_values_there_are_is_refused(monkeypatch):
     """As resonances that come and go: there is no difference to take."""
     scene, _ = load_scene("paper", [])
