@@ -71,16 +71,6 @@ def test_voltage_limits_are_where_each_limit_is_reached():
     np.testing.assert_allclose(found, expected)
 
 
-def test_voltage_limit_is_the_voltage_of_the_stress():
-    """Driven with its limit in resonance, the ceramic has just its strength, by any model."""
-    for model in ("tmm", "beam"):
-        scene, _ = load_scene("paper", [f"models={model}", "load.kind=none", "frequency=446"])
-        names = ("voltage_limit", "ceramic_stress")
-        found = solve(scene, None, names)
-        limit, stress = (float(found.get(name, model).value[0]) for name in names)
-        assert stress * limit / 50.0 == pytest.approx(28e6, rel=1e-9)
-
-
 def test_the_largest_current_heats_the_winding_to_its_limit():
     """P(hot) = h A ΔT over the sleeve's outside and the head's top."""
     device, limits = Device(), Limits()

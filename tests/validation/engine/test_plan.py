@@ -2,7 +2,6 @@
 
 import pytest
 
-from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import gives, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import make_plan, solve
@@ -24,13 +23,6 @@ def test_only_what_is_needed_runs():
     assert skipped["solid.mesh"] == "model solid is not among the models"
     assert "static" not in skipped["tmm.modes"]
     assert skipped["network.map"] == "model network is not among the models"
-
-
-def test_quantity_without_a_model_is_refused():
-    """In one sentence, with the models that give it."""
-    scene, _ = load_scene("paper")
-    with pytest.raises(InputError, match=r"computed by network, axisymmetric.*--set models"):
-        make_plan(scene, ("tmm",), ("magnetic_force",))
 
 
 @pytest.mark.usefixtures("own_store")

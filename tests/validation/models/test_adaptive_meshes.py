@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.cad.tessellation import tessellate
-from tactgen.geometry.meshing.mesh import Mesh, smallest_dihedral_angles, tet_volumes, unique_edges
+from tactgen.geometry.meshing.mesh import Mesh, smallest_dihedral_angles, tet_volumes
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild import mesher as ftetwild
 from tactgen.geometry.meshing.tetwild.conform import conform
-from tactgen.geometry.meshing.tetwild.mesher import limited_growth, sizing_at_points, sizing_for
+from tactgen.geometry.meshing.tetwild.mesher import sizing_for
 from tactgen.geometry.store.values import fingerprint
 from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair
 from tactgen.validation.scene.scene import load_scene
@@ -17,18 +17,6 @@ from tactgen.validation.scene.scene import load_scene
 def uniform_box(n=6):
     planes = np.linspace(0.0, 1e-3, n + 1)
     return box_tetrahedra(planes, planes, planes, np.zeros((n, n, n), dtype=int), ("shim",))
-
-
-def test_uniform_errors_ask_for_uniformly_finer_elements():
-    """Equal shares on equal elements: all edges shrink alike, and more for less error."""
-    mesh = uniform_box()
-    errors = np.full(len(mesh.cells), 1e-3 / len(mesh.cells))
-    last = np.inf
-    for wanted in (0.8e-3, 0.6e-3, 0.4e-3):
-        lengths = sizing_for(mesh, errors, wanted, shortest=0.0, most=1e9).lengths
-        assert np.ptp(np.log(lengths)) < 1e-12
-        assert lengths[0] < last
-        last = lengths[0]
 
 
 def test_number_of_elements_is_limited():
@@ -54,32 +42,6 @@ def test_rounding_of_a_solution_does_not_make_another_mesh():
     )
     assert first == second
     assert first != other
-
-
-def test_lengths_grow_no_faster_than_allowed():
-    """No edge sees a steeper change than the limit, and no length is raised."""
-    mesh = uniform_box()
-    edges, _ = unique_edges(mesh.cells)
-    wild = np.random.default_rng(3).uniform(0.01e-3, 1e-3, len(mesh.points))
-    tame = limited_growth(mesh.points, edges, wild, 0.3)
-    assert (tame <= wild).all()
-    span = np.linalg.norm(np.diff(mesh.points[edges], axis=1)[:, 0], axis=1)
-    assert (np.abs(np.diff(tame[edges], axis=1)[:, 0]) <= 0.3 * span * (1.0 + 1e-12)).all()
-
-
-def test_sizing_field_covers_the_box_and_keeps_the_lengths():
-    """Tetrahedra of positive volume fill the whole box; given lengths stay, outside they grow."""
-    points = uniform_box().points * 1e3
-    lengths = np.full(len(points), 0.1)
-    field = sizing_at_points(points, points, lengths)
-    volumes = tet_volumes(field.points[field.tets])
-    assert volumes.min() > 0.0
-    assert volumes.sum() == pytest.approx(np.prod(np.ptp(field.points, axis=0)), rel=1e-6)
-    assert np.array_equal(field.lengths[: len(points)], lengths)
-    assert field.lengths[len(points) :].min() > 0.1
-    low, high = field.points.min(axis=0), field.points.max(axis=0)
-    assert (low < -0.2).all()
-    assert (high > 1.2).all()
 
 
 def split_at(raw, tets, cell, point):

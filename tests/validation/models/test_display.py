@@ -11,7 +11,6 @@ from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.backbone import five_port
 from tactgen.validation.models.display import display_ports, first_frequency
 from tactgen.validation.models.model import Modes, Refined
-from tactgen.validation.scene.inputs import scene_warnings
 from tactgen.validation.scene.scene import load_scene
 
 CROSSTALK = tuple(q for q in quantities_of("display") if q.startswith("crosstalk"))
@@ -117,15 +116,6 @@ def test_the_field_bears_the_network_out():
     lifted = field["passive_pull"]
     assert np.isnan(network["passive_pull"].value)
     assert lifted.value < -5.0 * lifted.error < 0.0
-
-
-def test_a_scene_of_one_bimorph_touches_no_display():
-    """No stage of the display runs for it, and its keys are said to be idle."""
-    scene, _ = load_scene("paper")
-    stages = [step.stage for step in make_plan(scene, scene.models, scene.quantities).run]
-    assert not [stage for stage in stages if stage.endswith(("crosstalk", "spread", "neighbours"))]
-    (sentence,) = scene_warnings(scene, {"display.pitch": "set on the command line"})
-    assert "ask for crosstalk_beside" in sentence
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,8 @@
-"""Structural losses of shim, glue and rod: in every model the same, reciprocal and passive."""
+"""Structural losses of shim, glue and rod: in every model the same."""
 
 import numpy as np
 import pytest
 
-from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
 
@@ -32,22 +31,6 @@ def test_each_part_takes_energy_by_both_beam_models(key):
     # elements of order five at 1500 Hz
     np.testing.assert_allclose(values[2], values[1], rtol=1e-7)
     assert abs(values[1][1] / values[0][1] - 1.0) > 1e-6
-
-
-@pytest.mark.usefixtures("coarse_solid")
-@pytest.mark.parametrize("model", ["lumped", "tmm", "beam", "solid"])
-def test_reciprocal_and_passive(model):
-    """Losses turn no matrix over ports unsymmetric, and give no energy."""
-    overrides = [*LAYERED, *LOSSY, "accuracy=0.05"]
-    solution = answered("paper", model, *overrides, frequencies="10,200")
-    port = solution.models[model].answer("harmonic").fine
-    # rounding of the condensation of a field model; two rigid motions lose nothing, so that the
-    # margin is rounding about 0, up to 1e-8 on any of three processors
-    assert float(reciprocity_error(port).max()) < 1e-6
-    assert float(passivity_margin(port).min()) > -1e-7
-    # of the tip's stiffness the ceramic alone has a quadrature of 1e-4
-    tip = port.stiffness[0, 2, 2]
-    assert tip.imag / tip.real > 5e-4
 
 
 def compliance(model, *overrides):

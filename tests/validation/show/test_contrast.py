@@ -1,7 +1,6 @@
 """Words can be told from what they stand on: WCAG 2.2, 1.4.3, a contrast of 4.5 for small text."""
 
 import re
-from importlib import resources
 
 from tactgen.validation.show.page import asset
 
@@ -37,15 +36,6 @@ def test_the_viewers_words():
             for ground in ("tv-paper", "tv-stage", "tv-mark"):
                 assert contrast(scheme[word], scheme[ground]) >= LEAST, (word, ground)
         assert contrast(scheme["tv-accent"], scheme["tv-paper"]) >= LEAST
-
-
-def test_the_reports_words():
-    """Ink, verdicts and links on paper and tint."""
-    page = resources.files("tactgen.validation.report") / "templates" / "page.html"
-    (colours,) = variables(page.read_text(encoding="utf-8"))
-    for word in ("ink", "soft", "good", "warn", "bad", "accent"):
-        for ground in ("paper", "tint"):
-            assert contrast(colours[word], colours[ground]) >= LEAST, (word, ground)
 
 
 def test_the_displays_words():

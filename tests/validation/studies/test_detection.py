@@ -33,7 +33,7 @@ def test_the_papers_points_are_joined_in_log_log():
     assert (DISPLAY_THRESHOLD.at(f) <= LITERATURE_BOUND.amplitude * (1 + 1e-12)).all()
 
 
-@pytest.mark.parametrize("frequency", [10.0, 33.0, 700.0, 1000.0])
+@pytest.mark.parametrize("frequency", [10.0, 33.0, 700.0])
 def test_weights_are_the_derivatives(frequency):
     """d ln threshold / d ln point: exact, since ln threshold is linear in them."""
     step = 1.7

@@ -30,16 +30,8 @@ from tactgen.validation.studies.whatif.study import run_study
 
 def quantity(name, value, unit, error=0.0, frequency=None):
     value = np.asarray(value)
-    return Quantity(
-        name=name,
-        model="tmm",
-        value=value,
-        unit=unit,
-        error=np.full(value.shape, error),
-        method="",
-        seconds=0.0,
-        frequency=frequency,
-    )
+    bars = np.full(value.shape, error)
+    return Quantity(value, bars, name=name, model="tmm", unit=unit, frequency=frequency)
 
 
 #: Thresholds at these frequencies are 2, 0.2 and 1 um; outside them there is none.

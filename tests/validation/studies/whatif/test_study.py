@@ -78,15 +78,6 @@ def test_only_new_points_are_solved(solved):
     assert len(solved) == 10
 
 
-def test_values_that_make_no_scene_are_refused_and_the_others_go_on(solved):
-    """A ceramic shorter than its bare end."""
-    study = run_study(statement("bimorph.bare_above=1mm,15mm"))
-    statuses = [answer.status for _, _, answer in study.rows]
-    assert statuses == ["ok", "refused"]
-    assert "bimorph.bare_above" in study.answers[1]["tmm"].reason
-    assert study.counts.refused == 1
-
-
 def test_a_failure_is_kept_until_it_is_tried_again(solved, monkeypatch):
     """One sentence, not asked again without being told to, and the other points are there."""
     whole = questions.solve
