@@ -8,7 +8,7 @@ from tactgen.geometry.meshing.mesh import Mesh, smallest_dihedral_angles, tet_vo
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild import mesher as ftetwild
 from tactgen.geometry.meshing.tetwild.conform import conform
-from tactgen.geometry.meshing.tetwild.mesher import sizing_for
+from tactgen.geometry.meshing.tetwild.mesher import sizing_at_points, sizing_for
 from tactgen.geometry.store.values import fingerprint
 from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair
 from tactgen.validation.scene.scene import load_scene
@@ -42,6 +42,20 @@ def test_rounding_of_a_solution_does_not_make_another_mesh():
     )
     assert first == second
     assert first != other
+
+
+def test_sizing_field_covers_the_box_and_keeps_the_lengths():
+    """Tetrahedra of positive volume fill the whole box; given lengths stay, outside they grow."""
+    points = uniform_box().points * 1e3
+    lengths = np.full(len(points), 0.1)
+    field = sizing_at_points(points, points, lengths)
+    volumes = tet_volumes(field.points[field.tets])
+    assert volumes.min() > 0.0
+    assert volumes.sum() == pytest.approx(np.prod(np.ptp(field.points, axis=0)), rel=1e-6)
+    assert np.array_equal(field.lengths[: len(points)], lengths)
+    assert field.lengths[len(points) :].min() > 0.1
+    assert (field.points.min(axis=0) < -0.2).all()
+    assert (field.points.max(axis=0) > 1.2).all()
 
 
 def split_at(raw, tets, cell, point):

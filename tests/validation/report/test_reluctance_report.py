@@ -72,8 +72,14 @@ def test_report_is_complete_and_self_contained(reluctance):
 
 
 def test_report_asks_nothing_of_the_lateral_actuator(reluctance):
-    """No stage, section, check or parameter of the bimorph."""
+    """No stage, section, check or parameter of the bimorph.
+
+    The map of the field, the costly part, is left out of a quick one, and that is said.
+    """
     html, steps = reluctance
+    assert "axisymmetric.map" not in steps
+    assert "field at single points" in steps
+    assert "not in the quick version" in html
     assert not any(step.split(".")[0] in ("lumped", "tmm", "beam", "solid") for step in steps)
     assert "<td>TMM-1</td>" not in html
     assert "<code>bimorph.length</code>" not in html
@@ -96,14 +102,6 @@ def test_what_is_assumed_is_said_first(reluctance):
         "electrical time constant",
     ):  # fmt: skip
         assert wanted in text, wanted
-
-
-def test_quick_report_solves_no_map_of_the_field(reluctance):
-    """The map is the costly part: left out, said so, and single points shown instead."""
-    html, steps = reluctance
-    assert "axisymmetric.map" not in steps
-    assert "field at single points" in steps
-    assert "not in the quick version" in html
 
 
 @pytest.mark.usefixtures("undrawn")

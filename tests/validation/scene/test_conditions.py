@@ -24,11 +24,11 @@ def test_a_scene_without_conditions_names_each_of_them(tmp_path):
 
 def test_neutral_start_holds_only_what_is_not_stated(tmp_path):
     text = 'start_from = "neutral"\n[drive]\nvoltage = "60 V"\n'
-    scene = scene_of(tmp_path, text, "load.kind=mass", "load.mass=2 g")
-    assert (scene.support.kind, scene.load.kind) == ("clamped", "mass")
+    scene = scene_of(tmp_path, text, "load.kind=spring_damper", "load.stiffness=9 N/m")
+    assert (scene.support.kind, scene.load.kind) == ("clamped", "spring_damper")
     assert (scene.drive.voltage, scene.bimorph.wiring) == (60.0, "parallel")
     line = conditions(scene)
-    assert line.startswith("Conditions: clamped, 2 g on the tip, parallel wiring, 60 V peak.")
+    assert line.startswith("Conditions: clamped, 9 N/m and 0 N*s/m on the tip, parallel wiring")
     assert line.endswith("taken from neutral conditions: support.kind, bimorph.wiring.")
 
 

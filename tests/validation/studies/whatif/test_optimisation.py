@@ -108,10 +108,10 @@ def test_the_solid_is_searched_on_one_surrogate(capsys, own_store, monkeypatch):
 
 def test_the_normal_actuator_by_its_quick_model(capsys):
     assert cli.main(["design", "reluctance", "--vary", "gap=0.1mm:0.4mm", "--aim",
-                     "magnetic_force >= 150 mN"]) == 0  # fmt: skip
-    out = capsys.readouterr().out
-    assert "by network:" in out
-    assert "gap = 0.1" in out
+                     "magnetic_force >= 150 mN", "--json"]) == 0  # fmt: skip
+    found = json.loads(capsys.readouterr().out)
+    assert (found["models"], found["met"]) == (["network"], True)
+    assert 0.1e-3 < found["best"]["at"]["gap"] < found["present"]["at"]["gap"] == 0.2e-3
 
 
 def test_ends_of_a_range_are_exact():
