@@ -1,5 +1,6 @@
 """Systems without Unix modules, symbolic links or MKL: the same commands, the same numbers."""
 
+import importlib.util
 import json
 import shutil
 import subprocess
@@ -7,6 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
+
+from tactgen.validation.command_line.cli import main
 
 ROOT = Path(__file__).parent.parent
 PACKAGES = ("geometry", "fem", "tmm", "validation")
@@ -38,6 +41,10 @@ RUN = "from tactgen.validation.command_line.cli import main; sys.exit(main(sys.a
 SOLVE = ("solve", "j1", "--set", "mesh.level=2", "--quantity", "capacitance_free", "--json")
 
 
+def values(written):
+    return {q["model"]: q["value"] for q in json.loads(written)["quantities"]}
+
+
 def answers(code, path, store, *words):
     done = subprocess.run(
         [sys.executable, "-c", code, *words],
@@ -45,37 +52,32 @@ def answers(code, path, store, *words):
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    return {q["model"]: q["value"] for q in json.loads(done.stdout)["quantities"]}
+    return values(done.stdout)
 
 
-def test_without_unix_modules_and_mkl_the_numbers_are_the_same(tmp_path):
+def test_without_unix_modules_and_mkl_the_numbers_are_the_same(tmp_path, own_store, capsys):
     """SuperLU rounds in another order: the solid's condition number times epsilon is below 1e-6."""
-    path, models = ROOT / ".setup", ("--model", "tmm", "--model", "solid")
-    usual = answers(f"import sys; {RUN}", path, tmp_path / "a", *SOLVE, *models)
-    bare = answers(f"{BARE}\n{RUN}", path, tmp_path / "b", *SOLVE, *models)
+    words = [*SOLVE, "--model", "tmm", "--model", "solid"]
+    assert main(words) == 0
+    usual = values(capsys.readouterr().out)
+    bare = answers(f"{BARE}\n{RUN}", ROOT / ".setup", tmp_path / "b", *words)
     assert bare == pytest.approx(usual, rel=1e-6)
 
 
 @pytest.mark.parametrize("package", ["cadquery", "pytetwild"])
-def test_a_package_without_a_wheel_is_named_in_one_line(tmp_path, package):
-    hide = (
-        "import importlib.util as u, sys; find = u.find_spec; "
-        f"u.find_spec = lambda n, *m: None if n == {package!r} else find(n, *m)"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", f"{hide}; {RUN}", *SOLVE[:-1], "--model", "cad"],
-        env={"PYTHONPATH": str(ROOT / ".setup"), "TACTGEN_CACHE": str(tmp_path), "PATH": ""},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    (line,) = done.stderr.splitlines()
-    assert done.returncode == 2
+def test_a_package_without_a_wheel_is_named_in_one_line(package, monkeypatch, own_store, capsys):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda n: None if n == package else find(n))
+    monkeypatch.delitem(sys.modules, package, raising=False)
+    assert main([*SOLVE[:-1], "--model", "cad"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
     assert package in line
 
 
 def test_a_checkout_without_links_is_a_package(tmp_path):
     """Where git cannot make the links, each is a small file with the name of its target."""
     for name in PACKAGES:
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+        (tmp_path / name).symlink_to(ROOT / name)
         place = tmp_path / ".setup" / "tactgen" / name
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_text(f"../../{name}", encoding="utf-8")

@@ -13,8 +13,8 @@ import pytest
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "notebooks").glob("*.py"))
 HEAVY = {
-    "1_first_look", "5_reluctance_map", "6_machine_in_motion", "7_accuracy_and_cost",
-    "beam_to_solid", "chain_bimorph", "chain_reluctance", "own_device",
+    "1_first_look", "4_what_the_rod_does", "5_reluctance_map", "6_machine_in_motion",
+    "7_accuracy_and_cost", "beam_to_solid", "chain_bimorph", "chain_reluctance", "own_device",
     "reconstructed_actuator",
 }  # fmt: skip
 

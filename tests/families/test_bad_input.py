@@ -92,6 +92,11 @@ def test_no_half_a_document(refused, command):
     assert "{" not in error
 
 
+GOAL = ["--aim", "maximise static_tip_displacement"]
+LENGTH = ["--vary", "bimorph.length=14mm:22mm"]
+LENGTHS = ["whatif", "prototype", "--vary", "bimorph.length=14mm:16mm:2"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -100,18 +105,15 @@ def test_no_half_a_document(refused, command):
         (["solve", "papr"], ['did you mean "paper"']),
         (["solve", "--set", "bimorph.length"], ["KEY=VALUE"]),
         (["solve", "--set", "bimorph.length=25 kg"], ["bimorph.length", "not a length"]),
-        (["solve", "--set", "piezo.density=-7800 kg/m^3"], ["piezo.density", "greater than 0"]),
         (["solve", "--set", "models=tmn"], ['did you mean "tmm"']),
         (["solve", "--model", "fem"], ['model "fem" is unknown']),
         (["solve", "--quantity", "speed"], ['quantity "speed" is unknown']),
-        (["solve", "--set", "bimorph.length=25"], ["has no unit"]),
         (["fly"], ["invalid choice"]),
         (["export"], ["--step"]),
         (["export", "--glb", "x.gltf"], ["--glb x.gltf", ".glb"]),
         (["solve", "--frequency", ""], ["--frequency is empty", "--frequency 10:2000:200"]),
         (["solve", "--frequency", "10 20"], ['"10 20"', "not a frequency"]),
         (["solve", "x\ny" * 2000], ["neither a readable file"]),
-        (["solve", "--no\nsense"], ["unrecognized arguments"]),
         (["solve", "--jsn"], ['did you mean "--json"', "tactgen solve --help"]),
         (["solve", "--accuracy", "2e-5"], ['did you mean "--set accuracy=…"']),
         (["solve", "--piezo.d31=-180"], ['did you mean "--set piezo.d31=…"']),
@@ -139,23 +141,6 @@ def test_no_half_a_document(refused, command):
          ["asks for 1 point between two ends", 'such as "10", or at least 2 points']),
         (["whatif", "--vary", "bimorph.length=20mm,21mm", "--seed", "1000000000"],
          ['--seed "1000000000" is not a whole number from 0 to 999999999']),
-    ],
-)  # fmt: skip
-def test_arguments(refused, arguments, words):
-    """What the options of solve, plan, report, export, sensitivity and init refuse."""
-    error = refused(*arguments)
-    assert all(word in error for word in words), error
-
-
-GOAL = ["--aim", "maximise static_tip_displacement"]
-LENGTH = ["--vary", "bimorph.length=14mm:22mm"]
-
-LENGTHS = ["whatif", "prototype", "--vary", "bimorph.length=14mm:16mm:2"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
         ([*LENGTHS, "--plot", "study.png"], ["study.png", "--plot study.svg"]),
         (
             [*LENGTHS, "--model", "lumped", "--quantity", "coupling_factor", "--aim",
@@ -188,10 +173,20 @@ LENGTHS = ["whatif", "prototype", "--vary", "bimorph.length=14mm:16mm:2"]
             ["glue.youngs_modulus = 2e+04 Pa", "at least"],
         ),
         (["solve", "--set", "load.kind=table", "--set", "load.file=twice.csv"], ["there twice"]),
+        (["identify", "nowhere.csv"], ["nowhere.csv cannot be read", "no such file"]),
+        (["identify"], ["MEASURED.csv", "--help"]),
+        (["identify", "SWEEP", "--fit", "c_q"],
+         ['scene key "c_q" is unknown', 'did you mean "c_s"']),
+        (["identify", "SWEEP", "--set", "support.kind=clamped"], ["has no effect", "support.kind"]),
+        (["identify", "SWEEP", "--noise", "pink"], ["invalid choice"]),
+        (["identify", "SWEEP", "--plot", "x.gif"], ["--plot x.gif", ".svg or .png"]),
+        (["identify", "SWEEP", "--write", "x.txt"], ['--write "x.txt"', ".toml"]),
+        (["identify", "SWEEP", "--write", "/nowhere/x.toml"],
+         ["/nowhere/x.toml", "cannot be written"]),
     ],
 )  # fmt: skip
-def test_what_does_not_go_together(refused, tmp_path, arguments, words):
-    """Options and keys that are right by themselves: one sentence with the remedy."""
+def test_arguments(refused, arguments, words):
+    """What options and keys refuse, by themselves and together."""
     error = refused(*arguments)
     assert all(word in error for word in words), error
 
@@ -201,74 +196,38 @@ def test_what_does_not_go_together(refused, tmp_path, arguments, words):
     [
         (["--vary", "bimorph.length=14mm,22mm", *GOAL], "is not a range to search"),
         (["--vary", "bimorph.length=22mm:14mm", *GOAL], "runs backwards"),
-        (["--vary", "bimorph.length=14mm:22mm:5", *GOAL], "is not a range to search"),
-        ([*LENGTH, "--vary", "bimorph.width_profile=0 mm:2 mm", *GOAL], "is not a range to search"),
         ([*LENGTH, *GOAL, "--band", "10:100"], "--band is of the length"),
         ([*LENGTH, *GOAL, "--aim", "minimise capacitance_free"], "two goals cannot both be best"),
         ([*LENGTH, *GOAL, "--model", "tmm", "--model", "beam"], "name one --model"),
         ([*LENGTH, *GOAL, "--model", "network"], "model network gives none of"),
         ([*LENGTH, "--aim", "capacitance_free"], "has no comparison"),
         ([*LENGTH, "--aim", "capacitance_free >= 1 mm"], "compares or adds"),
-    ],
-)
-def test_design_of_any_keys(refused, arguments, message):
-    """What a search over ranges refuses."""
-    error = refused("design", *arguments)
-    assert message in error
-    assert ";" in error or "did you mean" in error  # the remedy
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--margin", "x"], '--margin "x" is not a number'),
-        (["--margin", "-1"], "margin = -1 is not a factor above 0"),
-        (["--band", "10"], '--band "10" is not LOW:HIGH'),
-        (["--band", "5:1000"], "reaches beyond the detection threshold"),
-        (["--band", "500:20"], "does not rise"),
-        (["--band", "10:nan"], '--band = "10:nan" has "nan"'),
-        (["--lengths", "20:40mm"], 'lengths: "20" has no unit'),
-        (["--lengths", "40mm:20mm"], "must rise and start above 0 mm"),
-        (["--lengths", "-1mm:20mm"], "must be greater than 0 mm"),
-        (["--aim", "longest"], '--aim "longest" is neither shortest nor margin'),
-        (["--model", "solid"], "--model goes with --vary"),
-        (["--vary", "bimorph.length=14mm:22mm"], "--vary needs an aim"),
-        (["--plot", "length.png"], "is not an SVG file"),
-        (["--lengths", "1um:40mm"], "no beam; start at 0.77 mm or more"),
-        (["--lengths", "1mm:1m"], "half waves at 1000 Hz"),
+        (["--margin=x"], '--margin "x" is not a number'),
+        (["--margin=-1"], "margin = -1 is not a factor above 0"),
+        (["--band=10"], '--band "10" is not LOW:HIGH'),
+        (["--band=5:1000"], "reaches beyond the detection threshold"),
+        (["--band=500:20"], "does not rise"),
+        (["--band=10:nan"], '--band = "10:nan" has "nan"'),
+        (["--lengths=20:40mm"], 'lengths: "20" has no unit'),
+        (["--lengths=40mm:20mm"], "must rise and start above 0 mm"),
+        (["--aim=longest"], '--aim "longest" is neither shortest nor margin'),
+        (["--model=solid"], "--model goes with --vary"),
+        (["--vary=bimorph.length=14mm:22mm"], "--vary needs an aim"),
+        (["--plot=length.png"], "is not an SVG file"),
+        (["--lengths=1um:40mm"], "no beam; start at 0.77 mm or more"),
+        (["--lengths=1mm:1m"], "half waves at 1000 Hz"),
         (["--set", "bimorph.bare_above=25mm", "--set", "bimorph.length=30mm"],
          "leave no electrode beside"),
         (["--set", "bimorph.width_profile=0 mm: 2.1 mm, 20 mm: 1 mm"],
          "bimorph.width_profile is stated for 20 mm"),
-        (["--set", "drive.voltage=0V"], "drive.voltage or piezo.d31 is 0"),
+        (["--set=drive.voltage=0V"], "drive.voltage or piezo.d31 is 0"),
     ],
 )  # fmt: skip
 def test_design(refused, arguments, message):
-    """What the options of design refuse."""
-    # "--band=5:1000": argparse takes a value with a leading minus for an option otherwise
-    joined = [f"{arguments[0]}={arguments[1]}"] if len(arguments) == 2 else arguments
-    error = refused("design", *joined)
+    """What searches refuse, over lengths and over ranges of any keys."""
+    error = refused("design", *arguments)
     assert message in error
-    assert ";" in error  # the remedy
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["nowhere.csv"], ["nowhere.csv cannot be read", "no such file"]),
-        ([], ["MEASURED.csv", "--help"]),
-        (["SWEEP", "--fit", "c_q"], ['scene key "c_q" is unknown', 'did you mean "c_s"']),
-        (["SWEEP", "--set", "support.kind=clamped"], ["has no effect", "support.kind"]),
-        (["SWEEP", "--noise", "pink"], ["invalid choice"]),
-        (["SWEEP", "--plot", "x.gif"], ["--plot x.gif", ".svg or .png"]),
-        (["SWEEP", "--write", "x.txt"], ['--write "x.txt"', ".toml"]),
-        (["SWEEP", "--write", "/nowhere/x.toml"], ["/nowhere/x.toml", "cannot be written"]),
-    ],
-)
-def test_identify(refused, arguments, words):
-    """What the options of identify refuse."""
-    error = refused("identify", *arguments)
-    assert all(word in error for word in words), error
+    assert ";" in error or "did you mean" in error  # the remedy
 
 
 def test_measured_data(refused, tmp_path):

@@ -14,45 +14,9 @@ from tactgen.fem.magnetics.axisymmetric_field import solve_field, truncation_err
 from tactgen.fem.magnetics.axisymmetric_force import virtual_work_force
 from tactgen.fem.magnetics.axisymmetric_space import discretise, lowered
 from tactgen.fem.solvers.linear_solver import SolverError
-from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve, linear
+from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve
 from tactgen.geometry.reluctance.section_grid import Grid, Region, graded_grid
-from tactgen.validation.evidence.cases import coils as coaxial_coils
-from tactgen.validation.evidence.cases.coils import (
-    HIGH,
-    LOW,
-    SOLENOID_ERROR,
-    core_tolerance,
-    flux_density_in_core,
-    infinite_solenoid,
-)
-
-
-def test_thick_solenoid():
-    """2π r A_φ is the flux through the circle: B π r² in the bore, and free of z; no B along r.
-
-    B = µ0 J (r2 − r1) there, J = 1e6 A/m²; its profile is a row of the cases.
-    """
-    field = infinite_solenoid(1e6)
-    assert np.abs(field.flux_density[..., 0]).max() < 1e-12 * 4e-3 * math.pi
-    r = field.discretisation.grid.r
-    bore = r <= 10e-3
-    flux = 0.5 * MU0 * 1e6 * 10e-3 * r[bore, None] ** 2
-    assert field.flux_function[bore] == pytest.approx(flux + np.zeros(2), rel=SOLENOID_ERROR)
-
-
-@pytest.mark.parametrize("density", [1e2, 1e5, 1e9])
-@pytest.mark.parametrize("core", [linear(1.0), linear(1e6), TEAM20], ids=lambda c: c.name)
-def test_iron_core_in_a_solenoid(core, density):
-    """H is uniform in an infinitely long rod, so its B is read off the curve, saturated or not."""
-    field = infinite_solenoid(density, core)
-    exact = float(core.flux_density_at(np.array(density * 10e-3)))
-    assert flux_density_in_core(field) == pytest.approx(exact, rel=core_tolerance(core))
-
-
-def test_two_coils_are_reciprocal():
-    """What one links of the other's flux, the other links of its."""
-    inductance = coaxial_coils.solved().incremental_inductance
-    assert inductance[0, 1] == pytest.approx(inductance[1, 0], rel=1e-12)
+from tactgen.validation.evidence.cases.coils import HIGH, LOW
 
 
 def test_truncation_falls_with_the_cube_of_the_radius():

@@ -44,15 +44,8 @@ def test_pulls_are_each_units_own_and_all_are_in_the_balance(monkeypatch):
     monkeypatch.setattr(
         nine, "vertical_forces", lambda by, _: {name: by * force for name, force in forces.items()}
     )
-    given = []
-    monkeypatch.setattr(nine, "nine_solids", lambda *asked: given.append(asked) or [2.0])
-    (one,) = nine_forces(DEVICE, [ALONE], GAP, PITCH)
-    (same,) = nine_forces(DEVICE, [ALONE], GAP, PITCH, Cell(layers=3))
-    assert one == same
-    assert [cell for *_, cell in given] == [Cell(refinement=0.5, layers=2), Cell(layers=3)]
     monkeypatch.setattr(nine, "nine_solids", lambda *_: [2.0, 3.0])
     found = nine_forces(DEVICE, [ALONE, ALONE], GAP, PITCH)
-    assert found[0] == one
     assert [f.middle for f in found] == [(16.0, -16.0), (24.0, -24.0)]
     assert [f.beside for f in found] == [(-2.0, 2.0), (-3.0, 3.0)]
     assert [f.diagonal for f in found] == [(0.5, -0.5), (0.75, -0.75)]

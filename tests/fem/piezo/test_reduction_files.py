@@ -55,16 +55,21 @@ def test_stamp_holds_all_that_matters(mesh):
     assert one != made_from(Device(), replace(mesh, z=replace(mesh.z, breaks=breaks)))
 
 
-def test_second_time_factorises_nothing(mesh, tmp_path, monkeypatch):
-    """Kept for its range: other frequencies in it are served, a wider range is reduced anew."""
-    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "new"))
-    calls = []
+@pytest.fixture
+def calls(own_store, monkeypatch):
+    """Return what grows with each reduction, and leave nothing that is kept."""
+    made = []
 
     def counted(*arguments, **options):
-        calls.append(1)
+        made.append(1)
         return reduce_to_ports(*arguments, **options)
 
     monkeypatch.setattr(port_cache, "reduce_to_ports", counted)
+    return made
+
+
+def test_second_time_factorises_nothing(mesh, calls):
+    """Kept for its range: other frequencies in it are served, a wider range is reduced anew."""
     first = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-6)
     denser = np.geomspace(10.0, 5000.0, 50)
     second = reduced_solid(Device(), mesh, denser, tolerance=1e-6)
@@ -75,17 +80,9 @@ def test_second_time_factorises_nothing(mesh, tmp_path, monkeypatch):
     assert len(calls) == 3
 
 
-def test_what_did_not_reach_the_tolerance_is_kept_too(mesh, tmp_path, monkeypatch):
+def test_what_did_not_reach_the_tolerance_is_kept_too(mesh, calls, monkeypatch):
     """All shifts used and still an estimate above the tolerance: a second try would end there."""
-    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
     monkeypatch.setattr("tactgen.fem.piezo.krylov._MOST_SHIFTS", 2)
-    calls = []
-
-    def counted(*arguments, **options):
-        calls.append(1)
-        return reduce_to_ports(*arguments, **options)
-
-    monkeypatch.setattr(port_cache, "reduce_to_ports", counted)
     first = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-16)
     assert first.error > 1e-16
     second = reduced_solid(Device(), mesh, SWEEP, tolerance=1e-16)

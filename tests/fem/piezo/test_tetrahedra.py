@@ -165,26 +165,6 @@ def test_uncoupled_capacitor_is_exact(mesh):
     assert np.abs(d[4, :4]).max() == 0.0
 
 
-def test_axial_modes_are_those_of_a_bar():
-    """Without Poisson's effect a clamped bar rings at odd multiples of c / 4L; from above.
-
-    Quadratic elements, two to a quarter wave of the second mode and more: their frequencies are
-    off by (kh)⁴/1440 at most, 2e-4 at kh = 0.79.
-    """
-    device = ALIKE.model_copy(update={"shim": ALIKE.shim.model_copy(update={"density": 7900.0})})
-    assert device.piezo.density == device.shim.density
-    system = assemble(
-        device, structured_quarter(device), lossy=False,
-        ceramic=ceramic_without(device, coupling=False, poisson=False),
-    )  # fmt: skip
-    modes = natural_modes(system.related("axial"), Ends(), 2)
-    first = np.sqrt(1.0 / 15.8e-12 / 7900.0) / (4.0 * device.bimorph.length)
-    for mode, odd in zip(modes, (1, 3), strict=True):
-        kh = odd * np.pi / 12.0
-        assert mode.kind == "axial"
-        assert 0.0 <= mode.frequency / (odd * first) - 1.0 <= kh**4 / 1440.0 + 1e-9
-
-
 @few_and_many
 def test_quarter_and_whole_are_one_body(mesh):
     """Ports, goals, estimates and all modes of the quarter are those of the whole, mirrored.

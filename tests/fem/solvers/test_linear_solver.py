@@ -14,7 +14,6 @@ from scipy.sparse.linalg import splu
 
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.solvers import linear_solver, pardiso
-from tactgen.fem.solvers import linear_solver as sparse_rows
 from tactgen.fem.solvers.linear_solver import Factor, SolverError, factorise, refined_solution
 from tactgen.fem.solvers.pardiso import nested_dissection
 from tactgen.geometry.bimorph.bricks import bimorph_bricks
@@ -58,7 +57,7 @@ def laplacian(*shape):
 @pytest.mark.parametrize("starts", [[0, 3, 99_990, 100_010], [0, 250_000], [0, 1, 2, 3], [0, 0]])
 def test_blocks_of_rows_are_all_rows_once(starts):
     """Every row in one block, no block without rows, also where a block ends in the last row."""
-    blocks = list(sparse_rows.row_blocks(np.array(starts)))
+    blocks = list(linear_solver.row_blocks(np.array(starts)))
     assert all(first < last for first, last in blocks)
     assert [row for first, last in blocks for row in range(first, last)] == [
         *range(len(starts) - 1)
@@ -115,7 +114,7 @@ def test_balance_in_blocks(monkeypatch, block):
     # balanced within 4, rounding to powers of two adds at most 2
     assert rows.max() <= 8.0
     assert rows.min() >= 0.125
-    monkeypatch.setattr(sparse_rows, "_BLOCK", block)
+    monkeypatch.setattr(linear_solver, "_BLOCK", block)
     assert np.array_equal(linear_solver._balance(matrix), whole)
 
 
@@ -316,12 +315,6 @@ def test_a_fault_of_the_library_is_said():
     matrix = pardiso.Pardiso(upper.indptr, upper.indices, complex_numbers=False, definite=True)
     with pytest.raises(pardiso.PardisoError, match="singular"):
         matrix.factorise(upper.data)
-
-
-def test_without_the_library_another_is_taken(monkeypatch):
-    monkeypatch.setattr(linear_solver, "mkl", lambda: None)
-    assert factorise(sparse.identity(3)).solve(np.ones(3)) == pytest.approx(np.ones(3))
-    assert linear_solver.available_solver().startswith("SuperLU")
 
 
 @both

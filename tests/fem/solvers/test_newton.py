@@ -61,43 +61,31 @@ def test_a_step_is_whole_or_ends_where_the_slope_is_small(start, reach):
 
 
 @pytest.mark.parametrize("reach", [1.0, 1e4])
-@pytest.mark.parametrize("near", [0.3, 1e-4])
-def test_a_step_beyond_where_the_slope_saturates_is_found_in_few_trials(near, reach):
-    """The slope beyond is small and the same everywhere: one end alone would creep to the minimum.
-
-    The slope of the end that stays is halved until it is as small; from there on each trial is
-    at least half as long as the one before, up to two more that change sides.
-    """
-    energy = Saturating(np.array([1.0]), np.array([1.0 - near]))
-    asked = []
-    energy.gradient = lambda x: asked.append(x) or Saturating.gradient(energy, x)
-    x = np.array([-3.0])
-    gradient = Saturating.gradient(energy, x)
-    direction = np.array([reach * 20.0])
-    slope = float(gradient @ direction)
-    there, found, _ = _stepped(energy, x, direction, slope)
-    assert energy.value(there) <= energy.value(x)
-    assert abs(float(found @ direction)) <= _SLOPE_LEFT * abs(slope)
-    assert len(asked) <= 5.0 + np.log2(20.0 * reach) + 0.5 * np.log2(2.0 / near)
-
-
-@pytest.mark.parametrize("reach", [1.0, 1e4])
-def test_a_step_from_where_the_slope_has_saturated_takes_about_as_many_trials_as_halving(reach):
-    """Now the slope is small at the end that creeps up, and it is the far end's that is halved.
-
-    Halving the bracket until the slope (1 − 0.7² = 0.51 per length) is small enough at both of its
-    ends, and half as many trials again.
-    """
-    energy = Saturating(np.array([1.0]), np.array([-0.7]))
-    x, direction = np.array([-20.0 * reach]), np.array([20.0 * reach + 3.0])
+@pytest.mark.parametrize(
+    ("b", "start", "trials"),
+    [
+        # the slope beyond is small and the same everywhere, and one end alone would creep: the
+        # slope of the end that stays is halved until it is as small, then each trial is at least
+        # half as long as the one before, up to two more that change sides
+        *(
+            (1.0 - near, -3.0, lambda length, n=near: 5 + np.log2(length) + 0.5 * np.log2(2.0 / n))
+            for near in (0.3, 1e-4)
+        ),
+        # the slope is small at the end that creeps up: halving the bracket until it (0.51 per
+        # length) is small enough at both ends, and half as many trials again
+        (-0.7, None, lambda length: 1.5 * np.log2((length + 3.0) * 0.51 / (0.6 * _SLOPE_LEFT))),
+    ],
+)
+def test_a_step_over_a_slope_that_saturates_is_found_in_few_trials(b, start, trials, reach):
+    energy, asked = Saturating(np.array([1.0]), np.array([b])), []
+    length = 20.0 * reach
+    x, direction = np.array([start or -length]), np.array([length if start else length + 3.0])
     slope = float(energy.gradient(x) @ direction)
-    asked = []
     energy.gradient = lambda x: asked.append(x) or Saturating.gradient(energy, x)
     there, found, _ = _stepped(energy, x, direction, slope)
     assert energy.value(there) <= energy.value(x)
     assert abs(float(found @ direction)) <= _SLOPE_LEFT * abs(slope)
-    narrow = 2.0 * _SLOPE_LEFT * 0.3 / (1.0 - 0.7**2)
-    assert len(asked) <= 1.5 * np.log2(direction[0] / narrow)
+    assert len(asked) <= trials(length)
 
 
 def test_an_energy_in_other_units_takes_the_same_steps():

@@ -1,5 +1,7 @@
 """Calibrated sections: limits, scaling, and what a port matrix must keep."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -29,37 +31,35 @@ def sized(scale, *more):
     return scene(*(f"bimorph.{name}={scale * v}mm" for name, v in sizes.items()), *more)
 
 
-def test_only_ratios_matter():
-    """Ten times as large: the same factors and errors."""
-    one, ten = (calibrated.section_factors(s.device, s.beam) for s in (sized(1.0), sized(10.0)))
-    for name in ("stiffness", "shear", "coupling", "capacitance", "root", "root_coupling"):
-        assert getattr(ten, name) == pytest.approx(getattr(one, name), rel=1e-9)
-    np.testing.assert_allclose(ten.errors, one.errors, rtol=1e-9)
-    np.testing.assert_allclose(ten.knots, one.knots / 10.0, rtol=1e-9)
-
-
 #: The bimorph of :func:`sized` as a list, and a unimorph with glue.
 LISTED = "piezo 0.26 mm -x; shim 0.25 mm; piezo 0.26 mm -x"
 UNIMORPH = "brass 0.2 mm; glue 0.02 mm; PZT-5A 0.26 mm +x"
 
 
-def test_of_listed_layers_only_ratios_matter_and_no_side():
+def listed(layers, scale=1):
+    """Return a bimorph of such layers in another size."""
+    return scene(
+        f"bimorph.length={14 * scale}mm", f"bimorph.width={2.1 * scale}mm",
+        f"bimorph.layers={layers}",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "scale"),
+    [
+        (sized(1.0), sized(10.0), 10.0),
+        (listed(UNIMORPH), listed("brass 2 mm; glue 0.2 mm; PZT-5A 2.6 mm +x", 10), 10.0),
+        (listed(UNIMORPH), listed("PZT-5A 0.26 mm -x; glue 0.02 mm; brass 0.2 mm"), 1.0),
+    ],
+    ids=["by keys", "listed", "upside down"],
+)
+def test_only_ratios_matter_and_no_side(one, other, scale):
     """Ten times as large, and upside down: the same factors and errors."""
-    ten = "brass 2 mm; glue 0.2 mm; PZT-5A 2.6 mm +x"
-    over = "PZT-5A 0.26 mm -x; glue 0.02 mm; brass 0.2 mm"
-    one, *others = (
-        calibrated.section_factors(s.device, s.beam)
-        for s in (
-            scene(
-                f"bimorph.length={14 * n}mm", f"bimorph.width={2.1 * n}mm", f"bimorph.layers={of}"
-            )
-            for n, of in ((1, UNIMORPH), (10, ten), (1, over))
-        )
-    )
-    for other in others:
-        for name in ("stiffness", "shear", "coupling", "capacitance", "root", "root_coupling"):
-            assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-9)
-        np.testing.assert_allclose(other.errors, one.errors, rtol=1e-9)
+    one, other = (calibrated.section_factors(s.device, s.beam) for s in (one, other))
+    for name in ("stiffness", "shear", "coupling", "capacitance", "root", "root_coupling"):
+        assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-9)
+    np.testing.assert_allclose(other.errors, one.errors, rtol=1e-9)
+    np.testing.assert_allclose(other.knots, one.knots / scale, rtol=1e-9)
 
 
 def test_keys_that_listed_layers_replace_change_no_error():
@@ -93,14 +93,14 @@ def test_two_calibrations_of_one_bimorph_agree():
 
 
 @pytest.mark.parametrize(
-    ("layers", "words"),
+    ("of", "words"),
     [
-        ("brass 0.2 mm wide 1 mm; PZT-5A 0.26 mm +x", "of different widths"),
-        ("PZT-5A 0.26 mm +x; brass 0.2 mm; PZT-5A 0.26 mm -x", "hardly bend it"),
+        (listed("brass 0.2 mm wide 1 mm; PZT-5A 0.26 mm +x"), "of different widths"),
+        (listed("PZT-5A 0.26 mm +x; brass 0.2 mm; PZT-5A 0.26 mm -x"), "hardly bend it"),
+        (load_scene("bimorph_on_rod")[0], "--model cad, which takes both"),
     ],
 )
-def test_layers_that_no_fit_has_seen_are_refused(layers, words):
-    of = scene(f"bimorph.layers={layers}")
+def test_what_no_fit_has_seen_is_refused(of, words):
     with pytest.raises(InputError, match=words):
         calibrated.check_known(of.device, of.support)
 
@@ -187,17 +187,15 @@ def test_pieces_beyond_those_of_the_fit_are_named_and_widen_more():
     assert (longer.errors >= usual.errors).all()
 
 
-def test_a_rod_is_refused():
-    scene = load_scene("bimorph_on_rod")[0]
-    with pytest.raises(InputError, match="--model cad, which takes both"):
-        calibrated.check_known(scene.device, scene.support)
-
-
 @pytest.mark.parametrize(
-    ("width", "young", "shear", "level"),
-    [("6mm", "60GPa", "25GPa", 0), ("0.1mm", "60GPa", "25GPa", 2), ("2mm", "30MPa", "10MPa", 0)],
+    ("width", "young", "shear", "meshing"),
+    [
+        ("6mm", "60GPa", "25GPa", LEVELS[0]),
+        ("0.1mm", "60GPa", "25GPa", replace(LEVELS[2], degree=(4, 4, 3))),
+        ("2mm", "30MPa", "10MPa", LEVELS[0]),
+    ],
 )
-def test_losses_are_those_of_the_solid(width, young, shear, level):
+def test_losses_are_those_of_the_solid(width, young, shear, meshing):
     """Held across at the clamp, narrow, and on a soft core that loses most.
 
     Of the narrow one the coarsest bricks are 0.6 % off, as much as the statement itself.
@@ -211,7 +209,7 @@ def test_losses_are_those_of_the_solid(width, young, shear, level):
     factors = calibrated.section_factors(s.device, s.beam)
     row = calibrated.sections(s.device, s.support, s.beam, factors, lossy=True)
     plain = transfer_matrix.multiport(s.device, s.support, s.beam, np.zeros(1), lossy=True)
-    mesh = bimorph_bricks(s.device, LEVELS[level])
+    mesh = bimorph_bricks(s.device, meshing)
     solid = direct_multiport(assemble(s.device, mesh, lossy=True), np.zeros(1))
     flexible = [
         np.linalg.inv(port.stiffness[0][2:4, 2:4])[0, 0]

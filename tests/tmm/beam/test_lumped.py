@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from port_distance import distance
 
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
@@ -18,12 +19,6 @@ ROWS = [
     (TAB, ROD),
 ]
 ENDS = [Ends(), Ends(Springs(3e6, 0.24, rotational_inertia=1e-12))]
-
-
-def distance(a, b):
-    """Return |a − b| relative to the geometric mean of the diagonal neighbours."""
-    size = np.sqrt(np.abs(np.einsum("nii->ni", b)))
-    return (np.abs(a - b) / (size[:, :, None] * size[:, None, :])).max(axis=(1, 2))
 
 
 @pytest.mark.parametrize(("device", "support"), ROWS)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from reluctance_samples import G0, C, falling_samples, linear_samples
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
@@ -11,8 +12,6 @@ from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import Samples, closed_loop_work
 from tactgen.tmm.reluctance.network import network_samples
 
-#: A linear actuator: λ = C i/(g + G0).
-C, G0 = 2e-6, 0.1e-3
 CURRENTS = 0.2 * (np.arange(11) / 10.0) ** 1.5
 GAPS = np.geomspace(0.02e-3, 0.25e-3, 10)
 DEVICE = Device()
@@ -26,12 +25,6 @@ def samples():
 @pytest.fixture(scope="module")
 def pull(samples):
     return fit(samples)
-
-
-def linear_samples(currents=CURRENTS, gaps=GAPS):
-    i, g = (v.astype(float) for v in np.broadcast_arrays(currents[:, None], gaps[None]))
-    linkage = C * i / (g + G0)
-    return Samples(currents, gaps, linkage, 0.5 * linkage**2 / C, 0.5 * i * linkage, C / (g + G0))
 
 
 def saturating_samples(currents, gaps):
@@ -69,7 +62,7 @@ def largest_error(found, expected):
 
 def test_linear_actuator():
     """Every quantity of a linear actuator has a closed form."""
-    pull = fit(linear_samples())
+    pull = fit(linear_samples(CURRENTS, GAPS))
     i, g = between(CURRENTS)[:, None], between(GAPS)[None]
     linkage, width = C * i / (g + G0), g + G0
     # W' is quadratic in i, as the map is; cubic splines in ln(g + g0) leave h⁴, 1e-5 of W',
@@ -159,9 +152,8 @@ def test_network_map_of_ten_by_ten(pull):
 @pytest.mark.parametrize(
     ("points", "power"),
     [
-        (7, 1.0),
         (14, 1.5),
-        *(pytest.param(*grid, marks=pytest.mark.heavy) for grid in ((7, 1.5), (14, 1.0))),
+        *(pytest.param(*grid, marks=pytest.mark.heavy) for grid in ((7, 1.0), (7, 1.5), (14, 1.0))),
         *(pytest.param(10, power, marks=pytest.mark.heavy) for power in (1.0, 1.5)),
     ],
 )
@@ -233,49 +225,39 @@ def test_fewer_tables_make_a_map_too(samples, pull):
 )
 def test_no_extrapolation(current, gap, words):
     """Outside its samples the map refuses, with value, unit and range."""
-    pull = fit(linear_samples())
+    pull = fit(linear_samples(CURRENTS, GAPS))
     with pytest.raises(InputError) as caught:
         pull.force(current, gap)
     assert all(word in str(caught.value) for word in words), caught.value
 
 
 def test_a_pull_that_falls_through_zero():
-    """Saturated steel may push: W' = C (i²/2 − b i³/6)/(g + G0) + L i²/2, whose pull changes its
-    sign at i = 3/b, is met on both sides; only flux linkage must increase."""
-    b, leakage = 8.0, 0.05
-    i, g = np.linspace(0.0, 0.45, 16), GAPS
-    width = g + G0
-    force = C * (i**2 / 2.0 - b * i**3 / 6.0)[:, None] / width**2
-    found = fit(
-        Samples(
-            i,
-            g,
-            C * (i - b * i**2 / 2.0)[:, None] / width + leakage * i[:, None],
-            force,
-            C * (i**2 / 2.0 - b * i**3 / 6.0)[:, None] / width + leakage * i[:, None] ** 2 / 2.0,
-            C * (1.0 - b * i)[:, None] / width + leakage,
-        )
-    )
-    assert force.min() < 0.0 < force.max()
-    said = found.force(i[:, None], g)
+    """Saturated steel may push: a pull that changes its sign is met on both sides."""
+    samples = falling_samples(np.linspace(0.0, 0.45, 16), GAPS)
+    assert samples.force.min() < 0.0 < samples.force.max()
+    said = fit(samples).force(samples.current[:, None], GAPS)
     # cubic between the gaps, and judged relative to a tenth of the largest pull at most
-    np.testing.assert_allclose(said, force, rtol=2e-3, atol=2e-4 * np.abs(force).max())
+    most = np.abs(samples.force).max()
+    np.testing.assert_allclose(said, samples.force, rtol=2e-3, atol=2e-4 * most)
 
 
 def broken(**changes):
-    return replace(linear_samples(), **changes)
+    return replace(linear_samples(CURRENTS, GAPS), **changes)
 
 
 @pytest.mark.parametrize(
     ("samples", "words"),
     [
-        (linear_samples(CURRENTS[:5]), "4 currents above 0 mA and 10 gaps make no map"),
-        (linear_samples(gaps=GAPS[:3]), "10 currents above 0 mA and 3 gaps"),
-        (linear_samples(gaps=GAPS[::-1]), "samples of gap must increase"),
-        (linear_samples(CURRENTS - 0.01), "samples of current must increase from 0"),
-        (broken(flux_linkage=-linear_samples().flux_linkage), "flux_linkage must increase"),
+        (linear_samples(CURRENTS[:5], GAPS), "4 currents above 0 mA and 10 gaps make no map"),
+        (linear_samples(CURRENTS, GAPS[:3]), "10 currents above 0 mA and 3 gaps"),
+        (linear_samples(CURRENTS, GAPS[::-1]), "samples of gap must increase"),
+        (linear_samples(CURRENTS - 0.01, GAPS), "samples of current must increase from 0"),
+        (
+            broken(flux_linkage=-linear_samples(CURRENTS, GAPS).flux_linkage),
+            "flux_linkage must increase",
+        ),
         (broken(force=np.full((11, 10), np.nan)), "force are not all finite"),
-        (broken(force=linear_samples().force[:5]), r"force have the shape \(5, 10\)"),
+        (broken(force=linear_samples(CURRENTS, GAPS).force[:5]), r"force have the shape \(5, 10\)"),
     ],
 )
 def test_unusable_samples_are_refused(samples, words):

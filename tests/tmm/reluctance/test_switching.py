@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from reluctance_samples import BEND, G0, C, falling_samples, linear_samples
 
 from tactgen.geometry.device.parameters import Coil, Device, Spring
 from tactgen.geometry.device.winding import winding
@@ -9,21 +10,11 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance import network as coil_heat
 from tactgen.tmm.reluctance import switching as normal_actuator
 from tactgen.tmm.reluctance.coenergy_fit import fit
-from tactgen.tmm.reluctance.coenergy_map import Samples
-from tactgen.tmm.reluctance.map_range import map_grid
-from tactgen.tmm.reluctance.network import network_samples
-
-#: A linear actuator: λ = C i/(g + G0), F = C i²/(2 (g + G0)²).
-C, G0 = 2e-6, 0.1e-3
 
 
 @pytest.fixture(scope="module")
 def pull():
-    i, g = np.linspace(0.0, 0.3, 9), np.geomspace(0.015e-3, 0.25e-3, 24)
-    linkage = C * i[:, None] / (g + G0)
-    force = 0.5 * linkage**2 / C
-    coenergy = 0.5 * i[:, None] * linkage
-    return fit(Samples(i, g, linkage, force, coenergy, np.tile(C / (g + G0), (9, 1))))
+    return fit(linear_samples(np.linspace(0.0, 0.3, 9), np.geomspace(0.015e-3, 0.25e-3, 24)))
 
 
 def device(preload, stiffness, **coil):
@@ -112,27 +103,13 @@ def test_the_way_of_the_rod(pull):
 
 def test_saturation_does_not_hide_a_balance():
     """Where the pull falls again with the current, the least current that balances counts."""
-    i, g = np.linspace(0.0, 0.3, 13), np.geomspace(0.015e-3, 0.25e-3, 24)
-    # W' = C/(g + G0) (i²/2 − i³ b/6), b = 4/A: ∂λ/∂i > 0 up to 0.25 A would need i < 1/b;
-    # with a leakage inductance on top λ increases everywhere
-    b, leakage = 8.0, 0.05
-    shape = i**2 / 2.0 - b * i**3 / 6.0
-    slope, bend = i - b * i**2 / 2.0, 1.0 - b * i
-    width = g + G0
-    samples = Samples(
-        i,
-        g,
-        C * slope[:, None] / width + leakage * i[:, None],
-        C * shape[:, None] / width**2,
-        C * shape[:, None] / width + 0.5 * leakage * i[:, None] ** 2,
-        C * bend[:, None] / width + leakage,
-    )
-    falling = fit(samples)
+    gaps = np.geomspace(0.015e-3, 0.25e-3, 24)
+    falling = fit(falling_samples(np.linspace(0.0, 0.3, 13), gaps))
     # the pull is largest at i = 2/b = 0.25 A and falls beyond
     peak = C * (0.25**2 / 6.0) / (0.2e-3 + G0) ** 2
     built = device(0.99 * peak, 0.0)
     (found,) = normal_actuator.balance_current(built, falling, np.array([0.2e-3]))
-    exact = np.roots([-b / 6.0, 0.5, 0.0, -0.99 * 0.25**2 / 6.0])
+    exact = np.roots([-BEND / 6.0, 0.5, 0.0, -0.99 * 0.25**2 / 6.0])
     expected = min(r.real for r in exact if abs(r.imag) < 1e-12 and r.real > 0.0)
     # the pull is flat there: 0.1 % of it is a few percent of the current
     assert found == pytest.approx(expected, rel=0.05)
@@ -167,14 +144,3 @@ def test_a_spring_that_the_coil_cannot_overcome(pull):
     held = normal_actuator.switching(device(1.5, 0.0), pull)
     assert np.isinf(held.pull_in)
     assert held.holding == pytest.approx(balance(1.5, 0.0, 20e-6), rel=CLOSE)
-
-
-def test_paper_on_the_network():
-    """The paper (section 5.1, 2.2): 50 mA holds the rod down, without current the finger feels
-    110 mN.  Its 130 mA must pull the rod down; the network, whose force lies above the field's,
-    needs less."""
-    built = Device()
-    pull = fit(network_samples(built, *map_grid(built)))
-    at = normal_actuator.switching(built, pull)
-    assert at.drop_out < 50e-3 < at.pull_in < 130e-3
-    assert normal_actuator.finger_force(built, pull, 0.0, built.gap) == pytest.approx(110e-3)

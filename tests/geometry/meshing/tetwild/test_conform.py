@@ -7,7 +7,6 @@ from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import (
     TET_FACES,
-    check_conformity,
     check_shape,
     jacobian_coefficients,
     tet_volumes,
@@ -249,22 +248,6 @@ def test_a_vertex_without_room_goes_to_the_middle_of_its_neighbours(start):
     np.testing.assert_array_equal(moved[:8], CUBE)
     free[8, 0] = False
     assert relaxed(points, STAR, free)[8, 0] == start[0]
-
-
-@pytest.mark.parametrize(
-    ("tets", "skin"),
-    [
-        ([[0, 1, 2, 3], [0, 2, 1, 4]], 5),
-        ([[0, 1, 2, 3], [0, 2, 1, 4]], 7),
-        ([[0, 1, 2, 3], [0, 2, 1, 4], [0, 2, 1, 5]], 9),
-    ],
-    ids=["not all on the skin", "torn", "three on one face"],
-)
-def test_elements_that_do_not_share_their_faces_are_refused(tets, skin):
-    """Two on a face have six others; a skin of six is theirs."""
-    check_conformity(np.array([[0, 1, 2, 3], [0, 2, 1, 4]]), 6)
-    with pytest.raises(MeshError, match="do not share their faces"):
-        check_conformity(np.array(tets), skin)
 
 
 def test_elements_flatter_than_three_degrees_are_counted():

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.tmm.beam.sections import Section, section
-from tactgen.tmm.beam.span import dynamic_stiffness, rounding, wavenumbers
+from tactgen.tmm.beam.span import dynamic_stiffness, rounding
 from tactgen.validation.evidence.cases import exact_beam as reference
 
 
@@ -110,19 +110,6 @@ def test_exactly_at_the_cut_off():
     beam = Section(EI=1.0, GA=1.0, m=1.0, rhoI=1.0)
     d = dynamic_stiffness(beam, 3.0, np.array([1 - 1e-8, 1.0, 1 + 1e-8]))
     np.testing.assert_allclose(d[1], 0.5 * (d[0] + d[2]), rtol=1e-12, atol=1e-12)
-
-
-def test_wavenumbers_solve_the_dispersion_relation():
-    """λ² = −λ₁², λ₂² are the roots of EI GA k⁴ − … = 0 of the beam's equations."""
-    beam, l = bimorph(lossy=False), 20e-3
-    omega = 2 * np.pi * np.array([1e2, 1e4, 8e5, 2e6])
-    first, second = wavenumbers(beam, l, omega)
-    ei, o2 = beam.EI.real, omega**2
-    for k2, sign in ((second / l, 1.0), (first / l, np.where(beam.rhoI * o2 > beam.GA, 1.0, -1.0))):
-        k2 = sign * k2**2
-        residual = (beam.GA * k2 - beam.m * o2) * (ei * k2 + beam.GA - beam.rhoI * o2)
-        residual -= beam.GA**2 * k2
-        assert (np.abs(residual) < 1e-12 * (beam.GA**2 * np.abs(k2) + ei * beam.GA * k2**2)).all()
 
 
 def test_the_reference_agrees_with_itself():
