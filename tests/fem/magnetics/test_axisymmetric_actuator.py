@@ -92,19 +92,6 @@ def test_without_current_bars_are_those_of_a_small_one():
     assert bar / none.inductance < 0.004
 
 
-@pytest.mark.parametrize("current", [pytest.param(0.02, marks=pytest.mark.heavy), 0.5])
-def test_force_is_the_derivative_of_the_coenergy(current):
-    """−ΔW'/Δg between separate grids is the force, far into saturation too."""
-    step = 5e-6
-    wide, point, narrow = (
-        solve_point(DEVICE, current, 0.2e-3 + s, order=3, refinement=0.75) for s in (step, 0, -step)
-    )
-    slope = (narrow.coenergy - wide.coenergy) / (2.0 * step)
-    # (step / gap)² = 6e-4, and what order 3 leaves of either route, 1.3e-3 here
-    assert slope == pytest.approx(point.force, rel=2e-3)
-    assert point.force_eggshell == pytest.approx(point.force, rel=2e-3)
-
-
 def test_moved_grid_gives_what_a_fresh_one_gives():
     """A map (warm starts, moved grids) agrees with separate points within the error bars.
 

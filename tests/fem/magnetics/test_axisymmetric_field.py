@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -138,22 +137,3 @@ def test_a_singular_problem_is_refused():
     parts = (replace(POLE, curve=upside_down), replace(PLATE, curve=upside_down), COIL)
     with pytest.raises(SolverError):
         solve_field(discretise(graded_grid(parts, 0.1), 2), np.array([1.0]))
-
-
-@pytest.mark.parametrize("current", [0.0, 2.0, -7.0])
-def test_energy_beyond_the_wall_is_that_of_the_moments(current):
-    """µ0 m² / (4π R³) of the iron's moment and the winding's, whose area is a mean over radii."""
-    winding = SimpleNamespace(turns=50, radii=(1e-3, 2e-3))
-    grid = SimpleNamespace(regions=(SimpleNamespace(turns=0), winding), r=np.array([0.0, 0.06]))
-    cells = SimpleNamespace(volumes=np.full((2, 1), 3e-9), grid=grid)
-    flux = np.zeros((2, 1, 2))
-    flux[..., 1] = MU0 * 1e6
-    solution = SimpleNamespace(
-        discretisation=cells, flux_density=flux, field_strength=np.zeros((2, 1, 2)),
-        currents=np.array([current]),
-    )  # fmt: skip
-    r = np.linspace(1e-3, 2e-3, 100_001)
-    moment = 6e-9 * 1e6 + current * 50 * np.pi * (r**2).mean()
-    assert truncation_error(solution) == pytest.approx(
-        MU0 * moment**2 / (4.0 * np.pi * 0.06**3), rel=1e-4
-    )

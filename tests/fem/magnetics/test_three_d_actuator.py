@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from virtual_work import virtual_work_force
 
 from tactgen.fem.magnetics import actuator_3d as actuator
 from tactgen.fem.magnetics.actuator_3d import (
@@ -15,7 +14,6 @@ from tactgen.fem.magnetics.actuator_3d import (
     winding_source,
 )
 from tactgen.fem.magnetics.axisymmetric import solve_point
-from tactgen.fem.magnetics.force_3d import eggshell_force, harmonic_weight
 from tactgen.fem.magnetics.problem_3d import ScalarPotential, VectorPotential, sample
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
@@ -177,27 +175,6 @@ def test_cad_solids_agree_with_the_axisymmetric_field(tmp_path, monkeypatch):
 
 
 # Against itself
-
-
-@pytest.mark.parametrize("potential", [VectorPotential, ScalarPotential])
-def test_virtual_work_is_the_stress_in_the_air(potential):
-    """Co-energies of the sleeve moved by ±0.2 µm give the eggshell's force.
-
-    On curved cells both are one derivative; the quotient's error is of second order in a
-    thousandth of the gap, and of the rounding of co-energies over their change, 1e-6.
-    """
-    whole = problem(TINY)
-    solid = sample(whole)
-    weight = harmonic_weight(solid, ("sleeve",), ("near", "air"))
-    field = potential(solid).solve(TURNS * CURRENT)
-    work = virtual_work_force(
-        whole,
-        weight,
-        UP,
-        0.2e-6,
-        lambda other: potential(sample(other)).solve(TURNS * CURRENT, start=field).coenergy,
-    )
-    assert eggshell_force(field, weight, UP) == pytest.approx(work, rel=1e-4)
 
 
 @pytest.mark.parametrize("potential", [VectorPotential, ScalarPotential])

@@ -1,8 +1,6 @@
 """3D magnetostatic fields by both potentials: exact cases, bounds, invariants, TEAM problem 20."""
 
 from dataclasses import replace
-from functools import cache
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,15 +10,12 @@ from tactgen.fem.magnetics.axisymmetric_space import coenergy_density, energy_de
 from tactgen.fem.magnetics.problem_3d import MagneticSolid, ScalarPotential, VectorPotential, sample
 from tactgen.geometry.device.magnetisation import MU0, TEAM20, linear
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
-from tactgen.validation.evidence.cases import ball as sphere_in_field
 from tactgen.validation.evidence.cases.ball import sphere_mesh
 
 STEEL = {"pole": TEAM20, "yoke": TEAM20}
 STRAIGHT = {"pole": linear(500.0), "yoke": linear(500.0)}
 BOTH = pytest.mark.parametrize("potential", [VectorPotential, ScalarPotential])
-ball_error = cache(sphere_in_field.ball_error)
 
 
 def team20(scale, **changes):
@@ -75,108 +70,6 @@ def test_linear_solenoidal_field_is_exact():
     np.testing.assert_allclose(field.field_strength, solid.source, atol=1e-9)
     points = np.random.default_rng(4).uniform(0.0, 1.4, (20, 3))
     np.testing.assert_allclose(field.flux_density_at(points), MU0 * points @ turn.T, atol=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("potential", "flat"),
-    [
-        (VectorPotential, False),
-        (ScalarPotential, True),
-        pytest.param(VectorPotential, True, marks=pytest.mark.heavy),
-    ],
-)
-def test_ball_in_a_uniform_field(potential, flat):
-    """B = 3 µr B0/(µr + 2) inside; curved cells converge with order above 2, straight below.
-
-    Measured on 2, 3, 4, 5 intervals per edge: curved 1.1e-2, 4e-3, 2e-3, 1.2e-3 (order 2.4);
-    straight 4e-2 to 1e-2 (order 1.5), six to eleven times as much on the finest.
-    """
-    curved = [ball_error(potential, n, curved=True) for n in (2, 3)]
-    assert np.log(curved[0][1] / curved[1][1]) / np.log(1.5) > 2.0
-    assert curved[1][1] < 5e-3
-    if flat:
-        straight = [ball_error(potential, n, curved=False) for n in (2, 3)]
-        assert np.log(straight[0][1] / straight[1][1]) / np.log(1.5) < 2.0
-        assert curved[1][1] < straight[1][1] / 4.0
-
-
-def test_ball_is_enclosed_by_both_potentials():
-    """The mean B in the ball comes out too small by A and too large by φ, alike in size."""
-    low, _ = ball_error(VectorPotential, 3, curved=True)
-    high, _ = ball_error(ScalarPotential, 3, curved=True)
-    assert low < 0.0 < high
-    assert abs(low + high) < 0.2 * (high - low)
-
-
-# A coil in air
-
-BORE, RIM, HALF_HEIGHT = 15e-3, 25e-3, 10e-3
-
-
-def square_coil_source(points):
-    """T0 of a square coil, 30 and 50 mm wide, 20 mm high, one ampere-turn."""
-    away = np.abs(points[..., :2]).max(axis=-1)
-    within = np.abs(points[..., 2]) < HALF_HEIGHT
-    field = np.zeros(points.shape)
-    ramp = np.clip((RIM - away) / (RIM - BORE), 0.0, 1.0)
-    field[..., 2] = np.where(within, ramp / (2.0 * HALF_HEIGHT), 0.0)
-    return field
-
-
-def straight_wire(points, start, end):
-    """Biot and Savart for one ampere in a straight piece of wire (T)."""
-    length = np.linalg.norm(end - start)
-    unit = (end - start) / length
-    along = (points - start) @ unit
-    across = points - start - along[..., None] * unit
-    distance2 = np.sum(across**2, axis=-1)
-    ends = along / np.hypot(along, np.sqrt(distance2))
-    ends -= (along - length) / np.hypot(along - length, np.sqrt(distance2))
-    return MU0 / (4.0 * np.pi) * np.cross(unit, across) * (ends / distance2)[..., None]
-
-
-def square_coil_field(points):
-    """Biot and Savart over the coil's section by Gauss' rule, 10 x 10 loops."""
-    at, weight = np.polynomial.legendre.leggauss(10)
-    field = np.zeros(points.shape)
-    for u, wu in zip(at, weight / 2.0, strict=True):
-        half = 0.5 * (BORE + RIM) + 0.5 * (RIM - BORE) * u
-        for v, wv in zip(at, weight / 2.0, strict=True):
-            loop = [
-                np.array([x * half, y * half, HALF_HEIGHT * v])
-                for x, y in ((1, -1), (1, 1), (-1, 1), (-1, -1), (1, -1))
-            ]
-            field += wu * wv * sum(straight_wire(points, a, b) for a, b in pairwise(loop))
-    return field
-
-
-def coil_error(potential, scale):
-    """Relative mean square error of B in the bore, on and off the axis."""
-
-    def planes(edges):
-        return graded_planes([(at, scale * size) for at, size in edges], growth=0.6 * scale)
-
-    far = (0.25, 0.1)
-    x = planes([(0.0, 5e-3), (BORE, 3e-3), (RIM, 4e-3), far])
-    z = planes([(0.0, 5e-3), (HALF_HEIGHT, 3e-3), far])
-    mesh = box_tetrahedra(x, x, z, np.zeros((x.size - 1, x.size - 1, z.size - 1), int), ("air",))
-    solid = sample(MagneticSolid(mesh, {}, square_coil_source, flux_normal=("z_low",), copies=8))
-    near = np.abs(solid.points[..., :2]).max(axis=-1) < 0.8 * BORE
-    near &= solid.points[..., 2] < 2.0 * HALF_HEIGHT
-    exact = square_coil_field(solid.points[near])
-    miss = potential(solid).solve(1.0).flux_density[near] - exact
-    weights = solid.weights[near][:, None]
-    return float(np.sqrt(np.sum(weights * miss**2) / np.sum(weights * exact**2)))
-
-
-@pytest.mark.parametrize(
-    "potential", [pytest.param(VectorPotential, marks=pytest.mark.heavy), ScalarPotential]
-)
-def test_coil_in_air_is_that_of_biot_and_savart(potential):
-    """T0 alone drives the field of the real coil, off the axis too, to discretisation error."""
-    coarse, fine = (coil_error(potential, scale) for scale in (2.0, 1.0))
-    assert fine < 0.012  # measured 0.010; walls at ten coil widths leave 0.001
-    assert fine < coarse / 2.0  # linear B inside a cell: order 2 asymptotically, 1.5 seen
 
 
 # Bounds and invariants on the saturated problem

@@ -104,20 +104,6 @@ def test_unit_of_a_block_does_not_matter(exponent, loss):
     assert found == pytest.approx(exact, rel=1e-9)
 
 
-@pytest.mark.parametrize("block", [1, 7, 1000])
-def test_balance_in_blocks(monkeypatch, block):
-    """Rows end near 1, whatever pieces the matrix is looked at in."""
-    size = 10.0 ** np.linspace(-150.0, 100.0, 24)
-    matrix = sparse.csr_matrix(size[:, None] * piezo_like() * size)
-    whole = linear_solver._balance(matrix)
-    rows = np.abs(whole[:, None] * matrix.toarray() * whole).max(axis=1)
-    # balanced within 4, rounding to powers of two adds at most 2
-    assert rows.max() <= 8.0
-    assert rows.min() >= 0.125
-    monkeypatch.setattr(linear_solver, "_BLOCK", block)
-    assert np.array_equal(linear_solver._balance(matrix), whole)
-
-
 @both
 @pytest.mark.parametrize("zeros", [False, True], ids=["absent", "stored"])
 def test_multipliers(zeros):

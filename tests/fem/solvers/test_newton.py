@@ -60,34 +60,6 @@ def test_a_step_is_whole_or_ends_where_the_slope_is_small(start, reach):
     assert abs(left) <= _SLOPE_LEFT * abs(slope) or (length > 1.0 - 1e-12 and left < 0.0)
 
 
-@pytest.mark.parametrize("reach", [1.0, 1e4])
-@pytest.mark.parametrize(
-    ("b", "start", "trials"),
-    [
-        # the slope beyond is small and the same everywhere, and one end alone would creep: the
-        # slope of the end that stays is halved until it is as small, then each trial is at least
-        # half as long as the one before, up to two more that change sides
-        *(
-            (1.0 - near, -3.0, lambda length, n=near: 5 + np.log2(length) + 0.5 * np.log2(2.0 / n))
-            for near in (0.3, 1e-4)
-        ),
-        # the slope is small at the end that creeps up: halving the bracket until it (0.51 per
-        # length) is small enough at both ends, and half as many trials again
-        (-0.7, None, lambda length: 1.5 * np.log2((length + 3.0) * 0.51 / (0.6 * _SLOPE_LEFT))),
-    ],
-)
-def test_a_step_over_a_slope_that_saturates_is_found_in_few_trials(b, start, trials, reach):
-    energy, asked = Saturating(np.array([1.0]), np.array([b])), []
-    length = 20.0 * reach
-    x, direction = np.array([start or -length]), np.array([length if start else length + 3.0])
-    slope = float(energy.gradient(x) @ direction)
-    energy.gradient = lambda x: asked.append(x) or Saturating.gradient(energy, x)
-    there, found, _ = _stepped(energy, x, direction, slope)
-    assert energy.value(there) <= energy.value(x)
-    assert abs(float(found @ direction)) <= _SLOPE_LEFT * abs(slope)
-    assert len(asked) <= trials(length)
-
-
 def test_an_energy_in_other_units_takes_the_same_steps():
     """Fields hold microjoules: nothing is small or large by itself."""
     a, b = np.array([1.0, 5.0]), np.array([0.5, -2.0])
@@ -107,20 +79,6 @@ def test_an_energy_may_grow_by_its_rounding(grown, whole):
     there, _, is_whole = _stepped(energy, x, direction, slope)
     assert is_whole is whole
     assert bool(there[0] < 0.0) is whole
-
-
-def test_a_search_that_is_ended_gives_its_last_trial(monkeypatch):
-    """What was tried last, which is no whole step."""
-    monkeypatch.setattr("tactgen.fem.solvers.newton._MAX_TRIALS", 3)
-    energy = Saturating(np.array([1.0]), np.array([0.99]))
-    x, direction = np.array([-3.0]), np.array([1e5])
-    slope = float(energy.gradient(x) @ direction)
-    asked = []
-    energy.gradient = lambda x: asked.append(x) or Saturating.gradient(energy, x)
-    there, gradient, whole = _stepped(energy, x, direction, slope)
-    assert (len(asked), whole) == (3, False)
-    np.testing.assert_array_equal(there, asked[-1])
-    np.testing.assert_array_equal(gradient, Saturating.gradient(energy, there))
 
 
 def test_nothing_to_do_takes_no_step():

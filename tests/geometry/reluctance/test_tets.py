@@ -89,38 +89,6 @@ def test_edges_are_shortest_where_iron_is_near_iron():
     assert twice[0] == pytest.approx(2.0 * sizes([(0.5, 0.05)])[0], rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("point", "distance"),
-    [((2.0, 0.5), 1.0), ((0.5, 0.2), 0.2), ((4.0, 5.0), 5.0), ((-1, -1), 2**0.5)],
-)
-def test_distance_from_an_outline(point, distance):
-    """From a unit square: its sides from without and within, its corners."""
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    assert tets._distance(np.array(point), square) == pytest.approx(distance, rel=1e-12)
-
-
-def test_the_sizings_grid_is_even_inside_and_grows_gently_outside():
-    """From end to end, by the step in between, neighbours outside at most 1.5 apart or shorter."""
-    axis = tets._axis(-7.0, 0.0, 1.0, 9.0, 0.1)
-    assert (axis[0], axis[-1]) == pytest.approx((-7.0, 9.0), rel=1e-12)
-    inside = axis[(axis > -1e-9) & (axis < 1.0 + 1e-9)]
-    assert inside == pytest.approx(np.linspace(0.0, 1.0, 11), abs=1e-12)
-    for outside in (np.diff(axis[axis > 1.0 - 1e-9]), np.diff(axis[axis < 1e-9])[::-1]):
-        assert outside[1:] / outside[:-1] == pytest.approx(1.5, rel=1e-9)
-        assert 0.1 / 1.5 < outside[0] < 0.15  # 1 + ⌊n⌋ of them fill the way, n would by the step
-    wide = DEVICE.model_copy(update={"gap": 2e-3})  # four points in its gap make it a small grid
-    field = tets._sizing(wide, MESHING, np.array([[0.0, 0.0, -60.0], [60.0, 60.0, 60.0]]), 7.0)
-    assert field.points.min(axis=0) == pytest.approx([-7.0, -7.0, -67.0])
-    assert field.points.max(axis=0) == pytest.approx([67.0, 67.0, 67.0])
-    # beyond the planes of symmetry longer by the way gone there
-    beyond = np.maximum(-field.points[:, :2].min(axis=1), 0.0)
-    inner = tets._edge_length(wide, MESHING, field.points)
-    np.testing.assert_allclose(field.lengths, inner + beyond, rtol=1e-12)
-    heights = np.unique(field.points[:, 2])
-    in_gap = np.diff(heights[(heights > -0.5) & (heights < 2.5)])
-    assert in_gap == pytest.approx(0.5, rel=0.02)  # a whole number of them over the iron's length
-
-
 def test_air_is_divided_by_where_it_is():
     """Near within a gap's width around the sleeve, far at the outer walls but not at x, y = 0."""
     sleeve, gap = DEVICE.sleeve, DEVICE.gap

@@ -9,7 +9,7 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import transfer_matrix as tmm
-from tactgen.tmm.beam.modes import _descent, _roots, bending_frequencies, natural_frequencies
+from tactgen.tmm.beam.modes import _descent, bending_frequencies, natural_frequencies
 from tactgen.tmm.beam.printed_formulas import matrix_a
 from tactgen.tmm.beam.sections import Section, section
 from tactgen.validation.evidence.cases.exact_beam import offset
@@ -182,18 +182,6 @@ def test_rounding_that_cannot_be_told_is_refused():
     row = [(Section(EI=1.0, GA=1e-12, m=1.0, rhoI=1e-3), 1.0)]
     with pytest.raises(ArithmeticError, match="lost in rounding"):
         natural_frequencies(row, Ends(UNHELD), 3, open_circuit=False)
-
-
-def test_a_mode_next_to_no_frequency_at_all_is_refused():
-    """A count that is passed at 0 Hz has no bracket of a relative width: the search ends."""
-
-    class AtRest:
-        def count(self, frequencies):
-            return np.ones(frequencies.size, int), np.full((frequencies.size, 1), -0.5)
-
-    points = np.array([1.0])
-    with pytest.raises(ArithmeticError, match="not found in 200 trials"):
-        _roots(AtRest(), np.array([0]), points, *AtRest().count(points))
 
 
 def test_an_angle_does_not_jump_where_rounding_leaves_the_lower_half_plane():

@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.segments import beam_pieces
-from tactgen.geometry.device.parameters import Bimorph, Device, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam import parametric
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
@@ -98,12 +95,3 @@ def test_resonance_peak_is_a_maximum():
     at, height = resonance_peak(PROTOTYPE, VELOCITY, {}, first(PROTOTYPE, open_circuit=False))
     beside = np.abs(evaluate(PROTOTYPE, VELOCITY, {}, at[0] * np.array([1 - 1e-5, 1 + 1e-5])))
     assert (beside < height[0]).all()
-
-
-def test_a_piece_is_made_of_its_dimensions():
-    """Length, radius and the layers at both ends, each in its place."""
-    tapered = Device(bimorph=Bimorph(width_profile="0 mm: 2.1 mm, 20 mm: 1 mm"))
-    pieces = beam_pieces(tapered, Support(kind="rod"))
-    assert any(piece.ends for piece in pieces)
-    for piece in pieces:
-        assert parametric._with_dimensions(piece, parametric._dimensions(piece)) == piece

@@ -138,8 +138,7 @@ def test_a_step_that_finds_nothing_is_halved(monkeypatch):
     monkeypatch.setattr(continuation, "_advance_resolved", stumbling)
     stumbles = 2
     found = follow(oscillator, start, "omega", 0.5, 0.6, resolution=ROUGH)
-    assert tried[:3] == [5e-3, 2.5e-3, 1.25e-3]
-    assert found.steps[0].length == 1.25e-3
+    assert found.steps[0].length == tried[2] == 0.5 * tried[1] == 0.25 * tried[0]
     assert not found.ended
     last = [branch.orbits[-1] for branch in (plain, found)]
     assert last[0].omega == last[1].omega == 0.6
@@ -148,7 +147,6 @@ def test_a_step_that_finds_nothing_is_halved(monkeypatch):
     none = follow(oscillator, start, "omega", 0.5, 0.6, resolution=ROUGH)
     assert none.ended == "the branch could not be followed further: lost"
     assert none.orbits == (start,)
-    assert tried[-1] >= 1e-7 > 0.5 * tried[-1]
 
 
 def test_no_more_harmonics_than_may_be_taken():

@@ -53,18 +53,6 @@ def test_it_is_the_function(kink, monkeypatch):
     assert function.calls <= calls + 2 * kink  # a kink's own interval is asked of the function
 
 
-def test_it_grows_with_what_is_asked(monkeypatch):
-    """Further up the old intervals stay; so does the accuracy."""
-    function = Counted()
-    table = made(function, monkeypatch)
-    table(np.array([500.0]))
-    function.places.clear()
-    table(np.array([5000.0]))
-    assert min(f.min() for f in function.places) >= 500.0
-    f = np.linspace(0.0, 5000.0, 301)
-    assert_alike(table(f), Counted()(f))
-
-
 def test_a_pole_without_losses_is_asked_of_the_function(monkeypatch):
     """Round it no polynomial will do, and none is taken; elsewhere there are some."""
     function = Counted(losses=0.0)
@@ -83,15 +71,6 @@ def test_where_the_function_ends_it_is_asked_itself(monkeypatch):
     np.testing.assert_array_equal(table(f), Counted()(f))
     with pytest.raises(InputError, match="beyond"):
         table(np.array([1001.0]))
-
-
-def test_a_few_questions_make_no_table():
-    """One orbit costs what it did before."""
-    function = Counted()
-    table = Tabulated(function)
-    f = np.linspace(0.0, 4000.0, 40)
-    np.testing.assert_array_equal(table(f), Counted()(f))
-    assert function.calls == 1
 
 
 def test_what_is_nowhere_smooth_is_soon_given_up(monkeypatch):

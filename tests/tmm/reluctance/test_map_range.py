@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Coil, Device, Spring
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.reluctance import map_range
-from tactgen.tmm.reluctance.map_range import map_grid, pole_area
+from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.evidence.cases.actuator import collared
 
@@ -118,13 +117,6 @@ def test_no_spring_is_no_obstacle():
     assert 0.0 < currents[-1] < 10.0
 
 
-def test_a_shared_map_of_a_coil_without_current():
-    """Nothing is rounded of a current of 0, and no sample goes beyond the switching range."""
-    plain, shared = map_grid(device(0.0)), map_grid(device(0.0), shared=True)
-    assert shared[0].size == plain[0].size == 13
-    assert plain[0][-1] <= shared[0][-1] < 1.3 * plain[0][-1]
-
-
 def test_a_circuit_that_the_network_does_not_know_has_a_map(monkeypatch):
     """From the one-gap formula alone, with room for what it leaves out."""
 
@@ -133,10 +125,4 @@ def test_a_circuit_that_the_network_does_not_know_has_a_map(monkeypatch):
 
     known = map_grid(device())[0][12]
     monkeypatch.setattr(map_range, "network_samples", unknown)
-    built = device()
-    gap = built.gap  # the spring is strongest, and the gap widest, at the upper stop
-    area = pole_area(built)
-    formula = gap * np.sqrt(2.0 * built.spring.preload / (MU0 * area)) / built.coil.turns
-    found = map_grid(built)[0][12]
-    assert found == pytest.approx(map_range._WITHOUT_NETWORK * formula, rel=0.05)
-    assert 0.5 * known < found < 5.0 * known
+    assert 0.5 * known < map_grid(device())[0][12] < 5.0 * known

@@ -1,7 +1,5 @@
 """The mesher's process: it stays for the next mesh, and its troubles end in one sentence."""
 
-import json
-
 import numpy as np
 import pytest
 
@@ -57,31 +55,6 @@ def test_one_process_makes_one_mesh_after_another(pretender):
     assert mesher.spent == 4.5
     with pytest.raises(FileNotFoundError):
         open(folder)  # noqa: PTH123, SIM115
-
-
-def test_a_mesh_without_a_mesher_starts_its_own(monkeypatch):
-    """All that is asked reaches it: surface, lengths, envelope over the diagonal, time."""
-    told = []
-
-    class Own:
-        __enter__, __exit__ = lambda self: self, lambda *_: told.append("ended")
-
-        def mesh(self, arrays, limit):
-            told.append((arrays, limit))
-            return "points", "tets"
-
-    monkeypatch.setattr(run, "Mesher", Own)
-    points, triangles = np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 4.0]]), np.zeros((1, 3), dtype=int)
-    sizing = run.SizingField(points, triangles, np.ones(2))
-    asked = {"edge_length": 0.5, "envelope": 0.01, "time_limit": 7.0}
-    assert run.run_ftetwild(points, triangles, sizing=sizing, **asked) == ("points", "tets")
-    (arrays, limit), end = told
-    assert (limit, end) == (7.0, "ended")
-    settings = json.loads(str(arrays.pop("settings")))
-    assert settings == {"edge_length_abs": 0.5, "epsilon": 0.002, "num_opt_iter": run._PASSES}
-    assert set(arrays) == {"points", "triangles", "bg_vertices", "bg_tets", "bg_values"}
-    assert list(run.run_ftetwild(points, triangles, sizing=None, **asked)) == ["points", "tets"]
-    assert set(told[2][0]) == {"points", "triangles", "settings"}
 
 
 def test_a_process_that_dies_says_so_and_the_next_mesh_has_a_new_one(pretender):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tactgen.tmm.generator.transient.system import Element, Output, Stop, System
-from tactgen.tmm.generator.transient.time_integration import error_bar, paired, simulate, spread
+from tactgen.tmm.generator.transient.time_integration import error_bar, simulate
 from tactgen.tmm.generator.transient.waveform import Sources
 
 ONE, UNIT = np.ones(1), np.eye(1)
@@ -30,18 +30,6 @@ def test_an_error_follows_the_observed_order(larger, smaller, error):
     assert found == pytest.approx(1.25 * error, rel=1e-12)
 
 
-def test_neighbours_of_equal_length_make_pairs():
-    """Ends stay where they are; what has no partner goes alone; pairs do not cross a break."""
-    pieces = [
-        (1.0, 0.0, [(0.5, 0.5), (1.0, 0.5), (1.25, 0.25), (2.25, 1.0)]),
-        (3.0, 2.25, [(3.25, 1.0)]),
-    ]
-    found, kept = paired(pieces)
-    assert found == [(1.0, 0.0, [(1.0, 1.0), (1.25, 0.25), (2.25, 1.0)]), pieces[1]]
-    assert kept.tolist() == [True, False, True, True, True, True, True]
-    assert spread(np.arange(6.0), kept).tolist() == [0.0, 1.0, 1.0, 2.0, 3.0, 4.0, 5.0]
-
-
 def test_the_bar_of_a_smooth_run_is_half_as_wide_again_as_its_error():
     """A mass on a spring: order two, so the largest error is two thirds of the bar.
 
@@ -54,18 +42,6 @@ def test_the_bar_of_a_smooth_run_is_half_as_wide_again_as_its_error():
     found = simulate(system, Sources(), 10.0, position=ONE, longest=0.02)
     off = np.abs(found.outputs["x"] - np.cos(found.run.time)).max()
     assert found.errors["x"] / off == pytest.approx(1.5, rel=0.03)
-
-
-def test_a_second_round_is_no_finer_than_it_must_be():
-    """Its steps go by how far the first round missed: its error is near half of what is allowed."""
-    system = System(
-        UNIT, 0.0 * UNIT, UNIT, 0.0 * ONE, 0.0 * ONE, 0.0,
-        (Element("stop", Stop(30.0), -ONE, -0.5),), (), None, {"x": Output(ONE, "m", 1.0)},
-    )  # fmt: skip
-    found = simulate(system, Sources(), 40.0, position=ONE, accuracy=1e-2)
-    assert found.rounds == 2
-    # a fifth: as far as the order of two is seen in steps that choose their lengths
-    assert found.error == pytest.approx(0.5e-2, rel=0.2)
 
 
 def test_the_bar_holds_over_impacts():
