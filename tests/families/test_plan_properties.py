@@ -14,6 +14,7 @@ from tactgen.validation.scene.scene import load_scene
 SCENES = {
     name: load_scene(name)[0] for name in ("paper", "prototype", "generator", "reluctance", "j1")
 }
+KEYS = {name: stage_keys(stage_reads(), scene) for name, scene in SCENES.items()}
 #: One change of a scene by text, of many kinds.
 CHANGES = (
     "bimorph.length=19mm", "piezo.d31=-380 pC/N", "shim.youngs_modulus=150GPa", "gap=0.15mm",
@@ -83,12 +84,12 @@ def test_more_questions_change_no_answer(request, chance):
 @given(st.sampled_from(sorted(SCENES)), st.sampled_from(CHANGES))
 def test_a_key_is_new_where_something_that_is_read_is(name, change):
     """Keys of all stages before and after: as different as the values that each reads."""
-    base = SCENES[name]
+    base, before = SCENES[name], KEYS[name]
     try:
         changed, _ = load_scene(name, [change])
     except InputError:
         return
-    before, after = (stage_keys(stage_reads(), scene) for scene in (base, changed))
+    after = stage_keys(stage_reads(), changed)
     assert len(set(before.values())) == len(before)  # no two stages share one
     key, moved = change.partition("=")[0], base != changed
     for stage, entries in stage_reads().items():

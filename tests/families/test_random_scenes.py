@@ -39,12 +39,6 @@ FOUND = {
         at_random._MACHINE,
         ["bimorph.bare_above=0.011281 mm", "bimorph.bare_below=1.4455 mm", "frequency=92.522 Hz"],
     ),
-    "bare foil above": (
-        at_random._BEAM,
-        ["bimorph.length=11.399 mm", "bimorph.piezo_thickness=0.63297 mm",
-         "bimorph.shim_thickness=0.011491 mm", "bimorph.bare_above=0.012719 mm",
-         "bimorph.tab_length=1.6051 mm", "frequency=9556.8 Hz"],
-    ),
     "thin tab": (
         at_random._BEAM,
         ["bimorph.length=44.307 mm", "bimorph.piezo_thickness=0.60937 mm",

@@ -15,7 +15,6 @@ from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing.mesh import check_areas, check_volumes
 from tactgen.geometry.store.values import from_bytes, storable, to_bytes
 from tactgen.tmm.generator.transient import step as newton
-from tactgen.validation.engine import comparison as ladder
 from tactgen.validation.studies import measured_data
 
 #: A straight tetrahedron of ten nodes, its volume 1/6 and its slanted face.
@@ -113,21 +112,3 @@ def test_a_measured_curve_of_too_many_points(tmp_path, monkeypatch):
     monkeypatch.setattr(measured_data, "_MOST", 5)
     with pytest.raises(InputError, match="holds 6 points; thin it to at most 5"):
         measured_data.read_measured(path)
-
-
-def test_a_judge_that_takes_no_scene_and_has_none_in_its_place(monkeypatch):
-    """The solid's place is taken by the model on CAD's mesh, the field's by none."""
-
-    class Nothing:
-        @staticmethod
-        def check(scene):
-            raise InputError("not this one")
-
-    monkeypatch.setattr(ladder, "model_class", lambda name: Nothing)
-    with pytest.raises(InputError, match="not this one"):
-        ladder._judge("reluctance", [None], ["magnetic_force"])
-    monkeypatch.setattr(
-        ladder, "model_class",
-        lambda name: Nothing if name == "solid" else SimpleNamespace(check=lambda scene: None),
-    )  # fmt: skip
-    assert ladder._judge("bimorph", [None], ["capacitance_free"]) == "cad"

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from skfem import Basis, ElementTetP1, InteriorFacetBasis, MeshTet
-from skfem.element import ElementTetN1
 
 from tactgen.fem.elements.skfem_mesh import ElementTetEdge2
 
@@ -71,16 +70,6 @@ def test_curls_are_all_linear_solenoidal_fields():
     wanted = np.array([np.ravel(f) for f in fields])
     both = np.concatenate([curls, wanted])
     assert np.linalg.matrix_rank(both, tol=1e-9) == 11
-
-
-def test_contains_the_lowest_order_element():
-    """Its first six functions are those that scikit-fem has as the lowest-order element."""
-    for i in range(6):
-        for mine, theirs in zip(
-            ElementTetEdge2().lbasis(POINTS, i), ElementTetN1().lbasis(POINTS, i), strict=True
-        ):
-            theirs = np.broadcast_to(np.asarray(theirs, dtype=float), mine.shape)
-            np.testing.assert_allclose(mine, theirs, atol=1e-14)
 
 
 def test_global_kernel_is_the_gradients_of_nodal_functions():

@@ -104,13 +104,6 @@ def test_loss_tangent_is_held():
     assert c.real == pytest.approx(1e-9, rel=1e-6)
 
 
-def test_lossless_capacitance_is_one_branch():
-    """Without tan δ there is the capacitor and its series resistor alone."""
-    capacities, times = _branches(2e-9 + 0j, *BOUNDS)
-    assert capacities.tolist() == [2e-9]
-    assert times.size == 1
-
-
 def test_file_tells_what_differs(model, base, found, tmp_path):
     """Matrices, ports, range, and the measured distance at every peak and dip."""
     write_state_space(tmp_path / "s.npz", model, base, BOUNDS)

@@ -128,7 +128,6 @@ def test_the_parameter_names_the_curve():
     [
         ("", "is empty"),
         ("B,H\n0,0\n1,100\n", 'column "b" has no unit'),
-        ("B (T)\n0\n1\n", "there is no h column"),
         ("B (A),H (A/m)\n0,0\n1,100\n", "which is not that of a flux density"),
         (
             "B (T),H (A/m)\n0,0\n1,100\n1.0001,5e3\n",
@@ -139,12 +138,10 @@ def test_the_parameter_names_the_curve():
         ("B (T),H (A/m)\n0,0\n1,100\n0.5,200\n", "line 4 has B = 0.5 T after 1 T"),
         ("B (T),H (A/m)\n0,0\n0.5,200\n1,100\n", "line 4 has H = 100 A/m after 200 A/m"),
         ("B (T),H (A/m)\n0,0\n0.5\n1,100\n", 'line 3, column "H (A/m)": the cell is empty'),
-        ("B (T),H (A/m)\n0,0\n0.5,1e2x\n1,100\n", '"1e2x" is not a finite number'),
         ("B (T),H (A/m)\n0,0\n1e-7,1\n", "less than vacuum's mu0"),
         ('B (T),H (A/m)\n0,0\n1,"80\n0"\n2,1e6\n', "line 3 is not CSV"),
         ("B (T),H (A/m)\n0,0\n1,100\n1.5,100.00000001\n", "line 4 has B = 1.5 T at H = 100 A/m"),
         ("B (T),H (A/m)\n0,0\n1e308,1e308\n", "check the unit of B"),
-        ("B (T),H (A/m)\n0,0\n1e-300,1e-300\n", "check the unit of B"),
     ],
 )
 def test_bad_files_are_refused_in_one_sentence(tmp_path, text, words):

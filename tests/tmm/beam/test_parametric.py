@@ -22,7 +22,6 @@ def actuator(name, *overrides):
 PAPER, PROTOTYPE = actuator("paper"), actuator("prototype")
 ROWS = {
     "paper": PAPER,
-    "tab": actuator("paper", "bimorph.tab_length=2mm", "load.kind=none"),
     "rod": actuator("bimorph_on_rod", "load.kind=none"),
     "taper": actuator("prototype", "bimorph.width_profile=0 mm: 2.1 mm, 14 mm: 1 mm"),
     "series": actuator("prototype", "bimorph.wiring=series", "bimorph.bare_below=2mm"),
