@@ -35,34 +35,33 @@ def forms(ceramic):
     return Forms(ceramic.s, ceramic.d, ceramic.eps_t)
 
 
+def constant(of, name):
+    """Return one constant by its name, in SI units, permittivities relative."""
+    letter = name.rstrip("DS0123456789")
+    if name == "kp":
+        return abs(of.d[2, 0]) * np.sqrt(2.0 / ((of.s[0, 0] + of.s[0, 1]) * of.eps_t[2, 2]))
+    if name == "kt":
+        return np.sqrt(1.0 - of.c[2, 2] / of.c_d[2, 2])
+    i, j = (int(digit) - 1 for digit in name.removeprefix(letter)[:2])
+    match letter:
+        case "eps":
+            return (of.eps_s if name.endswith("S") else of.eps_t)[i, j] / EPS0
+        case "Y":
+            return 1.0 / of.s[i, i]
+        case "nu":
+            return -of.s[0, j] / of.s[0, 0]
+        case "k":
+            return abs(of.d[i, j]) / np.sqrt(of.s[j, j] * of.eps_t[i, i])
+    return getattr(of, letter + ("_d" if name.endswith("D") else ""))[i, j]
+
+
 def printed(ceramic, names, digits=16):
-    """Return the constants of a ceramic as text, in SI units."""
-    of, found = forms(ceramic), []
-    matrices = {"s": "s", "c": "c", "d": "d", "e": "e", "g": "g"}
+    """Return the constants of a ceramic as text."""
     units = {"s": "m^2/N", "c": "Pa", "d": "m/V", "e": "C/m^2", "g": "V*m/N", "Y": "Pa"}
-    for name in names:
-        letter = name.rstrip("DS0123456789")
-        if name in ("kp", "kt"):
-            s11, s12, d31, eps = of.s[0, 0], of.s[0, 1], of.d[2, 0], of.eps_t[2, 2]
-            planar = abs(d31) * np.sqrt(2.0 / ((s11 + s12) * eps))
-            value = planar if name == "kp" else np.sqrt(1.0 - of.c[2, 2] / of.c_d[2, 2])
-        else:
-            i, j = int(name[len(letter)]) - 1, int(name[len(letter) + 1]) - 1
-            value = {
-                "eps": lambda i=i, j=j, name=name: (
-                    (of.eps_s if name.endswith("S") else of.eps_t)[i, j] / EPS0
-                ),
-                "Y": lambda i=i: 1.0 / of.s[i, i],
-                "nu": lambda j=j: -of.s[0, j] / of.s[0, 0],
-                "k": lambda i=i, j=j: abs(of.d[i, j]) / np.sqrt(of.s[j, j] * of.eps_t[i, i]),
-            }.get(
-                letter,
-                lambda i=i, j=j, name=name, letter=letter: getattr(
-                    of, matrices[letter] + ("_d" if name.endswith("D") else "")
-                )[i, j],
-            )()
-        found.append(f"{name} {value:.{digits}g} {units.get(letter, '')}".strip())
-    return "; ".join(found)
+    values = {name: f"{constant(forms(ceramic), name):.{digits}g}" for name in names}
+    return "; ".join(
+        f"{n} {v} {units.get(n.rstrip('DS0123456789'), '')}".strip() for n, v in values.items()
+    )
 
 
 def assert_same(ceramic, other, rel=ROUNDING):

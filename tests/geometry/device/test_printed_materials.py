@@ -14,40 +14,12 @@ from tactgen.geometry.device.steel_table import read_curve
 # a 6 x 6 inversion of a matrix of condition number about 10
 ROUNDING = 1e-13
 
-#: Berlincourt's table, as IEEE Std 176 and its users print it: compliances at constant field
-#: (1e-12 m²/N), strain constants (1e-12 m/V), relative permittivities at constant stress.
-PZT_5A_COMPLIANCE = {
-    (0, 0): 16.4, (1, 1): 16.4, (0, 1): -5.74, (0, 2): -7.22, (1, 2): -7.22, (2, 2): 18.8,
-    (3, 3): 47.5, (4, 4): 47.5, (5, 5): 44.3,
-}  # fmt: skip
-PZT_5A_STRAIN = {(2, 0): -171.0, (2, 1): -171.0, (2, 2): 374.0, (0, 4): 584.0, (1, 3): 584.0}
-PZT_5A_PERMITTIVITY = (1730.0, 1730.0, 1700.0)
-
-
-def entries(matrix, upper_only=False):
-    """Return the entries of a matrix that are not 0, by place."""
-    places = zip(*np.nonzero(np.triu(matrix) if upper_only else matrix), strict=True)
-    return {(int(i), int(j)): float(matrix[i, j]) for i, j in places}
-
-
-def test_pzt_5a_is_the_printed_table():
-    """Every constant to the digits printed; s66 = 2 (s11 − s12), printed rounded."""
-    ceramic = LIBRARY["PZT-5A"]
-    assert ceramic.s == pytest.approx(ceramic.s.T)
-    compliance = entries(1e12 * ceramic.s, upper_only=True)
-    assert compliance.pop((5, 5)) == pytest.approx(PZT_5A_COMPLIANCE[5, 5], abs=0.05)
-    assert compliance == pytest.approx(
-        {place: v for place, v in PZT_5A_COMPLIANCE.items() if place != (5, 5)}, rel=ROUNDING
-    )
-    assert entries(1e12 * ceramic.d) == pytest.approx(PZT_5A_STRAIN, rel=ROUNDING)
-    assert ceramic.eps_t / EPS0 == pytest.approx(np.diag(PZT_5A_PERMITTIVITY), rel=ROUNDING)
-    assert (ceramic.density, ceramic.quality_factor) == (7750.0, 75.0)
-
-
-#: Makers' tables, of the hard ceramics Jaffe's and that of Navy type III: s11, s12, s13, s33, s44,
+#: Makers' tables, of PZT-5A Berlincourt's as IEEE Std 176 prints it, of the hard ceramics Jaffe's
+#: and that of Navy type III: s11, s12, s13, s33, s44,
 #: s66 (1e-12 m²/N), d31, d33, d15 (1e-12 m/V), relative permittivities 11 and 33 at constant
 #: stress, density (kg/m³).
 TABLES = {
+    "PZT-5A": ((16.4, -5.74, -7.22, 18.8, 47.5, 44.3), (-171, 374, 584), (1730, 1700), 7750),
     "PZT-4": ((12.3, -4.05, -5.31, 15.5, 39.0, 32.7), (-123, 289, 496), (1475, 1300), 7500),
     "PZT-8": ((11.5, -3.7, -4.8, 13.5, 31.9, 30.4), (-97, 225, 330), (1290, 1000), 7600),
     "Pz26": ((13.0, -4.35, -7.05, 19.6, 33.2, 34.7), (-128, 328, 327), (1190, 1300), 7700),
@@ -63,7 +35,7 @@ def test_makers_tables(name):
     ceramic, (s, d, eps, density) = LIBRARY[name], TABLES[name]
     places = ((0, 0), (0, 1), (0, 2), (2, 2), (3, 3))
     assert [1e12 * ceramic.s[p] for p in places] == pytest.approx(s[:5], rel=ROUNDING)
-    assert 1e12 * ceramic.s[5, 5] == pytest.approx(s[5], abs=0.11)
+    assert 1e12 * ceramic.s[5, 5] == pytest.approx(s[5], abs=0.05 if name == "PZT-5A" else 0.11)
     strain = [1e12 * ceramic.d[p] for p in ((2, 0), (2, 2), (0, 4))]
     assert strain == pytest.approx(d, rel=ROUNDING)
     assert (ceramic.eps_t[0, 0] / EPS0, ceramic.eps_t[2, 2] / EPS0) == pytest.approx(eps)

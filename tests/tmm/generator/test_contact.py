@@ -151,21 +151,3 @@ def test_what_is_apart_bears_nothing_at_its_lowest_point():
         assert law.is_apart(-103.0 * U0, sign * tilt)
         assert not law.is_apart(-101.0 * U0, sign * tilt)
     assert float(law.load(-103.0 * U0, tilt)) < 1e-40 * law.reference_load
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_a_moving_head_changes_its_stiffness(shape):
-    """Efforts and stiffness as at rest, and the stiffness's rate by central differences."""
-    found = law(shape)
-    d, psi = (a.ravel() for a in np.meshgrid([-1e-6, 4e-7], [-2e-4, 0.0, 3e-5, 8e-4]))
-    rate = np.tile([0.7 * U0, -0.4 * U0 / R], (d.size, 1))
-    efforts, stiffness, change = found.moving(d, psi, rate)
-    np.testing.assert_allclose(efforts, np.stack([found.load(d, psi), found.moment(d, psi)], 1))
-    np.testing.assert_allclose(stiffness, found.tangent(d, psi))
-    step = 1e-4  # s: its square over 6 of a third derivative that is of the size of the first
-    later, earlier = (found.tangent(*(np.stack([d, psi]) + s * rate.T)) for s in (step, -step))
-    size = found.load(d, psi)[:, None, None] / U0 * np.array([[1.0, R], [R, R * R]])
-    np.testing.assert_array_less(
-        np.abs(change - (later - earlier) / (2.0 * step)),
-        1e-7 * np.broadcast_to(size, change.shape),
-    )

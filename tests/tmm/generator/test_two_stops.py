@@ -20,10 +20,11 @@ def test_ratios_are_the_lower_stops():
     assert contact_of(Device(), "lower") == above
 
 
-@pytest.mark.parametrize("end", [0.0, -1.0])
-def test_slopes_and_losses_are_each_stops_own(end):
+@pytest.mark.parametrize(("end", "shape"), [(0.0, "disc"), (-1.0, "ring")])
+def test_slopes_and_losses_are_each_stops_own(end, shape):
     """Against central differences of the forces, near either stop; the loss is its own time's."""
-    stops = stops_of(OWN)
+    contact = OWN.contact.model_copy(update={"shape": shape})
+    stops = stops_of(OWN.model_copy(update={"contact": contact}))
     law = stops.lower if end else stops.upper
     lift, tilt = end * stops.stroke + 0.3 * law.decay_length, 0.7 * law.decay_length / law.radius
     rate = np.array([[0.2, -30.0]])
