@@ -4,7 +4,6 @@ import itertools
 
 import numpy as np
 import pytest
-from scipy.special import ellipk
 
 from tactgen.tmm.harmonic_balance import continuation
 from tactgen.tmm.harmonic_balance import steady as response
@@ -60,17 +59,6 @@ def test_a_drive_exactly_at_a_fold():
         resolved(oscillator, Orbit(fold.omega * (1.0 + 1e-4), 1.0, fold.spectrum), ROUGH)
 
 
-def cubic_frequency(stiffness, coefficient, mass, amplitude):
-    """Free angular frequency on k x + g x³, by an elliptic integral.
-
-    Kovacic and Brennan (eds), *The Duffing Equation*, 2011: ω = π sqrt((k + g A²)/m) / (2 K(μ)),
-    μ = g A² / (2 (k + g A²)).
-    """
-    top = stiffness + coefficient * amplitude**2
-    parameter = coefficient * amplitude**2 / (2.0 * top)
-    return np.pi * np.sqrt(top / mass) / (2.0 * ellipk(parameter))
-
-
 def test_without_damping_a_branch_passes_beside_the_backbone():
     """No fold closes it: it goes on along the free oscillation as far as the range."""
     lossless = cases.one_mass(cases.cubic(0.1), stiffness=1.0, force=0.1)
@@ -79,7 +67,7 @@ def test_without_damping_a_branch_passes_beside_the_backbone():
     last = branch.orbits[-1]
     assert last.omega == 1.5
     turning_point = last.motion(64)[:, 0].max()
-    backbone = cubic_frequency(1.0, 0.1, 1.0, turning_point)
+    backbone = cases.free_on_cubic(1.0, 0.1, 1.0, turning_point).omega
     # on the backbone the spring alone carries the mass; the force adds a share F/(ω² A)
     assert last.omega == pytest.approx(backbone, rel=0.1 / (1.5**2 * turning_point))
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from ideal_gap import IdealGap
-from scipy.special import ellipk
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient import step
@@ -24,6 +23,7 @@ from tactgen.tmm.generator.transient.system import (
 )
 from tactgen.tmm.generator.transient.time_integration import simulate, simulate_steps
 from tactgen.tmm.generator.transient.waveform import Chirp, Sampled, Sine, Sources, Square, Step
+from tactgen.validation.evidence.cases.oscillators import free_on_cubic
 
 ONE, UNIT = np.ones(1), np.eye(1)
 
@@ -52,13 +52,6 @@ def moving_gap(source, resistance=1.0):
     )  # fmt: skip
 
 
-def duffing_period(amplitude, linear=1.0, cubic=1.0, mass=1.0):
-    """Return the period of m x'' + k x + k₃ x³ = 0: 4 √(m/(k + k₃A²)) K(m)."""
-    stiffening = cubic * amplitude**2
-    root = math.sqrt(mass / (linear + stiffening))
-    return 4.0 * root * float(ellipk(0.5 * stiffening / (linear + stiffening)))
-
-
 def zero_crossing(time, x):
     """Return when x passes 0 first, by a cubic through the four points around."""
     k = int(np.flatnonzero(x[:-1] * x[1:] <= 0.0)[0])
@@ -72,7 +65,7 @@ def zero_crossing(time, x):
 @pytest.mark.parametrize("amplitude", [0.1, 1.0, 5.0])
 def test_a_hardening_spring_swings_in_its_period(amplitude):
     """Duffing's quarter period within the run's own error bar, over the speed at the crossing."""
-    quarter = 0.25 * duffing_period(amplitude)
+    quarter = 0.5 * math.pi / free_on_cubic(1.0, 1.0, 1.0, amplitude).omega
     system = oscillator(CubicSpring(1.0, 1.0), scale=amplitude)
     told = []
     found = simulate(
@@ -95,7 +88,7 @@ def test_a_hardening_spring_swings_in_its_period(amplitude):
 def test_the_order_is_two():
     """Halving the steps leaves a quarter of the error."""
     system = oscillator(CubicSpring(1.0, 1.0))
-    time = 0.4 * duffing_period(2.0)
+    time = 0.8 * math.pi / free_on_cubic(1.0, 1.0, 1.0, 2.0).omega
     ends = [
         simulate_steps(system, Sources(), time, n, position=2.0 * ONE).position[-1, 0]
         for n in (50, 100, 200, 400)
