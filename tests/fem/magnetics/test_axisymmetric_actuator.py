@@ -170,10 +170,7 @@ def test_stress(permeability, gap):
     [
         (DEVICE, -1e-4, "is not open"),
         (DEVICE, 2.5e-3, "to pass the collar .* meets at a gap of 2.4 mm"),
-        (DEVICE, 2.4e-3, "gap = 2.4 mm needs the flange"),
         (collared(coil={"outer_radius": 0.93e-3}), 0.4e-3, "drives the coil into the collar"),
-        # its top slides along the collar's bore: contact of faces
-        (collared(coil={"outer_radius": 0.9e-3}), 0.4e-3, "the coil into the collar by 0 mm"),
         (collared(coil={"position": -1e-3}), 0.2e-3, "the coil runs into the head"),
         (collared(coil={"length": 2.5e-3}), 0.2e-3, "the coil runs into the flange by 0.26 mm"),
     ],

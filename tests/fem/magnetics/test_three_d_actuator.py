@@ -6,13 +6,7 @@ import numpy as np
 import pytest
 
 from tactgen.fem.magnetics import actuator_3d as actuator
-from tactgen.fem.magnetics.actuator_3d import (
-    actuator_problem,
-    solve_cad,
-    solve_row,
-    solve_solid,
-    winding_source,
-)
+from tactgen.fem.magnetics.actuator_3d import actuator_problem, solve_cad, solve_row, solve_solid
 from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.fem.magnetics.problem_3d import ScalarPotential, VectorPotential, sample
 from tactgen.geometry.device.parameters import Device
@@ -75,24 +69,6 @@ def test_level_edges_leave_no_slivers():
     heights = np.unique(mesh.points[mesh.cells[:, :4], 2])
     assert np.diff(heights).min() > 1e-6
     assert jacobian_coefficients(mesh.points[mesh.cells]).min() > 0.0
-
-
-def test_source_is_the_uniform_current_of_the_winding():
-    """Curl T0 is 1/(width x length) around the axis in the winding and 0 inside and outside."""
-    source, coil = winding_source(DEVICE, GAP), DEVICE.coil
-    density = 1.0 / ((coil.outer_radius - coil.inner_radius) * coil.length)
-    step = 1e-7
-    for radius, expected in ((0.3e-3, 0.0), (0.7e-3, density), (0.85e-3, density), (1e-3, 0.0)):
-        at = np.array([[radius - step, 0.0, -1e-3], [radius + step, 0.0, -1e-3]])
-        inner, outer = source(at)[:, 2]
-        assert -(outer - inner) / (2.0 * step) == pytest.approx(expected, rel=1e-9)
-
-
-def test_source_vanishes_where_the_sleeve_moves():
-    """Sleeve and air have no part of T0, so moving the sleeve moves no current."""
-    solid = sample(problem(COARSEST))
-    for name in ("sleeve", "near", "air", "far"):
-        assert not np.any(solid.source[solid.problem.mesh.cells_of(name)])
 
 
 # Against the axisymmetric field

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, bimorph_bricks, lobatto_points
+from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks, lobatto_points
 from tactgen.geometry.device.parameters import Bimorph, Device
 
 VARIANTS = (
@@ -78,16 +78,6 @@ def test_lobatto_points_are_exact(degree):
     assert points == pytest.approx(-points[::-1], abs=1e-14)
     slope = np.polynomial.Legendre.basis(degree).deriv()
     assert np.abs(slope(points[1:-1])).max(initial=0.0) < 1e-12
-
-
-def test_neighbouring_bricks_grow_gently():
-    """No interval along the length is more than the growth times its neighbour."""
-    meshing = BrickMeshing((2, 2, 2), smallest=0.01, growth=3.0)
-    bimorph = Bimorph(tab_length=1e-3, bare_below=0.5e-3)
-    steps = np.diff(bimorph_bricks(Device(bimorph=bimorph), meshing).z.breaks)
-    ratio = steps[1:] / steps[:-1]
-    # where two gradings meet, their smaller steps do
-    assert np.maximum(ratio, 1.0 / ratio).max() < 3.0 * 1.5
 
 
 def test_a_thick_shim_gets_finer_with_every_level():

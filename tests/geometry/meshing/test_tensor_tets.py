@@ -45,11 +45,3 @@ def test_graded_planes_pass_through_all_stops_and_grow_gently():
     # e for growth 1, and up to 4.5 intervals may have been rounded to 4
     assert np.max(outer[1:] / outer[:-1]) < np.exp(4.5 / 4.0)
     assert steps[np.searchsorted(planes, 10.0)] <= 0.35
-
-
-def test_an_eighth_of_all_sizes_means_eight_times_the_intervals():
-    """The number of intervals follows the sizes asked for, so families of meshes are alike."""
-    stops = [(0.0, 1.0), (40.0, 4.0)]
-    coarse = graded_planes(stops, 0.5).size - 1
-    fine = graded_planes([(at, size / 8.0) for at, size in stops], 0.5 / 8.0).size - 1
-    assert fine == pytest.approx(8 * coarse, abs=5)  # rounding of `coarse` by half, times 8

