@@ -143,8 +143,7 @@ def test_another_value_is_another_scene():
 @pytest.mark.parametrize(
     ("name", "model", "quantities"),
     [
-        ("paper", "tmm", ("admittance", "threshold_voltage", "open_circuit_frequencies")),
-        ("paper", "beam", ("blocked_force", "coupling_factor", "dynamic_stiffness")),
+        ("paper", "beam", ("admittance", "coupling_factor", "dynamic_stiffness")),
         ("reluctance", "network", ("magnetic_force", "pull_in_current")),
     ],
 )

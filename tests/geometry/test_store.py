@@ -220,31 +220,26 @@ def test_every_single_bit_counts(folder):
             read_entry(path)
 
 
-def full(*_):
-    raise OSError(28, "No space left on device")
+def raising(error):
+    def fail(*_):
+        raise error
+
+    return fail
 
 
-def odd(*_):
-    raise OSError("odd")
+OBSTACLES = {
+    "file exists": lambda folder, _: folder.write_text(""),
+    "no space left on device": lambda _, patch: patch.setattr(
+        Path, "write_bytes", raising(OSError(28, "No space left on device"))
+    ),
+    "odd": lambda _, patch: patch.setattr(store, "_make_room", raising(OSError("odd"))),
+}
 
 
-@pytest.mark.parametrize(
-    ("obstacle", "reason"),
-    [
-        ("a file in the way", "file exists"),
-        ("full disk", "no space left on device"),
-        ("a fault without a number", "odd"),
-    ],
-)
-def test_what_cannot_be_kept_is_said_once(folder, obstacle, reason, monkeypatch, capsys):
+@pytest.mark.parametrize("reason", OBSTACLES)
+def test_what_cannot_be_kept_is_said_once(folder, reason, monkeypatch, capsys):
     """The run goes on."""
-    if obstacle == "full disk":
-        folder.mkdir()
-        monkeypatch.setattr(Path, "write_bytes", full)
-    elif obstacle == "a fault without a number":
-        monkeypatch.setattr(store, "_make_room", odd)
-    else:
-        folder.write_text("")
+    OBSTACLES[reason](folder, monkeypatch)
     calls = []
     for inputs in ((1,), (2,), (1,)):
         assert same(store.cached_result("sample", inputs, CODE, counted(calls)), VALUE)

@@ -1,9 +1,9 @@
-"""Swept curved tetrahedra: volumes, orientation, conformity, walls."""
+"""Swept curved tetrahedra: volumes, orientation, conformity."""
 
 import numpy as np
 import pytest
 
-from tactgen.geometry.meshing.mesh import TET_EDGES, check_conformity, jacobian_coefficients
+from tactgen.geometry.meshing.mesh import check_conformity, jacobian_coefficients
 from tactgen.geometry.meshing.structured_tets import swept_tetrahedra
 
 R = np.array([0.0, 0.3, 0.5, 0.51, 1.0])
@@ -40,33 +40,3 @@ def test_cells_are_positive_and_conforming():
     mesh = swept(np.pi / 2, 4)
     assert jacobian_coefficients(mesh.points[mesh.cells]).min() > 0.0
     check_conformity(mesh.cells[:, :4], sum(len(faces) for faces in mesh.faces.values()))
-
-
-def test_nodes_are_on_their_cylinders():
-    """Edges between nodes of one radius and one height follow the arc."""
-    mesh = swept(np.pi / 2, 4)
-    radius = np.hypot(*mesh.points[:, :2].T)
-    height = mesh.points[:, 2]
-    for middle, (a, b) in enumerate(TET_EDGES, start=4):
-        one, other, between = mesh.cells[:, a], mesh.cells[:, b], mesh.cells[:, middle]
-        level = np.abs(radius[one] - radius[other]) < 1e-12
-        level &= np.abs(height[one] - height[other]) < 1e-12
-        np.testing.assert_allclose(radius[between[level]], radius[one[level]], rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("name", "area"),
-    [
-        ("start", 2.5), ("end", 2.5), ("bottom", np.pi / 4), ("top", np.pi / 4),
-        ("mantle", 2.5 * np.pi / 2),
-    ],
-)  # fmt: skip
-def test_walls_are_named(name, area):
-    """Corners of each wall's triangles span its area, less what the chords cut off (1 %)."""
-    mesh = swept(np.pi / 2, 6)
-    a, b, c = mesh.points[mesh.faces[name]].transpose(1, 0, 2)
-    found = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
-    chords = 1.0 if name in ("start", "end") else np.sinc(1.0 / 24.0)  # sin(x)/x of half a layer
-    if name in ("bottom", "top"):
-        chords = np.sinc(1.0 / 12.0)
-    assert found == pytest.approx(area * chords, rel=1e-9)
