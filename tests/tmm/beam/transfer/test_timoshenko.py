@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tactgen.geometry.bimorph.segments import Piece
@@ -39,6 +39,7 @@ def assert_accurate(beam, length, omega):
             assert error <= bound[i, j], at
 
 
+@settings(max_examples=12)
 @given(
     length=st.floats(-4, 1), frequency=st.floats(-3, 6), lossy=st.booleans(),
     slenderness=st.floats(-2, 2), inertia=st.floats(-2, 1),
