@@ -151,10 +151,10 @@ def test_an_answer_stands_for_all_that_is_read(name, model, quantities):
     """Everything that does not change what a point of a study goes by is changed at once: numbers,
     bars and warnings are the same to the last bit."""
     scene, _ = load_scene(name, ["frequency=100,500"])
-    inputs = question(scene, model, quantities).inputs
+    inputs = question(scene, model, quantities, {}).inputs
     unread = [
         key for key in varied(scene, model)
-        if question(changed(scene, [key]), model, quantities).inputs == inputs
+        if question(changed(scene, [key]), model, quantities, {}).inputs == inputs
     ]  # fmt: skip
     assert len(unread) > 20
     first, also = (solve(s, (model,), quantities) for s in (scene, changed(scene, unread)))

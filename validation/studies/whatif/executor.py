@@ -16,8 +16,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.operating_system import core_count
@@ -26,10 +27,7 @@ from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.processes import Processes
-from tactgen.validation.studies.whatif.point_answers import Question, code_of, keep, solved
-
-if TYPE_CHECKING:
-    from tactgen.validation.engine.solve import Solution
+from tactgen.validation.studies.whatif.point_answers import Question, code_of
 
 #: Most questions of one batch: few enough for progress to be seen.
 _MOST = 32
@@ -40,66 +38,48 @@ _DESERTED = 60.0
 _ADDRESS = re.compile(r"(tcp|tls|ucx)://[^\s/]+:[0-9]{1,5}")
 _MIND = "answers that came are kept; run the study again to go on"
 
-#: Of this process, by model: the last solution, whose stages the next question may take over.
-_earlier: dict[str, Solution] = {}
 #: In a worker of a cluster: one batch at a time.
 _alone = threading.Lock()
 
 
 @dataclass(frozen=True)
-class Job:
-    """A question by its number, with the values of the scene that it is asked at."""
-
-    number: int
-    asked: Question
-    values: dict[str, Any]
-
-    def answer(self, announce: Callable[[str], None], *, retry: bool) -> Answer:
-        """Answer that is kept, or else computed here and kept."""
-        return keep(self.asked, lambda: self.solve(announce), announce, retry=retry)
-
-    def solve(self, announce: Callable[[str], None] = lambda _: None) -> Answer:
-        """Answer, computed here and not kept."""
-        return solved(self.asked, self.values, announce, _earlier)
-
-
-@dataclass(frozen=True)
 class Batch:
-    """Jobs for one worker, one after another, and the batches that must be done `after`."""
+    """Questions by number for one worker, one after another, `after` other batches are done."""
 
-    jobs: tuple[Job, ...]
+    questions: dict[int, Question]
     after: frozenset[int] = frozenset()
 
 
-def schedule(jobs: Iterable[Job]) -> list[Batch]:
+def schedule(asked: Mapping[int, Question]) -> list[Batch]:
     """Batches, each with those that it waits for.
 
     Questions with the same kept stages, such as one geometry under several loads, go to one
     worker, since all but the first cost little; of a stage that several batches share the first
     of them is waited for.
     """
-    groups: dict[tuple[str, tuple[str, ...]], list[Job]] = {}
-    for job in jobs:
-        groups.setdefault((job.asked.model, job.asked.shared), []).append(job)
+    groups: dict[tuple[str, tuple[str, ...]], list[int]] = {}
+    for number, question in asked.items():
+        groups.setdefault((question.model, question.shared), []).append(number)
     batches: list[Batch] = []
     first: dict[str, int] = {}
     for (_, shared), own in groups.items():
         for start in range(0, len(own), _MOST):
             place = len(batches)
             after = {first.setdefault(key, place) for key in shared} - {place}
-            batches.append(Batch(tuple(own[start : start + _MOST]), frozenset(after)))
+            some = {number: asked[number] for number in own[start : start + _MOST]}
+            batches.append(Batch(some, frozenset(after)))
     return batches
 
 
 def execute(
-    jobs: Sequence[Job],
+    asked: Mapping[int, Question],
     processes: int = 0,
     scheduler: str = "",
     announce: Callable[[str], None] = lambda _: None,
     *,
     retry: bool = False,
 ) -> Iterator[tuple[int, Answer]]:
-    """Yield the answer to every job by its number as it is there, kept.
+    """Yield the answer to every question by its number as it is there, kept.
 
     `processes` work at a time (0: one for each processor if a model takes long, else this one
     alone), or the workers of a Dask cluster whose address `scheduler` is.  With `retry` answers
@@ -107,62 +87,61 @@ def execute(
 
     Raises InputError if the cluster is of no use, or lost.  What came before is kept.
     """
-    if not jobs:
+    if not asked:
         return
-    batches, done = schedule(jobs), 0
-    asked = {job.number: job.asked for job in jobs}
+    batches, done = schedule(asked), 0
 
     def stage(text: str) -> None:
-        announce(f"{done} of {len(jobs)} answers: {text}")
+        announce(f"{done} of {len(asked)} answers: {text}")
 
     def stored(number: int, given: Answer) -> Answer:
-        return keep(asked[number], lambda: given, retry=retry)
+        return asked[number].keep(lambda: given, retry=retry)
 
-    announce(f"0 of {len(jobs)} answers")
-    quick = all(MODELS[question.model].quick for question in asked.values())
+    announce(f"0 of {len(asked)} answers")
+    models = tuple(dict.fromkeys(question.model for question in asked.values()))
+    quick = all(MODELS[model].quick for model in models)
     processes = min(processes or (1 if quick else core_count()), len(batches))
     with contextlib.ExitStack() as stack:
         if scheduler:
-            models = tuple(dict.fromkeys(question.model for question in asked.values()))
             found = _pooled(batches, stack.enter_context(_connected(scheduler, models)))
         elif processes > 1:
             found = _pooled(batches, stack.enter_context(_Processes(processes, retry)))
         else:
             found = (
-                (job.number, job.answer(stage, retry=retry))
-                for batch in batches for job in batch.jobs
+                (number, question.keep(partial(question.solve, stage), stage, retry=retry))
+                for batch in batches for number, question in batch.questions.items()
             )  # fmt: skip
         for number, given in found:
             done += 1
-            announce(f"{done} of {len(jobs)} answers")
+            announce(f"{done} of {len(asked)} answers")
             if scheduler or given.status == "failed":  # whoever solved it kept nothing, or died
                 given = stored(number, given)
             yield number, given
 
 
 def _pooled(batches: Sequence[Batch], pool: Any) -> Iterator[tuple[int, Answer]]:
-    """Yield the answers of a pool's workers; jobs of a dead one run one by one."""
+    """Yield the answers of a pool's workers; questions of a dead one are asked one by one."""
     left, done = dict(enumerate(batches)), set[int]()
-    running: dict[Any, tuple[int, Sequence[Job]]] = {}
-    suspects: list[Job] = []
+    running: dict[Any, tuple[int, dict[int, Question]]] = {}
+    suspects: dict[int, Question] = {}
     while left or running or suspects:
         ready = [place for place, batch in left.items() if batch.after <= done]
         for place in ready[: pool.most - len(running)]:
             batch = left.pop(place)
-            running[pool.begin(batch.jobs)] = place, batch.jobs
+            running[pool.begin([*batch.questions.values()])] = place, batch.questions
         if not running:
-            job = suspects.pop()
-            running[pool.begin((job,))] = -1, (job,)
+            number, question = suspects.popitem()
+            running[pool.begin([question])] = -1, {number: question}
         for future in pool.ended(running):
-            place, jobs = running.pop(future)
+            place, asked = running.pop(future)
             answers = pool.result(future)
             done.add(place)
             if answers is None and place >= 0:
-                suspects += jobs
+                suspects |= asked
             elif answers is None:
-                yield jobs[0].number, Answer("failed", pool.death)
+                yield next(iter(asked)), Answer("failed", pool.death)
             else:
-                yield from zip((job.number for job in jobs), answers, strict=True)
+                yield from zip(asked, answers, strict=True)
 
 
 # -- processes of this machine ------------------------------------------------------------------
@@ -180,13 +159,13 @@ class _Processes(Processes):
         super().__init__(processes)
         self.most, self._retry = 2 * processes, retry
 
-    def begin(self, jobs: Sequence[Job]) -> Future[list[Answer]]:
+    def begin(self, questions: Sequence[Question]) -> Future[list[Answer]]:
         try:
-            return self.submit(_in_process, jobs, self._retry)
+            return self.submit(_in_process, questions, self._retry)
         except BrokenProcessPool:
             self.__exit__(None)
             self.__enter__()
-            return self.submit(_in_process, jobs, self._retry)
+            return self.submit(_in_process, questions, self._retry)
 
     def ended(self, running: Iterable[Future[list[Answer]]]) -> Iterable[Future[list[Answer]]]:
         return wait(running, return_when=FIRST_COMPLETED).done
@@ -198,8 +177,8 @@ class _Processes(Processes):
             return None
 
 
-def _in_process(jobs: Sequence[Job], retry: bool) -> list[Answer]:
-    return [job.answer(lambda _: None, retry=retry) for job in jobs]
+def _in_process(questions: Sequence[Question], retry: bool) -> list[Answer]:
+    return [question.keep(question.solve, retry=retry) for question in questions]
 
 
 # -- a Dask cluster -----------------------------------------------------------------------------
@@ -288,8 +267,8 @@ class _Cluster:
     def __init__(self, client: Any, models: Sequence[str], own: Build) -> None:
         self._client, self._models, self._own = client, models, own
 
-    def begin(self, jobs: Sequence[Job]) -> Any:
-        return self._client.submit(_in_cluster, jobs, self._models, pure=False)
+    def begin(self, questions: Sequence[Question]) -> Any:
+        return self._client.submit(_in_cluster, questions, self._models, pure=False)
 
     def ended(self, running: Iterable[Any]) -> list[Any]:
         """Finished futures; InputError if the cluster is lost."""
@@ -322,8 +301,8 @@ class _Cluster:
         return found
 
 
-def _in_cluster(jobs: Sequence[Job], models: Sequence[str]) -> tuple[Build, list[Answer]]:
+def _in_cluster(questions: Sequence[Question], models: Sequence[str]) -> tuple[Build, list[Answer]]:
     """Solve a batch in a worker, with one solver thread, as local processes do."""
     os.environ["TACTGEN_THREADS"] = "1"
     with _alone:
-        return build(models), [job.solve() for job in jobs]
+        return build(models), [question.solve() for question in questions]

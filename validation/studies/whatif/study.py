@@ -20,9 +20,9 @@ from tactgen.validation.scene.scene import checked_scene
 from tactgen.validation.scene.variation import ScenesNearby
 from tactgen.validation.studies.whatif.axes import as_stated, shown_point
 from tactgen.validation.studies.whatif.definition import Statement
-from tactgen.validation.studies.whatif.executor import Job, execute
+from tactgen.validation.studies.whatif.executor import execute
 from tactgen.validation.studies.whatif.interpolation import Part, find_parts
-from tactgen.validation.studies.whatif.point_answers import Question, question, reason, recall
+from tactgen.validation.studies.whatif.point_answers import Question, question, reason
 
 #: A point's number with a model's name, and what was asked there: a question's number or a refusal.
 _Place = tuple[int, str]
@@ -167,8 +167,7 @@ class StudySolver:
         self._statement, self._announce, self._ranges = statement, announce, ranges
         self._workers, self._retry = (processes, scheduler), retry
         self._nearby = _scenes_nearby(statement)
-        #: By number with the scene, as it would be written, that each is asked at
-        self.questions: dict[int, tuple[Question, dict[str, Any]]] = {}
+        self.questions: dict[int, Question] = {}  #: By number
         self._numbers: dict[str, int] = {}
         self._solved: dict[int, Answer] = {}
         self._surrogates: dict[str, Surrogate | None] = {}
@@ -234,14 +233,13 @@ class StudySolver:
         Of points that differ in nothing that a model reads, one is asked.
         """
         stated = {key: as_stated(key, value) for key, value in point.items()}
-        nearby = self._nearby[model]
         try:
-            asked = question(nearby.scene(stated), model, self._statement.quantities)
+            values = self._nearby[model].values(stated)
+            asked = question(checked_scene(values), model, self._statement.quantities, values)
         except InputError as error:
             return Answer("refused", reason(error))
         number = self._numbers.setdefault(repr((model, asked.inputs)), len(self._numbers))
-        if number not in self.questions:
-            self.questions[number] = asked, nearby.values(stated)
+        self.questions.setdefault(number, asked)
         return number
 
     def _interpolated(
@@ -265,12 +263,12 @@ class StudySolver:
     def _solve(self) -> None:
         """Solve all questions that have no answer yet, but those whose answers are kept."""
         new = {n: asked for n, asked in self.questions.items() if n not in self._solved}
-        kept = {n: a for n, (q, _) in new.items() if (a := recall(q, retry=self._retry))}
-        jobs = [Job(n, *asked) for n, asked in new.items() if n not in kept]
+        kept = {n: a for n, q in new.items() if (a := q.recall(retry=self._retry))}
+        left = {n: asked for n, asked in new.items() if n not in kept}
         self._solved |= kept
         self.recalled += len(kept)
-        self.computed += len(jobs)
-        self._solved.update(execute(jobs, *self._workers, self._announce, retry=self._retry))
+        self.computed += len(left)
+        self._solved.update(execute(left, *self._workers, self._announce, retry=self._retry))
 
 
 def _scenes_nearby(statement: Statement) -> dict[str, ScenesNearby]:
@@ -344,11 +342,11 @@ def plan_study(
         parts, asked = solver.ask(points)
         refused = [given for given in asked.values() if isinstance(given, Answer)]
         refusals += refused
-        new = [(q, values) for q, values in solver.questions.values() if recall(q) is None]
+        new = [q for q in solver.questions.values() if q.recall() is None]
         seconds = None
         if new and not MODELS[model].quick:
-            q, values = new[0]
-            each = total(stage_prospects(make_plan(checked_scene(values), (model,), q.quantities)))
+            plan = make_plan(checked_scene(new[0].values), (model,), new[0].quantities)
+            each = total(stage_prospects(plan))
             seconds = each * len(new) if each else None
         found.append(PlannedModel(
             model, len(points), len(refused), len(solver.questions) - len(new), len(new),

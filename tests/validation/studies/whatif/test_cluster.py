@@ -11,7 +11,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import scene_values
-from tactgen.validation.studies.whatif import executor
+from tactgen.validation.studies.whatif import executor, point_answers
 from tactgen.validation.studies.whatif.definition import Statement, read_statement
 from tactgen.validation.studies.whatif.study import run_study
 
@@ -66,15 +66,16 @@ class Cluster:
     def close(self, **_):
         self.status = "closed"
 
-    def submit(self, function, jobs, models, *, pure):
+    def submit(self, function, questions, models, *, pure):
         assert not pure
-        self.batches.append(jobs)
+        self.batches.append(questions)
         future = Future()
 
         def result(timeout):
-            if any(1e3 * float(job.values["bimorph"]["length"]) in self.deadly for job in jobs):
+            lengths = [1e3 * float(asked.values["bimorph"]["length"]) for asked in questions]
+            if any(length in self.deadly for length in lengths):
                 raise KilledWorker
-            build, answers = function(jobs, models)
+            build, answers = function(questions, models)
             return self.joined or build, answers
 
         future.result = result
@@ -85,7 +86,7 @@ class Cluster:
 @pytest.fixture
 def as_cluster(own_store, monkeypatch):
     """Return a function that puts a cluster into the place of Dask's."""
-    executor._earlier.clear()
+    point_answers._earlier.clear()
     monkeypatch.setenv("TACTGEN_THREADS", "1")
 
     def put(found):

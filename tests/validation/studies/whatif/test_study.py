@@ -36,7 +36,7 @@ def solved(own_store, monkeypatch):
         return solve(scene, *arguments, **options)
 
     monkeypatch.setattr(questions, "solve", counted)
-    executor._earlier.clear()
+    questions._earlier.clear()
     return found
 
 
@@ -106,16 +106,14 @@ def test_what_is_shared_is_scheduled_once():
     """Questions of one field solution go to one worker, those that share a stage wait for it."""
 
     def scheduled(*shared):
-        return executor.schedule(
-            executor.Job(number, Question("solid", ("capacitance_free",), (), keys), {})
-            for number, keys in enumerate(shared)
-        )
+        questions = (Question("solid", ("capacitance_free",), (), keys, {}) for keys in shared)
+        return executor.schedule(dict(enumerate(questions)))
 
     plain = scheduled(("a",), ("b",), ("a",), ("a", "c"), ("d",))
-    assert [[job.number for job in batch.jobs] for batch in plain] == [[0, 2], [1], [3], [4]]
+    assert [list(batch.questions) for batch in plain] == [[0, 2], [1], [3], [4]]
     assert [set(batch.after) for batch in plain] == [set(), set(), {0}, set()]
     many = scheduled(*[("a",)] * 70)
-    assert [len(batch.jobs) for batch in many] == [32, 32, 6]
+    assert [len(batch.questions) for batch in many] == [32, 32, 6]
     assert [set(batch.after) for batch in many] == [set(), {0}, {0}]
 
 
