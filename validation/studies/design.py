@@ -14,36 +14,52 @@ the band.  A longer actuator repeats the picture of a shorter one at a lower fre
 move as a power of the length (about length^-1.57 on the paper's support, length^-2 clamped).
 So m is scanned in steps of a share of the length, extremes that only just keep or miss the margin
 between two steps are added, and every crossing and the highest peak are refined.
+
+Sensitivities: with m(l, p) the lowest margin over the band, at a length where the margin is just
+reached ln m(l, p) = const, and the implicit function theorem gives
+
+    d ln l / d ln p = −S_p / S_l,    S_x = ∂ ln m / ∂ ln x.
+
+At the length of largest margin S_l changes sign, smoothly or, where the deciding frequency
+jumps, with a step; from either side of it (±)
+
+    d ln l / d ln p = −(S_p⁺ − S_p⁻) / (S_l⁺ − S_l⁻).
+
+The S are those of |w| / threshold at the frequency that decides: at a minimum over frequency
+its own shift is of second order.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.parametric import Actuator
+from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import wavenumbers
+from tactgen.tmm.ports.loads import finger_spring_damper
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 from tactgen.validation.catalogue.quantities import STATIC_TIP_DISPLACEMENT
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.warnings import modelling_warnings
+from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.length_map import (
-    LengthMap,
     actuator,
     band_points,
     check_lengths,
     check_moves,
     local_minima,
     tip_amplitude,
+    tip_slopes,
 )
 
 AimKind = Literal["shortest", "margin"]
@@ -336,12 +352,93 @@ def _feasible(device: Actuator, aim: Aim, grid: Floats, margins: Floats) -> tupl
     )
 
 
-def length_rows(study: LengthMap, result: Design) -> list[dict[str, Any]]:
-    """One row per length of a map: start, minimum, lowest margin and where that is."""
-    margins, at = lowest_margin(actuator(result.scene), result.aim, study.lengths)
-    columns = zip(
-        study.lengths.tolist(), study.displacement[:, 0].tolist(), study.minima,
-        margins.tolist(), at.tolist(), strict=True,
-    )  # fmt: skip
-    names = ("length", "start", "minimum", "margin", "margin_at")
-    return [dict(zip(names, row, strict=True)) for row in columns]
+#: How far on either side of a largest margin the slopes are taken (relative).
+_ASIDE = 1e-3
+_LENGTH = "bimorph.length"
+_FINGER = "paper table 1 (one subject's finger, 2.5 g preload)"
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """One parameter: its source, and d ln l / d ln p for each decided length."""
+
+    key: str
+    text: str
+    source: str
+    slopes: tuple[float, ...]
+
+    @property
+    def assumed(self) -> bool:
+        """Whether nobody but this project vouches for the parameter."""
+        return self.source.startswith("assumed")
+
+    @property
+    def largest(self) -> float:
+        """Size of the largest slope."""
+        return max(abs(slope) for slope in self.slopes)
+
+
+def dependences(result: Design, origins: dict[str, str]) -> tuple[Dependence, ...]:
+    """Sensitivities of the decided lengths, strongest first.
+
+    All numbers that the transfer-matrix model reads and that are not 0, a factor on the
+    finger's stiffness and one on its damping, and each stated point of the threshold.
+    """
+    device, aim = actuator(result.scene), result.aim
+    columns = []
+    for length, frequency in result.crossings:
+        slopes = _margin_slopes(device, aim, length, frequency)
+        columns.append({key: -slope / slopes[_LENGTH] for key, slope in slopes.items()})
+    if len(result.decided) > len(columns):
+        columns.append(_at_peak(device, aim, result.length))
+    if not columns:
+        return ()
+    rows = [
+        Dependence(key, text, source, tuple(column[key] for column in columns))
+        for key, text, source in _listed(result, origins)
+        if key in columns[0] and key != _LENGTH
+    ]
+    # those of one size, as factors of one product are, stay as listed: their rounding is no order
+    return tuple(sorted(rows, key=lambda row: -float(f"{row.largest:.9g}")))
+
+
+def _at_peak(device: Actuator, aim: Aim, length: float) -> dict[str, float]:
+    """Slopes of the length of largest margin."""
+    aside = length * np.array([1.0 - _ASIDE, 1.0 + _ASIDE])
+    _, decisive = lowest_margin(device, aim, aside)
+    below, above = (
+        _margin_slopes(device, aim, float(l), float(f))
+        for l, f in zip(aside, decisive, strict=True)
+    )
+    by_length = above[_LENGTH] - below[_LENGTH]
+    return {key: -(slope - below[key]) / by_length for key, slope in above.items()}
+
+
+def _margin_slopes(device: Actuator, aim: Aim, length: float, frequency: float) -> dict[str, float]:
+    """D ln m / d ln p of every parameter, the length among them; a factor on 0 says nothing."""
+    device = device.with_values({_LENGTH: length})
+    slopes = tip_slopes(device, parameter_keys(device), frequency)
+    if device.load.kind == "finger":
+        stiffness, damping = (float(v[0]) for v in finger_spring_damper(np.array([frequency])))
+        springs = {"kind": "spring_damper", "stiffness": stiffness, "damping": damping}
+        same = replace(device, load=device.load.model_copy(update=springs))
+        slopes |= tip_slopes(same, ("load.stiffness", "load.damping"), frequency)
+    weights = aim.threshold.weights(frequency)
+    return slopes | {_point(aim, i): -float(weight) for i, weight in enumerate(weights)}
+
+
+def _point(aim: Aim, number: int) -> str:
+    return f"threshold at {aim.threshold.points[number].frequency:g} Hz"
+
+
+def _listed(result: Design, origins: dict[str, str]) -> Iterator[tuple[str, str, str]]:
+    """Key, value and source of everything that the length may depend on."""
+    finger = result.scene.load.kind == "finger"
+    for row in parameter_rows(result.scene, origins):
+        if not (finger and row.key.startswith("load.")):
+            yield row.key, row.text, row.source
+    if finger:
+        yield "load.stiffness", "finger c(f)", _FINGER
+        yield "load.damping", "finger d(f)", _FINGER
+    for number, point in enumerate(result.aim.threshold.points):
+        yield _point(result.aim, number), f"{1e6 * point.amplitude:g} µm", point.source

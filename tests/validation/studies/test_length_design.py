@@ -14,12 +14,12 @@ from tactgen.validation.studies.design import (
     PAPER_LENGTHS,
     Aim,
     check_range,
+    dependences,
     design,
     largest_margin,
     lowest_margin,
 )
-from tactgen.validation.studies.design_picture import length_plot
-from tactgen.validation.studies.design_statements import dependences, sentences
+from tactgen.validation.studies.design_output import length_plot, sentences
 from tactgen.validation.studies.identify import fit_parameter
 from tactgen.validation.studies.length_map import actuator, length_map, local_minima, tip_amplitude
 

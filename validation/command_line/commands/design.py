@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.names import nearest
@@ -21,9 +21,7 @@ from tactgen.validation.command_line.streams import announcer, print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.scene.scene import Scene
-    from tactgen.validation.studies.design import Aim, Design
-    from tactgen.validation.studies.design_statements import Dependence
-    from tactgen.validation.studies.length_map import LengthMap
+    from tactgen.validation.studies.design import Aim
 
 
 def add(commands: Commands) -> None:
@@ -121,11 +119,12 @@ def _length_design(options: argparse.Namespace) -> int:
     """Find the length for the paper's aim."""
     import numpy as np
 
+    from tactgen.geometry.files import write_text
     from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
     from tactgen.validation.engine.warnings import field_warnings
     from tactgen.validation.scene.inputs import scene_warnings
-    from tactgen.validation.studies.design import CURVES, design
-    from tactgen.validation.studies.design_statements import dependences
+    from tactgen.validation.studies import design_output as output
+    from tactgen.validation.studies.design import CURVES, dependences, design
     from tactgen.validation.studies.length_map import length_map
 
     scene, origins = lateral_scene(options.scene, options.overrides, "design")
@@ -139,15 +138,12 @@ def _length_design(options: argparse.Namespace) -> int:
         announce("what the length depends on")
         rows = dependences(result, origins)
         if options.plot:
-            from tactgen.geometry.files import write_text
-            from tactgen.validation.studies.design_picture import length_plot
-
-            write_text(Path(options.plot), length_plot(study, result))
+            write_text(Path(options.plot), output.length_plot(study, result))
     warn((*field_warnings(scene, (TIP_DISPLACEMENT.name,)), *result.warnings))
     if options.json:
-        print_json(_as_json(study, result, rows))
+        print_json(output.as_json(study, result, rows))
     else:
-        _print(study, result, rows)
+        print("\n".join(output.lines(study, result, rows)))
     return 0
 
 
@@ -203,82 +199,3 @@ def _length(text: str) -> float:
     except ValueError as error:
         raise InputError(one_line(f"--lengths: {quoted(text)} {error}")) from None
     return length
-
-
-def _print(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> None:
-    from tactgen.geometry.formats import signed
-    from tactgen.validation.studies.design import length_rows
-    from tactgen.validation.studies.design_statements import NEGLIGIBLE, sentences
-
-    for sentence in sentences(result):
-        print(sentence)
-    print(f"\n{'length':>10} {'|w| at start':>13} {'minimum':>11} {'at':>9} "
-          f"{'|w|/threshold':>14} {'at':>9}")  # fmt: skip
-    for row in length_rows(study, result):
-        dip = row["minimum"]
-        lowest = (
-            (f"{1e6 * dip.displacement:.4g} µm", f"{dip.frequency:.4g} Hz") if dip else ("none", "")
-        )
-        print(f"{1e3 * row['length']:>7.4g} mm {1e6 * row['start']:>10.4g} µm {lowest[0]:>11} "
-              f"{lowest[1]:>9} {row['margin']:>14.4g} {row['margin_at']:>6.4g} Hz")  # fmt: skip
-    if not result.decided:
-        print("\nThe length is at an end of the range and depends on no parameter.")
-        return
-    print("\npercent by which a length changes per percent of a parameter")
-    heads = " ".join(f"{1e3 * length:>9.5g} mm" for length, _ in result.decided)
-    print(f"{'parameter':32} {'value':>22} {heads}  source")
-    for line in rows:
-        if line.largest >= NEGLIGIBLE:
-            slopes = " ".join(f"{signed(slope, 3):>12}" for slope in line.slopes)
-            print(f"{line.key:32} {line.text:>22} {slopes}  {line.source}")
-    idle = [line.key for line in rows if line.largest < NEGLIGIBLE]
-    if idle:
-        print(f"less than {NEGLIGIBLE:g}: {', '.join(idle)}")
-
-
-def _as_json(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> dict[str, Any]:
-    """Design as plain values, SI units."""
-    from tactgen.validation.scene.conditions import answer_head
-    from tactgen.validation.studies.design import length_rows
-    from tactgen.validation.studies.design_statements import sentences
-
-    aim, scene = result.aim, result.scene
-    return {
-        **answer_head(scene),
-        "setting": {
-            "voltage": scene.drive.voltage, "wiring": scene.bimorph.wiring,
-            "load": scene.load.kind,
-        },
-        "aim": {
-            "kind": aim.kind, "margin": aim.margin, "band": aim.band, "lengths": aim.lengths,
-            "threshold": aim.threshold.points,
-        },
-        "length": result.length,
-        "margin": result.margin,
-        "frequency": result.frequency,
-        "limit": result.limit,
-        "feasible": [{"lengths": i[:2], "frequencies": i[2:]} for i in result.intervals],
-        "present": {
-            "length": scene.bimorph.length,
-            "margin": result.present[0], "frequency": result.present[1],
-        },
-        "map": [
-            {
-                "length": row["length"], "start": row["start"],
-                "minimum": row["minimum"] and row["minimum"]._asdict(),
-                "margin": row["margin"], "frequency": row["margin_at"],
-            }
-            for row in length_rows(study, result)
-        ],
-        "sensitivity": {
-            "lengths": [length for length, _ in result.decided],
-            "frequencies": [at for _, at in result.decided],
-            "parameters": [
-                {"key": row.key, "value": row.text, "source": row.source, "assumed": row.assumed,
-                 "slopes": row.slopes}
-                for row in rows
-            ],
-        },
-        "statements": sentences(result),
-        "warnings": result.warnings,
-    }  # fmt: skip
