@@ -1,29 +1,25 @@
-"""A run in time as netCDF (version 3), as a page in which it moves, and as a plot.
+"""A run in time as netCDF (version 3), as text and plain values, as a film and as a plot.
 
-Beside everything over time the file holds the body that moved and the coordinates that it follows:
-whoever draws it needs neither the scene nor a model.
+Beside everything over time the file of a generator on its rod holds the body that moved and the
+coordinates that it follows: whoever draws it needs neither the scene nor a model.
 """
 
 from __future__ import annotations
 
-import math
-import re
 import tempfile
-from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.csv_tables import read_columns
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
+from tactgen.geometry.formats import engineering, prefixed, share
 from tactgen.geometry.meshing.mesh import surface_of
-from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.generator.transient.machine import LOWER, UPPER
-from tactgen.tmm.generator.transient.waveform import Chirp, Sampled, Sine, Square, Step, Waveform
+from tactgen.validation.models.held_bimorph import HeldRun, oscillations
 from tactgen.validation.models.transient import Simulation, phases
 from tactgen.validation.scene.conditions import answer_head
 from tactgen.validation.scene.files import leaves
@@ -34,11 +30,13 @@ from tactgen.validation.show.run import PHASES, Film
 if TYPE_CHECKING:
     from scipy.io import netcdf_file
 
-    from tactgen.tmm.generator.transient.time_integration import Answer
-    from tactgen.validation.scene.scene import Scene
+#: Everything over time by name: values (k,), unit, meaning.
+Series = dict[str, tuple[Floats, str, str]]
 
-#: What the global attribute `title` says.
-TITLE = "time simulation of a tactile generator"
+#: What the global attribute `title` says of a generator and of a bimorph on its own support.
+TITLE, TITLE_HELD = "time simulation of a tactile generator", "time simulation of a held bimorph"
+#: Natural frequencies that are listed.
+_LISTED = 3
 #: Curves below the body: name in the file, title, unit and its size in SI.
 _CURVES = (
     ("rod_lift", "rod", "µm", 1e-6),
@@ -49,8 +47,12 @@ _CURVES = (
 _SHADES = {"held": SKY, "rising": AMBER, "pressed": GREY, "falling": GREEN}
 
 
-def series(result: Simulation) -> dict[str, tuple[Floats, str, str]]:
-    """Everything over time by name: values (k,), unit, meaning."""
+def series(result: Simulation | HeldRun) -> Series:
+    """Everything over time."""
+    return _held_series(result) if isinstance(result, HeldRun) else _generator_series(result)
+
+
+def _generator_series(result: Simulation) -> Series:
     run, outputs = result.answer.run, result.machine.system.outputs
     rows = {
         name: (result.answer.outputs[name], output.unit, output.meaning)
@@ -88,16 +90,31 @@ def series(result: Simulation) -> dict[str, tuple[Floats, str, str]]:
     return rows
 
 
-def run_attributes(
-    title: str, scene: Scene, answer: Answer, drives: dict[str, str]
-) -> dict[str, Any]:
+def _held_series(result: HeldRun) -> Series:
+    run, (name, output) = result.answer.run, next(iter(result.system.outputs.items()))
+    return {
+        name: (result.answer.outputs[name], output.unit, output.meaning),
+        f"{name}_velocity": (run.velocity @ output.row, "m/s", "of the tip, lateral"),
+        "voltage": (run.voltage, "V", "across the bimorph"),
+        "charge": (run.charge, "C", "on the bimorph, without dielectric loss"),
+        "kinetic_energy": (run.kinetic, "J", "of all that moves"),
+        "strain_energy": (run.strain, "J", "of bimorph, support and load"),
+        "electric_energy": (run.electric, "J", "of the bimorph's capacitance"),
+        "bimorph_work": (run.bimorph_work, "J", "of the voltage source since the start"),
+        "structure_loss": (run.structure_loss, "J", "in bimorph, support and load since the start"),
+        "imbalance": (run.imbalance, "J", "energy less start, works and losses: rounding"),
+    }
+
+
+def _attributes(result: Simulation | HeldRun, drives: dict[str, str]) -> dict[str, Any]:
     """Attributes of a run's file: where it comes from, and how far it can be trusted.
 
     Plain floats would be stored in single precision.
     """
+    scene, answer = result.scene, result.answer
     parameters = leaves(scene.model_dump())
     return {
-        "title": title,
+        "title": TITLE_HELD if isinstance(result, HeldRun) else TITLE,
         "source": f"tactgen {metadata.version('tactgen')}",
         "scene": scene.name,
         "parameters": "; ".join(f"{key} = {value}" for key, value in parameters),
@@ -110,94 +127,137 @@ def run_attributes(
     }
 
 
-def run_summary(
-    scene: Scene, answer: Answer, load_misfit: float, found: dict[str, tuple[Floats, str, str]]
-) -> dict[str, Any]:
-    """Summary of any run as plain values: length, errors, energy balance, extremes."""
-    return {
-        **answer_head(scene),
+def as_json(result: Simulation | HeldRun) -> dict[str, Any]:
+    """Summary of a run as plain values: length, errors, energy balance, extremes.
+
+    Of a generator its phases, of a held bimorph its natural frequencies.
+    """
+    answer = result.answer
+    found = {
+        **answer_head(result.scene),
         "until_s": float(answer.run.time[-1]),
         "steps": int(answer.run.time.size),
         "accuracy": answer.accuracy,
         "error": answer.error,
-        "load_misfit": load_misfit,
+        "load_misfit": result.load_misfit,
         "certain_until_s": answer.certain_until,
         "error_bars": answer.errors,
         "energy_imbalance": answer.run.worst_imbalance,
-        "quantities": extremes(found),
+        "quantities": {
+            name: {
+                "unit": unit, "meaning": meaning, "least": float(values.min()),
+                "largest": float(values.max()), "last": float(values[-1]),
+            }
+            for name, (values, unit, meaning) in series(result).items()
+        },
+    }  # fmt: skip
+    if isinstance(result, HeldRun):
+        own = [{"frequency_hz": f, "damping_ratio": z} for f, z in oscillations(result.system)]
+        return {**found, "oscillations": own}
+    return {
+        **found,
+        "sideways_m": float(result.sideways.max()),
+        "flange_gap_m": result.flange_gap,
+        "phases": [
+            {
+                "name": phase.name,
+                "start_s": phase.start,
+                "end_s": phase.end,
+                "lateral_amplitude_m": phase.amplitude,
+            }
+            for phase in phases(result)
+        ],
     }
 
 
-def extremes(found: dict[str, tuple[Floats, str, str]]) -> dict[str, dict[str, Any]]:
-    """Least, largest and last value of everything over time, as plain values."""
-    return {
-        name: {
-            "unit": unit, "meaning": meaning, "least": float(values.min()),
-            "largest": float(values.max()), "last": float(values[-1]),
-        }
-        for name, (values, unit, meaning) in found.items()
-    }  # fmt: skip
+def lines(result: Simulation | HeldRun) -> list[str]:
+    """Run for people: motion, steps and errors."""
+    answer = result.answer
+    last = int(np.searchsorted(answer.run.time, answer.certain_until))
+    steps = f"{answer.run.time.size} steps; error"
+    until = f"until {1e3 * answer.certain_until:.4g} ms:"
+    balance = f"energy balance kept to {answer.run.worst_imbalance:.1e} of what was exchanged"
+    if isinstance(result, HeldRun):
+        tip = answer.outputs["lateral_tip"]
+        low, high, end = (engineering(float(v), "m") for v in (tip.min(), tip.max(), tip[-1]))
+        found = oscillations(result.system)[:_LISTED]
+        listed = ", ".join(f"{engineering(f, 'Hz')} (damping ratio {share(z)})" for f, z in found)
+        bar = engineering(float(answer.bars["lateral_tip"][last]), "m", 2)
+        return [
+            f"lateral motion {result.scene.measurement.where}: {low} to {high}, {end} at the end",
+            f"natural frequencies: {listed or 'none, all motions decay without oscillation'}",
+            f"{steps} bar {until} {bar}",
+            balance,
+        ]
+    bars = ", ".join(
+        f"{name} {1e6 * answer.bars[name][last]:.2g} um" for name in ("rod_lift", "lateral_tip")
+    )
+    return [
+        f"{'phase':10} {'from (ms)':>10} {'to (ms)':>10}  lateral amplitude (um)",
+        *(
+            f"{phase.name:10} {1e3 * phase.start:10.3f} {1e3 * phase.end:10.3f}  "
+            f"{1e6 * phase.amplitude:.4g}"
+            for phase in phases(result)
+        ),
+        f"{steps} bars {until} {bars}; {balance}",
+    ]
 
 
-def write_run(path: str | Path, result: Simulation, drives: dict[str, str]) -> None:
+def write_run(path: str | Path, result: Simulation | HeldRun, drives: dict[str, str]) -> None:
     """Write a run, with units, errors and its `drives` by option, whole or not at all.
 
     Raises InputError if the file cannot be written.
     """
     from scipy.io import netcdf_file  # slow to import
 
-    answer, body = result.answer, body_of(result)
-    surface = surface_of(body.mesh)
-    used, corners = np.unique(surface.triangles, return_inverse=True)
-    triangles, width = corners.reshape(surface.triangles.shape), body.lateral.shape[1]
-    attributes = {
-        **run_attributes(TITLE, result.scene, answer, drives),
-        "phases": " ".join(PHASES),
-        "stroke_m": np.float64(result.stroke),
-        "head_radius_m": np.float64(result.scene.device.rod.head_radius),
-        "body_regions": " ".join(body.mesh.regions),
-    }
+    answer = result.answer
     rows = {"time": (answer.run.time, "s", "since the start"), **series(result)}
     for name, error in answer.bars.items():
         unit = rows[name][1] if name in rows else "A"
         rows[f"{name}_error"] = (error, unit, f"error bar of {name} up to each time")
+    with written_whole(path) as temporary, netcdf_file(str(temporary), "w") as file:
+        for name, value in _attributes(result, drives).items():
+            setattr(file, name, value)
+        file.createDimension("time", answer.run.time.size)
+        for name, (values, unit, meaning) in rows.items():
+            _put(file, name, ("time",), values, meaning).units = unit
+        if isinstance(result, Simulation):
+            _put_motion(file, result)
+
+
+def _put_motion(file: netcdf_file, result: Simulation) -> None:
+    """Error bars, phases, and the body that moved with the coordinates that it follows."""
+    answer, body = result.answer, body_of(result)
+    for name in answer.errors.keys() & file.variables.keys():
+        file.variables[name].error_bar = np.float64(answer.errors[name])
+    file.phases = " ".join(PHASES)
+    file.stroke_m = np.float64(result.stroke)
+    file.head_radius_m = np.float64(result.scene.device.rod.head_radius)
+    file.body_regions = " ".join(body.mesh.regions)
+    surface = surface_of(body.mesh)
+    used, corners = np.unique(surface.triangles, return_inverse=True)
+    triangles, width = corners.reshape(surface.triangles.shape), body.lateral.shape[1]
+    sizes = {"point": used.size, "triangle": len(triangles), "axis": 3, "coordinate": width}
+    for name, size in sizes.items():
+        file.createDimension(name, size)
     named = phases(result)
     number = np.array([PHASES.index(phase.name) for phase in named])
     ends = np.array([phase.end for phase in named])
     phase = number[np.minimum(np.searchsorted(ends, answer.run.time), number.size - 1)]
     moved = ("point", "coordinate")
-    with written_whole(path) as temporary, netcdf_file(str(temporary), "w") as file:
-        for name, value in attributes.items():
-            setattr(file, name, value)
-        for name, size in (
-            ("time", answer.run.time.size), ("point", used.size), ("triangle", len(triangles)),
-            ("axis", 3), ("coordinate", width),
-        ):  # fmt: skip
-            file.createDimension(name, size)
-        for name, (values, unit, meaning) in rows.items():
-            variable = put_variable(file, name, ("time",), values, meaning)
-            variable.units = unit
-            if name in answer.errors:
-                variable.error_bar = np.float64(answer.errors[name])
-        put_variable(
-            file, "phase", ("time",), phase, "of the rod, a number of the attribute phases"
-        )
-        put_variable(file, "body_point", ("point", "axis"), body.mesh.points[used], "at rest (m)")
-        put_variable(
-            file, "body_triangle", ("triangle", "axis"), triangles, "points of the surface"
-        )
-        put_variable(file, "body_region", ("triangle",), surface.region_of_triangle,
-             "a number of the attribute body_regions")  # fmt: skip
-        put_variable(
-            file, "body_lateral", moved, body.lateral[used], "motion along x per coordinate"
-        )
-        put_variable(file, "body_axial", moved, body.axial[used], "motion along z per coordinate")
-        put_variable(file, "coordinates", ("time", "coordinate"), answer.run.position[:, :width],
-             "lift of the rod (m), lateral motion (m) and tilt (rad) of its head, "
-             "modes (m kg^1/2)")  # fmt: skip
+    _put(file, "phase", ("time",), phase, "of the rod, a number of the attribute phases")
+    _put(file, "body_point", ("point", "axis"), body.mesh.points[used], "at rest (m)")
+    _put(file, "body_triangle", ("triangle", "axis"), triangles, "points of the surface")
+    _put(file, "body_region", ("triangle",), surface.region_of_triangle,
+         "a number of the attribute body_regions")  # fmt: skip
+    _put(file, "body_lateral", moved, body.lateral[used], "motion along x per coordinate")
+    _put(file, "body_axial", moved, body.axial[used], "motion along z per coordinate")
+    _put(file, "coordinates", ("time", "coordinate"), answer.run.position[:, :width],
+         "lift of the rod (m), lateral motion (m) and tilt (rad) of its head, "
+         "modes (m kg^1/2)")  # fmt: skip
 
 
-def put_variable(
+def _put(
     file: netcdf_file, name: str, sizes: tuple[str, ...], values: np.ndarray[Any, Any], meaning: str
 ) -> Any:
     """Variable of a file, with its values and its meaning."""
@@ -314,139 +374,16 @@ def time_plot(result: Simulation) -> str:
     return svg(figure)
 
 
-VOLTS = Unit("V", "voltage", "10 V", limits=(1e-9, 1e5))
-AMPERES = Unit("A", "current", "120 mA", limits=(1e-9, 1e3))
-SECONDS = Unit("s", "time", "30 ms", at_least=0.0, limits=(1e-9, 1e4))
-_HERTZ = Unit("Hz", "frequency", "200 Hz", above=0.0, limits=(1e-3, 1e7))
-_SHARE = Unit("", "share", "0.5", above=0.0, below=1.0)
-_ANGLE = Unit("rad", "angle", "90 deg", limits=(1e-9, 1e3))
-
-#: Keywords after each kind, with the unit of what follows.
-_KINDS: dict[str, tuple[Unit | None, dict[str, Unit | None]]] = {
-    "constant": (None, {}),
-    "sine": (_HERTZ, {"phase": _ANGLE, "delay": SECONDS}),
-    "square": (_HERTZ, {"low": None, "duty": _SHARE, "delay": SECONDS}),
-    "step": (None, {"at": SECONDS, "until": SECONDS}),
-    "chirp": (_HERTZ, {"to": _HERTZ, "in": SECONDS}),
-}
-_EXAMPLES = (
-    '"10 V sine 200 Hz", "120 mA square 100 Hz", "5 V step at 1 ms", '
-    '"1 V chirp 10 Hz to 1000 Hz in 20 ms" or a CSV file'
-)
-_WORD = re.compile(r"\b(constant|sine|square|step|chirp|phase|delay|low|duty|at|until|to|in)\b")
-
-
-@dataclass(frozen=True)
-class Written:
-    """Waveform of a source."""
-
-    waveform: Waveform
-    of: Literal["voltage", "current"]
-
-
-def parsed(text: str, option: str, units: tuple[Unit, ...]) -> Written:
-    """Value of an option's text, whose level may be in VOLTS, AMPERES or both.
-
-    Raises InputError in one sentence with an example.
-    """
-    text = text.strip()
-    if text.lower().endswith(".csv"):
-        return _sampled(text, option, units)
-    pieces = _WORD.split(text)
-    level, unit = _level(pieces[0], option, text, units)
-    kind = pieces[1] if len(pieces) > 1 else "constant"
-    if kind not in _KINDS:
-        raise InputError(f"{option} {quoted(text)} is not a waveform; write {_EXAMPLES}")
-    first, known = _KINDS[kind]
-    given: dict[str, float] = {}
-    stated = pieces[2].strip() if len(pieces) > 2 else ""
-    if first is not None:
-        given["frequency"] = _value(stated, first, option, text, f"the {kind}'s frequency")
-    elif stated:
-        raise InputError(f"{option} {quoted(text)} has {quoted(stated)} after {kind}; remove it")
-    for word, value in zip(pieces[3::2], pieces[4::2], strict=True):
-        if word not in known or word in given:
-            why = "twice" if word in given else f"which {kind} does not know"
-            raise InputError(f"{option} {quoted(text)} has {word}, {why}; write {_EXAMPLES}")
-        given[word] = _value(value.strip(), known[word] or unit, option, text, word)
-    return Written(
-        _made(kind, level, given, option, text), "current" if unit is AMPERES else "voltage"
-    )
-
-
-def _made(kind: str, level: float, given: dict[str, float], option: str, text: str) -> Waveform:
-    delay = given.get("delay", 0.0)
-    match kind:
-        case "constant":
-            return Step(level)
-        case "sine":
-            return Sine(level, given["frequency"], given.get("phase", 0.0), delay)
-        case "square":
-            low, duty = given.get("low", 0.0), given.get("duty", 0.5)
-            return Square(level, given["frequency"], low, duty, delay)
-        case "step":
-            start, stop = given.get("at", 0.0), given.get("until", math.inf)
-            if stop <= start:
-                raise InputError(
-                    f"{option} {quoted(text)} ends at {stop:g} s, not after its start at "
-                    f"{start:g} s; give a later end"
-                )
-            return Step(level, start, stop)
-    if "to" not in given or not given.get("in"):
-        raise InputError(
-            f"{option} {quoted(text)} needs the last frequency and the time of the chirp; write "
-            'for example "1 V chirp 10 Hz to 1000 Hz in 20 ms"'
-        )
-    return Chirp(level, given["frequency"], given["to"], given["in"])
-
-
-def _level(piece: str, option: str, text: str, units: tuple[Unit, ...]) -> tuple[float, Unit]:
-    reason = ""
-    for unit in units:
-        try:
-            unit.parse(piece.strip())
-        except ValueError as error:
-            reason = str(error)
-        else:
-            return _value(piece.strip(), unit, option, text, "the level"), unit
-    if len(units) > 1:
-        reason = "is not a level in volts or amperes"
-    such_as = ", or a waveform such as " if "; " in reason else "; write a waveform such as "
-    raise InputError(
-        f"{option} {quoted(text)}: {quoted(piece.strip())} {reason}{such_as}{_EXAMPLES}"
-    )
-
-
-def _value(piece: str, unit: Unit, option: str, text: str, name: str) -> float:
-    """Read a number with its unit, within the unit's bounds."""
-    shown = f"{name} {quoted(piece)}"
-    try:
-        value = unit.parse(piece)
-        shown = f"{name} = {unit.show(value)}"
-        unit.check(value)
-    except ValueError as error:
-        raise InputError(f"{option} {quoted(text)}: {shown} {error}") from None
-    return value
-
-
-def _sampled(path: str, option: str, units: tuple[Unit, ...]) -> Written:
-    """Read a CSV of two columns."""
-    remedy = "give a CSV with the columns time (s) and voltage (V) or current (A)"
-    name = f"{option} {path}"
-    known = {("current" if unit is AMPERES else "voltage"): unit for unit in units}
-    example = " and ".join(("time (s)", " or ".join(f"{w} ({u.si})" for w, u in known.items())))
-    table = read_columns(path, name, {"time": SECONDS, **known}, example, ("time",), remedy=remedy)
-    what = [column for column in table.columns if column != "time"]
-    if len(what) != 1:
-        raise InputError(f"{name} has {len(what) + 1} columns; give {example}")
-    times = table.columns["time"]
-    for line, before, time in zip(table.lines, [0.0, *times], times, strict=False):
-        if time < before:
-            raise InputError(
-                f"{name} line {line}: time = {time:g} s is negative or before the line above; "
-                "sort the rows from 0 on"
-            )
-    if not times.size:
-        raise InputError(f"{name} has no rows; {remedy}")
-    of: Literal["voltage", "current"] = "current" if what[0] == "current" else "voltage"
-    return Written(Sampled(tuple(map(float, times)), tuple(map(float, table.columns[what[0]]))), of)
+def held_plot(result: HeldRun) -> str:
+    """Plot the tip and the voltage over time."""
+    run, tip = result.answer.run, result.answer.outputs["lateral_tip"]
+    figure, axes = panels(9.0, 5.0, nrows=2, sharex=True)
+    for axis, values, label, unit, colour in (
+        (axes[0], tip, "tip, lateral", "m", BLUE),
+        (axes[1], run.voltage, "voltage", "V", GREEN),
+    ):
+        scale, shown = prefixed(float(np.abs(values).max()), unit)
+        axis.plot(1e3 * run.time, scale * values, color=colour, linewidth=1.0)
+        axis.set_ylabel(f"{label} ({shown})")
+    axes[1].set_xlabel("time (ms)")
+    return svg(figure)

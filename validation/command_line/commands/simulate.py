@@ -6,7 +6,7 @@ import argparse
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import (
@@ -65,10 +65,12 @@ def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.tmm.generator.transient.waveform import Sources
     from tactgen.tmm.reluctance.coenergy_fit import read_map
+    from tactgen.validation.models.held_bimorph import run_held
     from tactgen.validation.models.transient import run_scene
     from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.scene import load_scene
-    from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
+    from tactgen.validation.studies import simulate as output
+    from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed
 
     _check_files(options)
     scene, _ = load_scene(options.scene, options.overrides)
@@ -84,38 +86,35 @@ def run(options: argparse.Namespace) -> int:
                 f"{option} starts at {1e3 * start:g} ms and the run ends at {1e3 * until:g} ms; "
                 "give a later --until, or let it start earlier"
             )
-    if scene.support.kind != "contact":
-        return _run_held(options, scene, voltage.waveform, until, accuracy)
+    on_rod = scene.support.kind == "contact"
+    if not on_rod:
+        _refuse_of_rod(options, scene)
+    result: Simulation | HeldRun
     with announcer() as announce:
-        result = run_scene(
-            scene,
-            Sources(voltage.waveform, coil.waveform),
-            until,
-            coil=coil.of,
-            accuracy=accuracy,
-            pull=read_map(options.map) if options.map else None,
-            announce=announce,
-        )
-    warn(_doubts(result, (voltage.waveform, coil.waveform)))
+        if on_rod:
+            result = run_scene(
+                scene,
+                Sources(voltage.waveform, coil.waveform),
+                until,
+                coil=coil.of,
+                accuracy=accuracy,
+                pull=read_map(options.map) if options.map else None,
+                announce=announce,
+            )
+        else:
+            result = run_held(scene, voltage.waveform, until, accuracy=accuracy, announce=announce)
+    warn(_doubts(result, {voltage.waveform, coil.waveform}))
     with announcer() as announce:
         _write(options, result, announce)
     if options.json:
-        print_json(as_json(result))
+        print_json(output.as_json(result))
     else:
-        print(conditions(scene))
-        _print(result)
+        print("\n".join([conditions(scene), *output.lines(result)]))
     return 0
 
 
-def _run_held(
-    options: argparse.Namespace, scene: Scene, voltage: Waveform, until: float, accuracy: float
-) -> int:
-    """Run a bimorph that its own support holds."""
-    from tactgen.geometry.files import write_text
-    from tactgen.validation.models.held_bimorph import run_held
-    from tactgen.validation.scene.conditions import conditions
-    from tactgen.validation.studies import simulate_held as held
-
+def _refuse_of_rod(options: argparse.Namespace, scene: Scene) -> None:
+    """Refuse options of the generator where the bimorph's own support holds it."""
     for option in ("coil", "map", "gif", "mp4", "fields"):
         if getattr(options, option):
             raise InputError(
@@ -123,29 +122,18 @@ def _run_held(
                 f'"{scene.support.kind}" holds the bimorph alone; leave --{option} out, or set '
                 "support.kind=contact"
             )
-    with announcer() as announce:
-        result = run_held(scene, voltage, until, accuracy=accuracy, announce=announce)
-    warn(_run_doubts(result, (voltage,)))
-    if options.out:
-        held.write_held_run(options.out, result, {"bimorph_voltage": options.voltage})
-    if options.plot:
-        write_text(Path(options.plot), held.held_plot(result))
-    if options.json:
-        print_json(held.held_values(result))
-    else:
-        print("\n".join([conditions(scene), *held.held_lines(result)]))
-    return 0
 
 
-def _run_doubts(result: Simulation | HeldRun, waveforms: tuple[Waveform, ...]) -> list[str]:
-    """Limits of any run's validity."""
+def _doubts(result: Simulation | HeldRun, waveforms: set[Waveform]) -> list[str]:
+    """Limits of a run's validity."""
     from tactgen.geometry.formats import share
     from tactgen.tmm.generator.transient.waveform import Step
+    from tactgen.validation.models.held_bimorph import HeldRun
 
     doubts, answer = [], result.answer
-    if set(waveforms) == {Step(0.0)}:
+    if waveforms == {Step(0.0)}:
         volts = f"{result.scene.drive.voltage:g} V sine 100 Hz"
-        options = "--voltage or --coil" if len(waveforms) > 1 else "--voltage"
+        options = "--voltage" if isinstance(result, HeldRun) else "--voltage or --coil"
         doubts.append(f'nothing drives it; give {options}, for example --voltage "{volts}"')
     if result.load_misfit:
         doubts.append(
@@ -158,13 +146,8 @@ def _run_doubts(result: Simulation | HeldRun, waveforms: tuple[Waveform, ...]) -
             "later, bounces or a resonance have amplified the steps' errors beyond it, and a finer "
             "--accuracy moves that time a little"
         )
-    return doubts
-
-
-def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[str]:
-    """Limits of the validity of the generator's run."""
-    doubts, answer, sideways = _run_doubts(result, waveforms), result.answer, result.sideways
-    if sideways.max() > result.flange_gap:
+    if not isinstance(result, HeldRun) and result.sideways.max() > result.flange_gap:
+        sideways = result.sideways
         at = float(answer.run.time[int((sideways > result.flange_gap).argmax())])
         doubts.append(
             f"from {1e3 * at:.4g} ms on the flange is up to {1e6 * sideways.max():.3g} um off "
@@ -172,47 +155,6 @@ def _doubts(result: Simulation, waveforms: tuple[Waveform, Waveform]) -> list[st
             "bore's walls by guide.clearance with a stiffer guide.lateral_stiffness"
         )
     return doubts
-
-
-def as_json(result: Simulation) -> dict[str, Any]:
-    """Summary of a run: ends and extremes, phases, balance, errors."""
-    from tactgen.validation.models.transient import phases
-    from tactgen.validation.studies.simulate import run_summary, series
-
-    return {
-        **run_summary(result.scene, result.answer, result.load_misfit, series(result)),
-        "sideways_m": float(result.sideways.max()),
-        "flange_gap_m": result.flange_gap,
-        "phases": [
-            {
-                "name": phase.name,
-                "start_s": phase.start,
-                "end_s": phase.end,
-                "lateral_amplitude_m": phase.amplitude,
-            }
-            for phase in phases(result)
-        ],
-    }
-
-
-def _print(result: Simulation) -> None:
-    import numpy as np
-
-    from tactgen.validation.models.transient import phases
-
-    print(f"{'phase':10} {'from (ms)':>10} {'to (ms)':>10}  lateral amplitude (um)")
-    for phase in phases(result):
-        print(f"{phase.name:10} {1e3 * phase.start:10.3f} {1e3 * phase.end:10.3f}  "
-              f"{1e6 * phase.amplitude:.4g}")  # fmt: skip
-    answer = result.answer
-    last = int(np.searchsorted(answer.run.time, answer.certain_until))
-    bars = ", ".join(
-        f"{name} {1e6 * answer.bars[name][last]:.2g} um" for name in ("rod_lift", "lateral_tip")
-    )
-    print(
-        f"{answer.run.time.size} steps; error bars until {1e3 * answer.certain_until:.4g} ms: "
-        f"{bars}; energy balance kept to {answer.run.worst_imbalance:.1e} of what was exchanged"
-    )
 
 
 def _check_files(options: argparse.Namespace) -> None:
@@ -230,16 +172,22 @@ def _check_files(options: argparse.Namespace) -> None:
 
 
 def _write(
-    options: argparse.Namespace, result: Simulation, announce: Callable[[str], None]
+    options: argparse.Namespace, result: Simulation | HeldRun, announce: Callable[[str], None]
 ) -> None:
     from tactgen.geometry.files import write_text
-    from tactgen.validation.studies.simulate import time_plot, write_run
+    from tactgen.validation.models.transient import Simulation
+    from tactgen.validation.studies.simulate import held_plot, time_plot, write_run
 
+    drives = {"bimorph_voltage": options.voltage}
+    if isinstance(result, Simulation):
+        drives["coil_drive"] = options.coil or "0 mA"
     if options.out:
-        drives = {"bimorph_voltage": options.voltage, "coil_drive": options.coil or "0 mA"}
         write_run(options.out, result, drives)
     if options.plot:
-        write_text(Path(options.plot), time_plot(result))
+        drawn = time_plot(result) if isinstance(result, Simulation) else held_plot(result)
+        write_text(Path(options.plot), drawn)
+    if not isinstance(result, Simulation):
+        return
     if options.fields or options.gif or options.mp4:
         from tactgen.validation.show.run import write_run_film, write_run_steps
 
@@ -251,7 +199,7 @@ def _write(
 
 
 def _until(text: str) -> float:
-    from tactgen.validation.studies.simulate import SECONDS
+    from tactgen.validation.studies.waveforms import SECONDS
 
     try:
         value = SECONDS.parse(text.strip())

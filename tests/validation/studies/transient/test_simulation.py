@@ -258,7 +258,7 @@ def test_what_a_run_is_warned_of():
         load_misfit=0.02, sideways=np.array([0.0, 1e-6, 3e-6, 2.5e-6]), flange_gap=2e-6,
         answer=answer,
     )  # fmt: skip
-    driven = Step(1.0), Step(0.0)
+    driven = {Step(1.0), Step(0.0)}
     load, errors, rod = simulate._doubts(result, driven)
     assert "up to 2 % off its law of frequency" in load
     assert "the accuracy of 0.1 holds until 1.5 ms" in errors

@@ -16,7 +16,7 @@ from tactgen.tmm.generator.transient.time_integration import simulate
 from tactgen.tmm.generator.transient.waveform import Chirp, Sampled, Sine, Sources, Square, Step
 from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.simulate import AMPERES, VOLTS, parsed
+from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed
 
 
 @pytest.mark.parametrize(
