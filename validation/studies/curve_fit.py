@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -61,25 +62,36 @@ class CurveModel:
     """A curve of the transfer-matrix model as a function of some scene keys.
 
     It goes past the machinery of stages and errors that a single answer goes through.  A curve
-    of the machine is that model on its rod, coil and contact in small motions.  `port` is
-    D(Ω), if none of the keys changes it.
+    of the machine is that model on its rod, coil and contact in small motions.
     """
 
     scene: Scene
     quantity: str
     frequencies: Floats
-    keys: tuple[str, ...]
-    port: Multiport | None
+    keys: Sequence[str]
+
+    def scene_at(self, values: Floats) -> Scene:
+        """Scene with values (p,) in SI units."""
+        return with_values(self.scene, dict(zip(self.keys, map(float, values), strict=True)))
 
     def __call__(self, values: Floats) -> Complex:
         """Curve (n,) for values (p,) in SI units."""
-        scene = with_values(self.scene, dict(zip(self.keys, map(float, values), strict=True)))
-        port = self.port if self.port is not None else _port(scene, self.frequencies)
+        scene = self.scene_at(values)
+        divided = any(key.startswith(_DIVIDED) for key in self.keys)
+        port = self._port(scene) if divided else self._same_port
         row = QUANTITIES[self.quantity]
         if isinstance(row.read, AnswerReadout):
             return _of_machine(scene, port, row.read)
         wired = in_series(port) if scene.bimorph.wiring == "series" else port
         return row.port_readout.read(attach(wired, scene.ends), scene.drive.voltage)
+
+    def _port(self, scene: Scene) -> Multiport:
+        return multiport(scene.device, scene.support, scene.beam, self.frequencies)
+
+    @cached_property
+    def _same_port(self) -> Multiport:
+        """D(Ω) where none of the keys changes it."""
+        return self._port(self.scene)
 
     def sensitivities(self, values: Floats) -> Complex:
         """∂ ln(curve) / ∂ ln(parameter), shape (n, p), by central differences."""
@@ -92,19 +104,6 @@ class CurveModel:
             # of the ratio's logarithm, and 0 to the last bit where there is no effect
             columns.append((above - below) / (above + below) / _STEP)
         return np.stack(columns, axis=1)
-
-
-def curve_model(
-    scene: Scene, quantity: str, frequencies: Floats, keys: Sequence[str]
-) -> CurveModel:
-    """Model of a curve; D(Ω) is computed once if the keys leave it as it is."""
-    fixed = not any(key.startswith(_DIVIDED) for key in keys)
-    port = _port(scene, frequencies) if fixed else None
-    return CurveModel(scene, quantity, frequencies, tuple(keys), port)
-
-
-def _port(scene: Scene, frequencies: Floats) -> Multiport:
-    return multiport(scene.device, scene.support, scene.beam, frequencies)
 
 
 def _of_machine(scene: Scene, port: Multiport, read: AnswerReadout) -> Complex:
@@ -198,7 +197,7 @@ def scan(model: CurveModel, start: Floats, low: Floats, high: Floats) -> Scan:
     nodes[1:, first] = grid  # the first node is the start itself
     f = model.frequencies
     points = np.unique(np.linspace(0, f.size - 1, min(f.size, _SCAN_POINTS)).round().astype(int))
-    coarse = curve_model(model.scene, model.quantity, f[points], model.keys)
+    coarse = replace(model, frequencies=f[points])
     return Scan(points, nodes, np.stack([coarse(node) for node in nodes]))
 
 

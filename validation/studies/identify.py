@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -36,7 +36,6 @@ from tactgen.validation.studies.curve_fit import (
     Misfit,
     Scan,
     Statistics,
-    curve_model,
     scan,
     statistics,
 )
@@ -325,7 +324,7 @@ def identify(
     warnings = list(load_warnings(at_data, (quantity,)))
     start = with_values(scene, {p.key: p.start for p in parameters})
     check_bimorph(start.device, start.support)
-    model = curve_model(start, quantity, curve.frequencies, [p.key for p in parameters])
+    model = CurveModel(start, quantity, curve.frequencies, [p.key for p in parameters])
     _check_effect(model, parameters, curve)
     scanned, best, values, edges = _best(model, curve, parameters, noise)
     misfit, now, sensitivity = best.misfit, model(values), model.sensitivities(values)
@@ -333,9 +332,9 @@ def identify(
     free = [i for i, edge in enumerate(edges) if not edge]
     jacobian, stated = misfit.jacobian(now, sensitivity), misfit.noise == "stated"
     stats = statistics(jacobian[:, free], residuals, stated=stated)
-    fitted_scene = with_values(start, dict(zip(model.keys, map(float, values), strict=True)))
+    fitted_scene = model.scene_at(values)
     warnings += _doubts(misfit, stats, now, residuals) + _phase_hint(curve, scanned)
-    warnings += _voltage_hint(best, start, scanned, float(np.sum(residuals**2)))
+    warnings += _voltage_hint(best, scanned, float(np.sum(residuals**2)))
     estimates = _estimates(best, parameters, values, edges, stats)
     correlation = np.full((len(parameters), len(parameters)), np.nan)
     correlation[np.ix_(free, free)] = stats.correlation
@@ -468,7 +467,7 @@ def _assumptions(
     ]
     keys = [row.key for row in rows]
     values = np.array([value_of(scene, key) for key in keys], dtype=float)
-    varied = curve_model(scene, model.quantity, model.frequencies, keys)
+    varied = replace(model, scene=scene, keys=keys)
     shifts = misfit.jacobian(now, varied.sensitivities(values))
     slopes = np.full((len(model.keys), len(keys)), np.nan)
     slopes[free] = -np.linalg.lstsq(jacobian, shifts, rcond=RANK)[0]
@@ -536,21 +535,21 @@ def _phase_hint(curve: MeasuredCurve, scanned: Scan) -> list[str]:
     return [f"the data would fit far better with {name}; check how the phase was recorded"]
 
 
-def _voltage_hint(fit: Fit, start: Scene, scanned: Scan, left: float) -> list[str]:
+def _voltage_hint(fit: Fit, scanned: Scan, left: float) -> list[str]:
     """Hint at another drive voltage, a constant factor, with which the data would fit far better.
 
     `left` is the sum of squares that the fit leaves.  The voltage is fitted beside the parameters,
     from the node of the grid at which measured over computed varies least.
     """
-    model, curve, stated = fit.model, fit.misfit.curve, start.drive.voltage
+    model, curve, stated = fit.model, fit.misfit.curve, fit.model.scene.drive.voltage
     if _VOLTAGE in model.keys or left < curve.frequencies.size * _ROUNDING**2:
         return []
     ratios = np.log(np.abs(curve.values[scanned.points] / scanned.curves))
     node = int(np.argmin(np.var(ratios, axis=1)))
     first = np.append(scanned.nodes[node], stated * np.exp(np.mean(ratios[node])))
     wider = Fit(
-        curve_model(start, model.quantity, model.frequencies, (*model.keys, _VOLTAGE)),
-        fit.misfit, np.append(fit.low, stated / _ANY), np.append(fit.high, stated * _ANY),
+        replace(model, keys=(*model.keys, _VOLTAGE)), fit.misfit,
+        np.append(fit.low, stated / _ANY), np.append(fit.high, stated * _ANY),
     )  # fmt: skip
     if not wider.model.sensitivities(first)[:, -1].any():  # an admittance
         return []

@@ -27,7 +27,7 @@ from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import FILE_KEYS, read_as
 from tactgen.validation.scene.variation import value_of
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, svg
-from tactgen.validation.studies.curve_fit import curve_model
+from tactgen.validation.studies.curve_fit import CurveModel
 from tactgen.validation.studies.identify import FittedParameter, Identification
 
 if TYPE_CHECKING:
@@ -272,7 +272,7 @@ def _figure(result: Identification) -> Figure:
     )  # fmt: skip
     dense = np.unique([*np.linspace(f[0], f[-1], _SMOOTH), *f])
     before, after = (
-        curve_model(scene, curve.quantity.name, dense, ())(np.zeros(0))
+        CurveModel(scene, curve.quantity.name, dense, ())(np.zeros(0))
         for scene in (result.start, result.scene)
     )
     factor, unit = prefixed(float(np.abs(after).max()), curve.unit)

@@ -8,7 +8,7 @@ import pytest
 
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.studies.curve_fit import curve_model
+from tactgen.validation.studies.curve_fit import CurveModel
 
 
 def run(capsys, *arguments):
@@ -23,7 +23,7 @@ def sweep(tmp_path_factory):
     """Return the file of a prototype's synthetic sweep: magnitudes, 2 % noise, which is stated."""
     scene, _ = load_scene("prototype")
     f = np.linspace(100.0, 1500.0, 40)
-    exact = 1e3 * np.abs(curve_model(scene, "tip_velocity", f, ())(np.zeros(0)))
+    exact = 1e3 * np.abs(CurveModel(scene, "tip_velocity", f, ())(np.zeros(0)))
     values = exact * (1.0 + 0.02 * np.random.default_rng(1).standard_normal(40))
     rows = [f"{a:.6g};{b:.6g};{c:.6g}" for a, b, c in zip(f, values, 0.02 * exact, strict=True)]
     path = tmp_path_factory.mktemp("measured") / "sweep.csv"

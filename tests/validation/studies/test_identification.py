@@ -12,7 +12,7 @@ from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import FILE_KEYS, load_scene
 from tactgen.validation.scene.variation import value_of, with_values
-from tactgen.validation.studies.curve_fit import curve_model
+from tactgen.validation.studies.curve_fit import CurveModel
 from tactgen.validation.studies.identify import fit_parameter, identify
 from tactgen.validation.studies.identify_output import file_from
 from tactgen.validation.studies.measured_data import MeasuredCurve
@@ -35,7 +35,7 @@ def synthetic(
     frequencies=FREQUENCIES,
 ):
     """Return a curve of the model with Gaussian noise, `level` of each value or of the largest."""
-    exact = curve_model(scene, measurable()[kind].name, frequencies, ())(np.zeros(0))
+    exact = CurveModel(scene, measurable()[kind].name, frequencies, ())(np.zeros(0))
     exact = exact if phase else np.abs(exact)
     rng = np.random.default_rng(seed)
     errors = rng.standard_normal(exact.shape)
@@ -66,7 +66,7 @@ def test_model_is_that_of_solve():
         )
         for quantity in (row.name for row in measurable().values() if row.actuator == "bimorph"):
             expected = solve(scene, ["tmm"], [quantity]).get(quantity, "tmm").value
-            model = curve_model(scene, quantity, np.array(scene.frequency), ())
+            model = CurveModel(scene, quantity, np.array(scene.frequency), ())
             np.testing.assert_allclose(model(np.zeros(0)), expected, rtol=1e-12)
 
 
@@ -382,7 +382,7 @@ def test_a_contact_is_as_stiff_as_its_load_over_its_decay_length():
     """So the curve turns the same way by the one as it turns back by the other: the guide's share
     of the stiffness apart, which is 4e-4."""
     scene, _ = load_scene("prototype", ON_CONTACT)
-    model = curve_model(scene, measurable()["velocity"].name, FEW, PAIR)
+    model = CurveModel(scene, measurable()["velocity"].name, FEW, PAIR)
     one, other = model.sensitivities(np.array([value_of(scene, key) for key in PAIR])).T
     assert np.abs(one + other).max() < 1e-3 * np.abs(one).max()
 
@@ -404,7 +404,7 @@ def test_a_curve_of_the_machine_is_that_of_solve():
     scene, _ = load_scene("generator", [*HELD, "frequency=10,300,2000"])
     exact = solve(scene, ("tmm",), ("coil_impedance",)).get("coil_impedance", "tmm").value
     key = "coil.source_resistance"
-    model = curve_model(scene, "coil_impedance", np.array(scene.frequency), (key,))
+    model = CurveModel(scene, "coil_impedance", np.array(scene.frequency), (key,))
     here = model(np.array([value_of(scene, key)]))
     np.testing.assert_allclose(here, exact, rtol=1e-12)
     more = model(np.array([value_of(scene, key) + 20.0]))
