@@ -118,7 +118,8 @@ def length_map(scene: Scene, lengths: Floats, band: tuple[float, float]) -> Leng
         else:
             minima.append(None)
     peaks = local_minima(f, -displacement, lambda row, x: -at(row, x))[1]
-    f = with_surroundings(f, np.concatenate([where, peaks]))
+    near = np.outer([*where, *peaks], [*(1.0 - _AROUND), 1.0, *(1.0 + _AROUND)])
+    f = np.unique([*f, *near[(near > band[0]) & (near < band[1])]])
     return LengthMap(lengths, f, tip_amplitude(device, lengths[:, None], f), tuple(minima))
 
 
@@ -148,13 +149,6 @@ def check_moves(displacement: Floats) -> None:
             "drive.voltage or piezo.d31 is 0, so that the tip does not move at any length; "
             "give both a value"
         )
-
-
-def with_surroundings(frequencies: Floats, extremes: Floats) -> Floats:
-    """Grid (n,) with extremes (k,) and some points around each, ascending (Hz)."""
-    near = np.outer(extremes, [*(1.0 - _AROUND), 1.0, *(1.0 + _AROUND)])
-    inside = near[(near > frequencies[0]) & (near < frequencies[-1])]
-    return np.unique([*frequencies, *inside])
 
 
 def local_minima(

@@ -29,31 +29,23 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command; a difference is no error, so the exit code is 0."""
     from tactgen.geometry.files import writable_folder
-    from tactgen.validation.show.export import scene_solids
-    from tactgen.validation.studies.whatif.compare import (
-        answer_differences,
-        as_values,
-        input_differences,
-        lines,
-        read_sides,
-        write_page,
-    )
+    from tactgen.validation.studies.whatif import compare
 
     out = writable_folder(Path(options.out)) if options.out is not None else None
     frequency = overrides_of("frequency", "frequency", options.frequency, "10:2000:200")
     overrides = [*options.overrides, *frequency]
     with announcer() as announce:
-        sides = read_sides(
+        sides = compare.read_sides(
             (options.first, options.second), overrides, options.model, options.quantity, announce
         )
-        inputs, answers = input_differences(*sides), answer_differences(*sides)
+        found = compare.Comparison(*sides)
         if out is not None:
             announce("drawing")
-            page = write_page(out, sides, inputs, answers, scene_solids)
+            page = compare.write_page(out, found)
     if options.json:
-        print_json(as_values(sides, inputs, answers))
+        print_json(compare.as_values(found))
     else:
-        print("\n".join(lines(sides, inputs, answers)))
+        print("\n".join(compare.lines(found)))
     if out is not None:
         name_files([page])
     return 0

@@ -151,6 +151,7 @@ def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
     from tactgen.validation.catalogue.detection import threshold_of
     from tactgen.validation.scene.files import parse_frequencies
     from tactgen.validation.studies.design import Aim, AimKind, stated_band
+    from tactgen.validation.studies.whatif.axes import scene_field
 
     kinds: dict[str, AimKind] = {"shortest": "shortest", "margin": "margin"}
     aims = options.aim or ["shortest"]
@@ -181,21 +182,6 @@ def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
         low, high = low_high(options.band, "--band", "10:1000")
         first, last = parse_frequencies([low, high], f'--band = "{options.band}"')
         band = first, last
-    short, long = low_high(options.lengths or "20mm:40mm", "--lengths", "20mm:40mm")
-    return Aim(kinds[aims[0]], margin, band, (_length(short), _length(long)), threshold)
-
-
-def _length(text: str) -> float:
-    from tactgen.geometry.units import quoted
-    from tactgen.validation.scene.files import one_line
-    from tactgen.validation.scene.scene import declaration
-    from tactgen.validation.scene.tolerances import unit_of
-
-    unit = unit_of(declaration("bimorph.length"))
-    assert unit is not None
-    try:
-        length = unit.parse(text)
-        unit.check(length)
-    except ValueError as error:
-        raise InputError(one_line(f"--lengths: {quoted(text)} {error}")) from None
-    return length
+    ends = low_high(options.lengths or "20mm:40mm", "--lengths", "20mm:40mm")
+    short, long = (scene_field("bimorph.length").read(end, "--lengths") for end in ends)
+    return Aim(kinds[aims[0]], margin, band, (short, long), threshold)

@@ -66,9 +66,12 @@ class SceneField:
         """What parts two of its values, one of which may hold commas."""
         return ";" if self.key.endswith("_profile") else ","
 
-    def read(self, text: str) -> Any:
-        """Value as SI number, whole number or choice; InputError if it cannot be one."""
-        text = text.strip()
+    def read(self, text: str, where: str = "") -> Any:
+        """Value as SI number, whole number or choice.
+
+        Raises InputError, which says `where` the text is from, if it cannot be one.
+        """
+        text, where = text.strip(), where or f"--vary {self.key}"
         try:
             if self.key == "frequency":
                 return parse_frequencies([text])[0]
@@ -78,9 +81,9 @@ class SceneField:
         except ValidationError as error:
             cause = error.errors()[0].get("ctx", {}).get("error")
             words = str(cause or sentence(error)).removeprefix(f" = {quoted(text)} ")
-            raise InputError(f"--vary {self.key}: {quoted(text)} {words}") from None
+            raise InputError(f"{where}: {quoted(text)} {words}") from None
         except ValueError as error:
-            raise InputError(f"--vary {self.key}: {quoted(text)} {error}") from None
+            raise InputError(f"{where}: {quoted(text)} {error}") from None
         return found if self.numeric else text
 
     def show(self, value: Any) -> str:
@@ -118,11 +121,10 @@ def shown_point(point: Mapping[str, Any]) -> str:
     return ", ".join(f"{key} = {shown_value(key, value)}" for key, value in point.items())
 
 
-def as_stated(key: str, value: Any) -> Any:
-    """Value of an axis as a scene takes it: numbers as SI, whatever asks for units."""
-    if key == "frequency":
-        return [value]
-    return u.SI(value) if isinstance(value, float) else value
+def as_stated(point: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of axes at a point as a scene takes them: numbers as SI, whatever asks for units."""
+    found = {k: u.SI(v) if isinstance(v, float) else v for k, v in point.items()}
+    return found | ({"frequency": [point["frequency"]]} if "frequency" in point else {})
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import html
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -211,33 +212,44 @@ INPUTS = ("key", "A", "B")
 ANSWERS = ("quantity", "model", "at", "A", "B", "change", "bars")
 
 
-def input_differences(first: Side, second: Side) -> list[tuple[str, str, str]]:
-    """Keys whose values differ with both, in the order of the scene; - where one has none."""
-    keys = dict.fromkeys((*first.inputs, *second.inputs))
-    found = [(k, first.inputs.get(k, "") or "-", second.inputs.get(k, "") or "-") for k in keys]
-    return [each for each in found if each[1] != each[2]]
+@dataclass(frozen=True)
+class Comparison:
+    """Two sides, and what differs between them."""
 
+    first: Side
+    second: Side
 
-def answer_differences(first: Side, second: Side) -> list[AnswerDifference]:
-    """Largest difference of every quantity and model that both have."""
-    groups: dict[tuple[str, str], list[Key]] = {}
-    for key in dict.fromkeys((*first.numbers, *second.numbers)):
-        groups.setdefault((key.quantity, key.model), []).append(key)
-    found = []
-    for (quantity, model), keys in groups.items():
-        both = [key for key in keys if key in first.numbers and key in second.numbers]
-        only = (
-            sum(key not in second.numbers for key in keys),
-            sum(key not in first.numbers for key in keys),
-        )
-        if both:
-            pairs = {key: (first.numbers[key], second.numbers[key]) for key in both}
-            beyond = {key: _beyond(*pair) for key, pair in pairs.items()}
-            worst = max(both, key=lambda key: (beyond[key], abs(_relative(*pairs[key]))))
-            found.append(AnswerDifference(
-                quantity, model, len(both), sum(beyond.values()), only, worst, *pairs[worst]
-            ))  # fmt: skip
-    return found
+    @property
+    def sides(self) -> tuple[Side, Side]:
+        """Both, A first."""
+        return self.first, self.second
+
+    @cached_property
+    def inputs(self) -> list[tuple[str, str, str]]:
+        """Keys whose values differ with both, in the order of the scene; - where one has none."""
+        first, second = self.first.inputs, self.second.inputs
+        keys = dict.fromkeys((*first, *second))
+        found = [(k, first.get(k, "") or "-", second.get(k, "") or "-") for k in keys]
+        return [each for each in found if each[1] != each[2]]
+
+    @cached_property
+    def answers(self) -> list[AnswerDifference]:
+        """Largest difference of every quantity and model that both have."""
+        first, second = self.first.numbers, self.second.numbers
+        groups: dict[tuple[str, str], list[Key]] = {}
+        for key in dict.fromkeys((*first, *second)):
+            groups.setdefault((key.quantity, key.model), []).append(key)
+        found = []
+        for (quantity, model), keys in groups.items():
+            only = sum(key not in second for key in keys), sum(key not in first for key in keys)
+            pairs = {k: (first[k], second[k]) for k in keys if k in first and k in second}
+            if pairs:
+                beyond = {key: _beyond(*pair) for key, pair in pairs.items()}
+                worst = max(pairs, key=lambda key: (beyond[key], abs(_relative(*pairs[key]))))
+                found.append(AnswerDifference(
+                    quantity, model, len(pairs), sum(beyond.values()), only, worst, *pairs[worst]
+                ))  # fmt: skip
+        return found
 
 
 def _beyond(first: Number, second: Number) -> bool:
@@ -271,22 +283,20 @@ NOTHING_SHARED = (
 )
 
 
-def lines(
-    sides: tuple[Side, ...], inputs: list[tuple[str, str, str]], answers: list[AnswerDifference]
-) -> list[str]:
-    """Lines of the comparison, input first."""
-    first, second = sides
-    found = [f"A: {first.name}", f"B: {second.name}", ""]
-    if inputs:
-        found += ["input that differs:", *aligned([INPUTS, *inputs])]
+def lines(of: Comparison) -> list[str]:
+    """Lines of a comparison, input first."""
+    found = [f"A: {of.first.name}", f"B: {of.second.name}", ""]
+    if of.inputs:
+        found += ["input that differs:", *aligned([INPUTS, *of.inputs])]
     else:
         found.append("the input is the same")
-    if answers:
-        rows = [ANSWERS, *(d.cells for d in answers)]
+    if of.answers:
+        rows = [ANSWERS, *(d.cells for d in of.answers)]
         found += ["", "answers, where they differ most:", *aligned(rows)]
     else:
         found += ["", NOTHING_SHARED]
-    return found + [f"{s.name} has no answer to {s.missing} questions" for s in sides if s.missing]
+    missing = [side for side in of.sides if side.missing]
+    return found + [f"{s.name} has no answer to {s.missing} questions" for s in missing]
 
 
 def place(key: Key) -> str:
@@ -327,13 +337,11 @@ def _shown(number: Number) -> str:
     return with_error(value, number.error, number.unit) + beside
 
 
-def as_values(
-    sides: tuple[Side, ...], inputs: list[tuple[str, str, str]], answers: list[AnswerDifference]
-) -> dict[str, Any]:
+def as_values(of: Comparison) -> dict[str, Any]:
     """Comparison as JSON values, SI units; those that are not finite are not known."""
     return {
-        "a": sides[0].name, "b": sides[1].name,
-        "inputs": [{"key": key, "a": a, "b": b} for key, a, b in inputs],
+        "a": of.first.name, "b": of.second.name,
+        "inputs": [{"key": key, "a": a, "b": b} for key, a, b in of.inputs],
         "answers": [
             {"quantity": d.quantity, "model": d.model, "values": d.count,
              "beyond_bars": d.beyond, "only": list(d.only), "at": place(d.key),
@@ -341,9 +349,9 @@ def as_values(
              "uncertainty_a": d.first.error, "uncertainty_b": d.second.error,
              "modelling_error_a": d.first.modelling, "modelling_error_b": d.second.modelling,
              "unit": d.first.unit, "change": d.relative, "verdict": d.verdict}
-            for d in answers
+            for d in of.answers
         ],
-        "missing": [side.missing for side in sides],
+        "missing": [side.missing for side in of.sides],
     }  # fmt: skip
 
 
@@ -363,28 +371,22 @@ _CURVES = 6
 _TALLEST = 26.0
 
 
-def write_page(
-    folder: Path,
-    sides: tuple[Side, ...],
-    inputs: list[tuple[str, str, str]],
-    answers: list[AnswerDifference],
-    solids: Callable[[Scene], dict[str, Any]],
-) -> Path:
-    """Write the page, whole or not at all; `solids` gives the CAD solids of a scene by name."""
-    first, second = sides
+def write_page(folder: Path, of: Comparison) -> Path:
+    """Write the page, whole or not at all."""
+    first, second = of.sides
     parts = [f"<p>A is {html.escape(first.name)}, B is {html.escape(second.name)}.</p>"]
-    parts += ["<h2>Input that differs</h2>", table(INPUTS, inputs) if inputs else "<p>None.</p>"]
-    parts.append("<h2>Answers, where they differ most</h2>")
-    rows = [d.cells for d in answers]
+    differ = table(INPUTS, of.inputs) if of.inputs else "<p>None.</p>"
+    parts += ["<h2>Input that differs</h2>", differ, "<h2>Answers, where they differ most</h2>"]
+    rows = [d.cells for d in of.answers]
     parts.append(table(ANSWERS, rows) if rows else f"<p>{NOTHING_SHARED}.</p>")
     parts.append(
         "<p>A change is covered if it is no larger than both error bars together. The bars are "
         "numerical: how far a number is from the same model solved exactly.</p>"
     )
-    picture = _curves(sides)
+    picture = _curves(of.sides)
     if picture:
         parts += ["<h2>Curves</h2>", f"<figure>{picture}</figure>"]
-    parts += _devices(sides, inputs, solids)
+    parts += _devices(of)
     title = f"Comparison of {first.name} and {second.name}"
     return write_text(folder / PAGE, plain_page(title, parts))
 
@@ -442,22 +444,19 @@ def _place(key: Key) -> tuple[str, float, str] | None:
     return along, x, ", ".join((key.model, *index, *_axis_words(rest.items())))
 
 
-def _devices(
-    sides: tuple[Side, ...],
-    inputs: list[tuple[str, str, str]],
-    solids: Callable[[Scene], dict[str, Any]],
-) -> list[str]:
+def _devices(of: Comparison) -> list[str]:
     """Pictures of both devices, if a dimension of them differs and they can be drawn.
 
     They have one scale: what is longer looks longer.
     """
+    from tactgen.validation.show.export import scene_solids
     from tactgen.validation.show.pictures import solids_pictures
 
     shapes = ("bimorph.", "rod.", "coil.", "sleeve.", "support.kind", "gap", "glue.")
-    if not any(key.startswith(shapes) for key, *_ in inputs):
+    if not any(key.startswith(shapes) for key, *_ in of.inputs):
         return []
     try:
-        pictures = solids_pictures([solids(side.scene) for side in sides])
+        pictures = solids_pictures([scene_solids(side.scene) for side in of.sides])
     except InputError as error:  # not every bimorph has CAD solids; a library may be missing
         return [f"<p>No picture of the devices: {html.escape(str(error))}</p>"]
     heights = [int.from_bytes(png[20:24], "big") for png in pictures]  # as a PNG states it
@@ -465,6 +464,6 @@ def _devices(
         f'<figure><img alt="device {name}" src="{inline(png)}" '
         f'style="height:{_TALLEST * height / max(heights):.2f}rem">'
         f"<figcaption>{name}: {html.escape(side.name)}</figcaption></figure>"
-        for png, height, name, side in zip(pictures, heights, "AB", sides, strict=True)
+        for png, height, name, side in zip(pictures, heights, "AB", of.sides, strict=True)
     )
     return ["<h2>Devices, at one scale</h2>", f'<div class="pair">{figures}</div>']

@@ -6,7 +6,6 @@ cheapest models known to meet an accuracy.
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -17,9 +16,10 @@ from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS, all_given, gives
 from tactgen.validation.catalogue.quantities import OF_CIRCUIT, QUANTITIES, quantities_of
 from tactgen.validation.engine.comparison import Choice, choose
-from tactgen.validation.scene.files import assign, choices
+from tactgen.validation.scene.files import choices
 from tactgen.validation.scene.parameter_list import ranges
 from tactgen.validation.scene.scene import Scene, check_key, checked_scene
+from tactgen.validation.scene.variation import ScenesNearby
 from tactgen.validation.studies.whatif.axes import as_stated, scene_field
 from tactgen.validation.studies.whatif.definition import Statement
 
@@ -129,10 +129,8 @@ def with_tolerances(
 def _refusal(values: dict[str, Any], key: str, spread: Spread) -> str:
     """Reason why a key cannot reach the ends of its range, or ""."""
     for end in (spread.low, spread.high):
-        moved = copy.deepcopy(values)
-        assign(moved, key, as_stated(key, end))
         try:
-            checked_scene(moved)
+            ScenesNearby(values).scene(as_stated({key: end}))
         except InputError as error:
             return str(error)
     return ""

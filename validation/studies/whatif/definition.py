@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import itertools
 import json
 import math
@@ -17,8 +16,9 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.conditions import conditions
-from tactgen.validation.scene.files import NEUTRAL, OF_THE_COIL, assign
+from tactgen.validation.scene.files import NEUTRAL, OF_THE_COIL
 from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.scene.variation import ScenesNearby
 from tactgen.validation.studies.whatif.axes import MOST, Axis, as_stated, parse_axes
 
 #: Version of the file; another one is refused.
@@ -105,10 +105,7 @@ class Statement:
 
     def scene_at(self, point: dict[str, Any]) -> dict[str, Any]:
         """Values of the scene at a point, as they would be written."""
-        values = copy.deepcopy(self.values)
-        for key, value in point.items():
-            assign(values, key, as_stated(key, value))
-        return values
+        return ScenesNearby(self.values).values(as_stated(point))
 
     @property
     def conditions(self) -> str:

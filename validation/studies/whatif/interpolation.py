@@ -75,7 +75,7 @@ class Part:
 
     def scene(self, point: Point) -> Scene:
         """Scene at a point; InputError if there is none."""
-        found = _scene(self.nearby, point)
+        found = self.nearby.scene(as_stated(point))
         check_scene(found, (self.model,), self.quantities)
         return found
 
@@ -167,13 +167,9 @@ def find_parts(
     return found
 
 
-def _scene(nearby: ScenesNearby, point: Point) -> Scene:
-    return nearby.scene({key: as_stated(key, value) for key, value in point.items()})
-
-
 def _is_scene(nearby: ScenesNearby, point: Point) -> bool:
     try:
-        _scene(nearby, point)
+        nearby.scene(as_stated(point))
     except InputError:
         return False
     return True

@@ -232,9 +232,8 @@ class StudySolver:
 
         Of points that differ in nothing that a model reads, one is asked.
         """
-        stated = {key: as_stated(key, value) for key, value in point.items()}
         try:
-            values = self._nearby[model].values(stated)
+            values = self._nearby[model].values(as_stated(point))
             asked = question(checked_scene(values), model, self._statement.quantities, values)
         except InputError as error:
             return Answer("refused", reason(error))

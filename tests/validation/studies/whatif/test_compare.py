@@ -3,6 +3,7 @@
 import itertools
 import json
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -11,15 +12,9 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import COLUMNS
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.scene import load_scene
-from tactgen.validation.show import pictures
+from tactgen.validation.show import export, pictures
 from tactgen.validation.studies.whatif import compare
-from tactgen.validation.studies.whatif.compare import (
-    Key,
-    Number,
-    Side,
-    answer_differences,
-    read_sides,
-)
+from tactgen.validation.studies.whatif.compare import Comparison, Key, Number, Side, read_sides
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.output_files import TABLE
 
@@ -40,7 +35,7 @@ def side(name, **numbers):
 def test_the_modelling_error_stands_beside_the_bar(modelling, shown):
     """It is no part of the verdict: one model's error is mostly the same on both sides."""
     a, b = (Number(v, 0.01, "F", modelling) for v in (1.0, 1.1))
-    (found,) = answer_differences(side("a", x=a), side("b", x=b))
+    (found,) = Comparison(side("a", x=a), side("b", x=b)).answers
     assert found.cells[3].endswith("F" + shown) or found.cells[3].endswith("%" + shown)
     assert found.beyond == 1
 
@@ -50,12 +45,12 @@ def test_the_largest_change_beyond_the_bars_is_shown():
     wide = Number(1.0, 1.0, "F"), Number(1.9, 1.0, "F")
     sharp = Number(1.0, 0.0, "F"), Number(1.01, 0.0, "F")
     a = side("a", wide=wide[0], sharp=sharp[0], lone=sharp[0])
-    (found,) = answer_differences(a, side("b", wide=wide[1], sharp=sharp[1]))
+    (found,) = Comparison(a, side("b", wide=wide[1], sharp=sharp[1])).answers
     assert (found.key.number, found.beyond, found.count, found.only) == ("sharp", 1, 2, (1, 0))
     nothing = Number(complex("nan"), float("nan"), "F")
-    (found,) = answer_differences(side("a", x=nothing), side("b", x=sharp[0]))
+    (found,) = Comparison(side("a", x=nothing), side("b", x=sharp[0])).answers
     assert (found.beyond, found.relative) == (1, 0.0)
-    (found,) = answer_differences(side("a", x=nothing), side("b", x=nothing))
+    (found,) = Comparison(side("a", x=nothing), side("b", x=nothing)).answers
     assert found.beyond == 0
 
 
@@ -204,18 +199,20 @@ def test_a_study_whose_table_is_lost_or_damaged_is_refused(tmp_path, monkeypatch
 
 def test_pictures_of_devices_have_one_scale(monkeypatch):
     """The larger is as high as a picture may be; where none can be made, it is said why."""
-    inputs = [("bimorph.length", "1 mm", "2 mm")]
-    sides = (side("long"), side("short"))
     made = [bytes(20) + height.to_bytes(4, "big") for height in (100, 70)]
     monkeypatch.setattr(pictures, "solids_pictures", lambda _: made)
-    said = "".join(compare._devices(sides, inputs, lambda _: {}))
+    monkeypatch.setattr(export, "scene_solids", lambda _: {})
+    sides = [replace(side(name), inputs={"bimorph.length": name}) for name in ("long", "short")]
+    said = "".join(compare._devices(Comparison(*sides)))
     heights = [float(height) for height in re.findall(r"height:([\d.]+)rem", said)]
     assert heights == pytest.approx([compare._TALLEST, 0.7 * compare._TALLEST], abs=5e-3)
     assert re.findall(r"<figcaption>(.*?)</figcaption>", said) == ["A: long", "B: short"]
-    assert compare._devices(sides, [("drive.voltage", "1 V", "2 V")], lambda _: {}) == []
+    driven = [replace(of, inputs={"drive.voltage": of.name}) for of in sides]
+    assert compare._devices(Comparison(*driven)) == []
 
     def none(_):
         raise InputError("no solids of <these>")
 
-    (said,) = compare._devices(sides, inputs, none)
+    monkeypatch.setattr(export, "scene_solids", none)
+    (said,) = compare._devices(Comparison(*sides))
     assert said == "<p>No picture of the devices: no solids of &lt;these&gt;</p>"
