@@ -20,6 +20,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.laminate import OWN
+from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.device.profile import Profile
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, has_kink, parameter_keys
@@ -80,20 +81,6 @@ class Target:
         read = self.quantity.read
         assert isinstance(read, Readout | ModalReadout)
         return read
-
-
-@dataclass(frozen=True)
-class UncertainParameter:
-    """A parameter that may lie anywhere in a range, every place alike."""
-
-    key: str
-    value: float
-    low: float
-    high: float
-    reason: str
-    whose: str
-    text: str
-    text_range: str
 
 
 @dataclass(frozen=True)
@@ -218,26 +205,21 @@ def values_and_errors(
         yield target, float(np.abs(np.atleast_1d(q.value)[i])), float(np.atleast_1d(q.error)[i])
 
 
-def uncertain_parameters(scene: Scene) -> tuple[UncertainParameter, ...]:
-    """Parameters of the transfer-matrix model that have a range, in the scene's order.
+def uncertain_parameters(scene: Scene) -> dict[str, Spread]:
+    """Ranges of the transfer-matrix model's parameters that have one, in the scene's order.
 
     Springs that stand for a contact are no parameters of the scene.
     """
-    rows, known = [], ranges(scene)
-    for key in parameter_keys(actuator(scene)):
-        spread = known.get(key)
-        if idle(scene, key) or spread is None or not spread.high > spread.low:
-            continue
-        info, value = declaration(key), value_of(scene, key)
-        low, (high, _, unit) = show(spread.low, info), show(spread.high, info).partition(" ")
-        text_range = f"{low.partition(' ')[0]} to {high} {unit}".rstrip()
-        rows.append(
-            UncertainParameter(
-                key, value, spread.low, spread.high, spread.reason, spread.whose,
-                show(value, info), text_range,
-            )
-        )  # fmt: skip
-    return tuple(rows)
+    known = ranges(scene)
+    found = {key: known[key] for key in parameter_keys(actuator(scene)) if key in known}
+    return {k: of for k, of in found.items() if of.high > of.low and not idle(scene, k)}
+
+
+def range_text(key: str, spread: Spread) -> str:
+    """Range of a key as people read it."""
+    info = declaration(key)
+    low, (high, _, unit) = show(spread.low, info), show(spread.high, info).partition(" ")
+    return f"{low.partition(' ')[0]} to {high} {unit}".rstrip()
 
 
 def left_out(scene: Scene) -> str:
@@ -288,12 +270,12 @@ def parameter_uncertainty(
     from SALib.sample import sobol as saltelli
 
     parameters = uncertain_parameters(scene)
-    keys = tuple(p.key for p in parameters)
-    bounds = np.array([(p.low, p.high) for p in parameters])
+    keys = tuple(parameters)
+    bounds = np.array([spread[:2] for spread in parameters.values()])
     problem = {"num_vars": len(keys), "names": list(keys), "bounds": bounds.tolist()}
     base = base_samples(len(keys), evaluations or affordable(scene))
     points = saltelli.sample(problem, base, calc_second_order=False, seed=_SEED)
-    usual = np.array([p.value for p in parameters])
+    usual = np.array([value_of(scene, key) for key in keys])
     places = np.array([0.0, *PLACES])
     close = usual * (1.0 + _CLOSE * np.kron(np.eye(len(keys)), places[:, None]))
     sampled, beside = (

@@ -29,6 +29,11 @@ if TYPE_CHECKING:
 
 #: Of responses, unless --frequency says otherwise (Hz).
 _FREQUENCIES = "10,100,250"
+#: Headline numbers of the lateral actuator.
+_LATERAL = (
+    "static_tip_displacement", "short_circuit_frequencies", "coupling_factor", "capacitance_free",
+    "tip_displacement",
+)  # fmt: skip
 #: What is smaller is not shown in a table of three digits.
 _SHOWN = 5e-4
 
@@ -141,29 +146,18 @@ def _models(options: argparse.Namespace, scene: Scene, names: Sequence[str]) -> 
 
 def _quantities(options: argparse.Namespace, scene: Scene) -> tuple[str, ...]:
     """Quantities of the request: without --quantity the headline numbers of the models."""
-    from tactgen.validation.catalogue import quantities as all_quantities
     from tactgen.validation.catalogue.models import gives, models_of
     from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 
     if options.quantity:
         return scene.quantities
-    lateral = tuple(
-        row.name
-        for row in (
-            all_quantities.STATIC_TIP_DISPLACEMENT,
-            all_quantities.SHORT_CIRCUIT_FREQUENCIES,
-            all_quantities.COUPLING_FACTOR,
-            all_quantities.CAPACITANCE_FREE,
-            all_quantities.TIP_DISPLACEMENT,
-        )
-    )
     normal = tuple(
         name for name in quantities_of("reluctance")
         if QUANTITIES[name].headline and "magnetic_point" in QUANTITIES[name].needs
     )  # fmt: skip
     if not options.model:
-        return lateral if set(scene.models) & set(models_of("bimorph")) else normal
-    return tuple(q for q in (*lateral, *normal) if any(gives(m, q) for m in options.model))
+        return _LATERAL if set(scene.models) & set(models_of("bimorph")) else normal
+    return tuple(q for q in (*_LATERAL, *normal) if any(gives(m, q) for m in options.model))
 
 
 def _as_json(

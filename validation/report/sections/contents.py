@@ -85,9 +85,10 @@ def _checks(study: Study) -> Context:
 
 
 def _parameters(study: Study) -> Context:
-    ranges = study.shown.get("uncertainty", {}).get("uncertain_parameters", ())
+    uncertainty = study.shown.get("uncertainty", {})
     return {
         "parameters": study.parameters,
-        "ranges": {row.key: row for row in ranges},
+        "ranges": uncertainty.get("uncertain_parameters", {}),
+        "range_texts": uncertainty.get("range_texts", {}),
         "origin": this_origin(),
     }

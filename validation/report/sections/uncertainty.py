@@ -19,6 +19,7 @@ from tactgen.validation.studies.parameter_uncertainty import (
     affordable,
     base_samples,
     left_out,
+    range_text,
     uncertain_parameters,
 )
 
@@ -97,6 +98,7 @@ def uncertainty_section(study: Study) -> Context:
     return {
         "uncertainties": rows,
         "uncertain_parameters": parameters,
+        "range_texts": {key: range_text(key, spread) for key, spread in parameters.items()},
         "contributors_plot": contributors_plot(rows),
         "evaluations": base_samples(len(parameters), affordable(scene)) * (len(parameters) + 2),
         "detailed_model": detailed if detailed != "tmm" else None,
