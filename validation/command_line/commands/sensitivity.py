@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from tactgen.validation.studies.parameter_uncertainty import Uncertainty
     from tactgen.validation.studies.sensitivity import SensitivityColumn
 
-    #: A value, and the range in which it may lie.
-    KnownRange = tuple[float, Spread | None]
-
 
 #: Of responses, unless --frequency says otherwise (Hz).
 _FREQUENCIES = "10,100,250"
@@ -84,7 +81,6 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.scene.inputs import scene_warnings
     from tactgen.validation.scene.parameter_list import ranges
     from tactgen.validation.scene.scene import load_scene
-    from tactgen.validation.scene.variation import value_of
     from tactgen.validation.studies.parameter_uncertainty import left_out, parameter_uncertainty
     from tactgen.validation.studies.sensitivity import all_columns, changed_scenes, thinned
 
@@ -116,11 +112,7 @@ def run(options: argparse.Namespace) -> int:
     for sentence in omitted:
         say(f"note: {sentence}")
     spreads = ranges(scene)
-    known: dict[str, KnownRange] = {
-        key: (value_of(scene, key), spreads.get(key))
-        for column in columns
-        for key in column.logarithmic
-    }
+    known = {key: spreads.get(key) for column in columns for key in column.logarithmic}
     if options.json:
         print_json(_as_json(scene, columns, uncertain, known))
         return 0
@@ -128,7 +120,7 @@ def run(options: argparse.Namespace) -> int:
     shown = thinned(columns)
     if len(shown) < len(columns):
         say(f"note: {len(shown)} of {len(columns)} columns are shown; --json gives all")
-    _print_sensitivities(shown, known)
+    _print_sensitivities(scene, shown, known)
     if uncertain:
         _print_uncertainty(uncertain)
     return 0
@@ -164,7 +156,7 @@ def _as_json(
     scene: Scene,
     columns: Sequence[SensitivityColumn],
     uncertain: Sequence[Uncertainty],
-    known: dict[str, KnownRange],
+    known: dict[str, Spread | None],
 ) -> dict[str, Any]:
     from tactgen.validation.engine.answers import plain
     from tactgen.validation.scene.conditions import answer_head
@@ -173,7 +165,7 @@ def _as_json(
         **answer_head(scene),
         "ranges": {
             key: {"low": spread.low, "high": spread.high, "reason": spread.reason}
-            for key, (_, spread) in known.items()
+            for key, spread in known.items()
             if spread is not None
         },
         "sensitivities": [
@@ -222,9 +214,11 @@ def _print(title: str, table: Table) -> None:
 
 
 def _print_sensitivities(
-    columns: Sequence[SensitivityColumn], known: dict[str, KnownRange]
+    scene: Scene, columns: Sequence[SensitivityColumn], known: dict[str, Spread | None]
 ) -> None:
     from rich.table import Table
+
+    from tactgen.validation.scene.variation import value_of
 
     def entry(column: SensitivityColumn, key: str) -> str:
         """Write a sensitivity, with its error where it shows; nothing if the key is not read."""
@@ -245,17 +239,17 @@ def _print_sensitivities(
     table.add_row("value", "", *(column.text for column in columns))
     modelling = (column.modelling.replace(" ± ", "±") for column in columns)  # columns are narrow
     table.add_row("modelling\nerror", "", *modelling, end_section=True)
-    for key, may_lie in known.items():
+    for key, spread in known.items():
         if any(key in column.logarithmic for column in columns):
-            table.add_row(key, _may_lie(may_lie), *(entry(column, key) for column in columns))
+            lies = _may_lie(value_of(scene, key), spread)
+            table.add_row(key, lies, *(entry(column, key) for column in columns))
     _print("change in percent per percent of parameter", table)
     for model, method in {column.model: column.method for column in columns}.items():
         print(f"{model}: {method}")
 
 
-def _may_lie(known: KnownRange) -> str:
+def _may_lie(value: float, spread: Spread | None) -> str:
     """Write a range in percent of its value, and whose it is."""
-    value, spread = known
     if spread is None:
         return "no range"
     low, high = sorted(100.0 * (end / value - 1.0) for end in (spread.low, spread.high))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands.common import (
@@ -167,17 +167,13 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
 
 
 def _write(folder: Path, study: Study, found: Sequence[Verdict] | None) -> None:
-    from tactgen.validation.studies.whatif.output_files import write_netcdf, write_tidy
+    from tactgen.validation.studies.whatif import output_files as output
     from tactgen.validation.studies.whatif.page import write_page
-    from tactgen.validation.studies.whatif.sample_statistics import (
-        sample_statistics,
-        write_statistics,
-    )
 
-    write_tidy(folder, study)
+    output.write_tidy(folder, study)
     if study.statement.samples:
-        write_statistics(folder, study, sample_statistics(study))
-    write_netcdf(folder, study)
+        output.write_statistics(folder, study, output.sample_statistics(study))
+    output.write_netcdf(folder, study)
     if any(answer.status == "ok" for _, _, answer in study.rows):
         write_page(folder, study, found)
 
@@ -188,14 +184,11 @@ def _show(
     found: Sequence[Verdict] | None,
     choice: Choice | None,
 ) -> None:
+    from tactgen.validation.studies.whatif import output_files as output
     from tactgen.validation.studies.whatif.aim_evaluation import as_values, sentences
-    from tactgen.validation.studies.whatif.output_files import table_lines
-    from tactgen.validation.studies.whatif.sample_statistics import (
-        sample_statistics,
-        statistics_lines,
-    )
 
-    warnings, statistics = (*study.without_effect, *study.warnings), sample_statistics(study)
+    warnings = *study.without_effect, *study.warnings
+    statistics = output.sample_statistics(study)
     warn(warnings[:_WARNINGS])
     if len(warnings) > _WARNINGS:
         warn([f"{len(warnings) - _WARNINGS} more kinds of warnings"
@@ -203,11 +196,12 @@ def _show(
     if options.json:
         aims = {} if found is None else {"aims": [as_values(study, each) for each in found]}
         ladders = {"ladders": choice.ladders} if choice else {}
-        print_json({**_as_json(study), "statistics": statistics, **aims, **ladders})
+        print_json({**output.as_json(study), "statistics": statistics, **aims, **ladders})
     else:
         rest = f"{options.out}/study.csv has all" if options.out else "--out STUDY writes all"
         said = [] if found is None else sentences(study, found)
-        lines = [*table_lines(study, rest), *statistics_lines(study, statistics), *said]
+        table = output.table_lines(study, rest)
+        lines = [*table, *output.statistics_lines(study, statistics), *said]
         print("\n".join(filter(None, [study.statement.conditions, *lines])))
     counts = study.counts
     where = f", written to {options.out}" if options.out else ""
@@ -220,26 +214,3 @@ def _show(
         f"from before, {counts.failed} failed, {counts.refused} refused{where}",
         file=sys.stderr,
     )
-
-
-def _as_json(study: Study) -> dict[str, Any]:
-    """Study as plain JSON values, SI units."""
-    from tactgen.validation.engine.answers import answer_json
-
-    stated = study.statement
-    return {
-        "scene": stated.scene,
-        "conditions": stated.conditions,
-        "axes": [
-            {"key": a.key, "unit": a.unit, "dimension": stated.columns[a.key][0],
-             "values": stated.columns[a.key][1]}
-            for a in stated.axes
-        ],
-        "points": [
-            {"at": point, "model": model, **answer_json(answer)}
-            for point, model, answer in study.rows
-        ],
-        "counts": {
-            "points": len(study.points), "models": len(stated.models), **asdict(study.counts),
-        },
-    }  # fmt: skip

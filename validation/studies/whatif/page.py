@@ -16,9 +16,14 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.show.page import plain_page, table
 from tactgen.validation.studies.whatif.aim_evaluation import Verdict, sentences
 from tactgen.validation.studies.whatif.definition import Statement
-from tactgen.validation.studies.whatif.output_files import column, heading, table_rows
+from tactgen.validation.studies.whatif.output_files import (
+    column,
+    heading,
+    sample_statistics,
+    statistics_rows,
+    table_rows,
+)
 from tactgen.validation.studies.whatif.pictures import aim_picture, study_picture
-from tactgen.validation.studies.whatif.sample_statistics import sample_statistics, statistics_rows
 from tactgen.validation.studies.whatif.study import Study
 
 #: File of the page, and the script that moves it.

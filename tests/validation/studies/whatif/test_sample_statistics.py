@@ -9,8 +9,8 @@ import pytest
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.scene.scene import scene_values
 from tactgen.validation.studies.whatif.definition import Statement
-from tactgen.validation.studies.whatif.sample_statistics import (
-    FILE,
+from tactgen.validation.studies.whatif.output_files import (
+    STATISTICS,
     sample_statistics,
     statistics_lines,
     write_statistics,
@@ -52,7 +52,7 @@ def test_they_are_printed_and_written(study, tmp_path):
     assert len(lines) == len(found)
     with write_statistics(tmp_path, study, found).open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert (tmp_path / FILE).exists()
+    assert (tmp_path / STATISTICS).exists()
     assert [float(row["percentile_95"]) for row in rows] == [one.percentiles[2] for one in found]
     assert [float(row["bimorph.length (m)"]) for row in rows] == [0.014, 0.016] * 2
     assert {row["unit"] for row in rows} == {"m"}
