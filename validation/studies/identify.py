@@ -351,9 +351,7 @@ def identify(
         freedom=stats.freedom,
         fitted=now,
         band=np.asarray(next(band) + 1j * next(band)),
-        assumptions=_assumptions(fitted_scene, origins, misfit, now, jacobian[:, free], free, model)
-        if origins is not None
-        else (),
+        assumptions=_assumptions(fitted_scene, origins, best, now, jacobian[:, free], free),
         # two that only their product fixes may both have drifted to their bounds
         findings=findings(estimates, statistics(jacobian, residuals, stated=stated)),
         warnings=tuple(warnings),
@@ -443,12 +441,11 @@ def _estimates(
 
 def _assumptions(
     scene: Scene,
-    origins: Mapping[str, str],
-    misfit: Misfit,
+    origins: Mapping[str, str] | None,
+    fit: Fit,
     now: Complex,
     jacobian: Floats,
     free: list[int],
-    model: CurveModel,
 ) -> tuple[Assumption, ...]:
     """Sensitivity of the estimates to assumed parameters: −J⁺ ∂r/∂ln q at the optimum.
 
@@ -456,6 +453,9 @@ def _assumptions(
     derivatives left out, as in the covariance.  What the data do not separate shares a change
     alike.
     """
+    if origins is None:
+        return ()
+    model = fit.model
     rows = [
         row
         for row in parameter_rows(scene, dict(origins))
@@ -468,7 +468,7 @@ def _assumptions(
     keys = [row.key for row in rows]
     values = np.array([value_of(scene, key) for key in keys], dtype=float)
     varied = replace(model, scene=scene, keys=keys)
-    shifts = misfit.jacobian(now, varied.sensitivities(values))
+    shifts = fit.misfit.jacobian(now, varied.sensitivities(values))
     slopes = np.full((len(model.keys), len(keys)), np.nan)
     slopes[free] = -np.linalg.lstsq(jacobian, shifts, rcond=RANK)[0]
     acting = [

@@ -109,14 +109,12 @@ def length_map(scene: Scene, lengths: Floats, band: tuple[float, float]) -> Leng
         return tip_amplitude(device, lengths[which][:, None], frequencies)
 
     which, where, values = local_minima(f, displacement, at)
-    minima: list[Minimum | None] = []
-    for number in range(lengths.size):
-        own = (which == number) & (where > band[0]) & (where < band[1])
-        if own.any():
-            deepest = int(np.argmin(values[own]))
-            minima.append(Minimum(float(where[own][deepest]), float(values[own][deepest])))
-        else:
-            minima.append(None)
+    minima: list[Minimum | None] = [None] * lengths.size
+    for number, *one in zip(which, where.tolist(), values.tolist(), strict=True):
+        found, deepest = Minimum(*one), minima[number]
+        inside = band[0] < found.frequency < band[1]
+        if inside and (deepest is None or found.displacement < deepest.displacement):
+            minima[number] = found
     peaks = local_minima(f, -displacement, lambda row, x: -at(row, x))[1]
     near = np.outer([*where, *peaks], [*(1.0 - _AROUND), 1.0, *(1.0 + _AROUND)])
     f = np.unique([*f, *near[(near > band[0]) & (near < band[1])]])

@@ -186,12 +186,11 @@ class Points:
     scales: Sequence[float] = ()
 
     def __post_init__(self) -> None:
-        box = {r.key: (r.low, r.high) for r in self.ranges}
-
-        def announced(text: str) -> None:
-            self.announce(f"{len(self.tried)} points tried: {text}")
-
-        self.solver = StudySolver(self.statement, announce=announced, ranges=box)
+        self.solver = StudySolver(
+            self.statement,
+            announce=lambda text: self.announce(f"{len(self.tried)} points tried: {text}"),
+            ranges={r.key: (r.low, r.high) for r in self.ranges},
+        )
 
     def ask(self, shares: Floats) -> list[Tried]:
         """Results at points (n, ranges), solving the new ones."""
@@ -229,7 +228,7 @@ class Points:
     def best(self) -> list[tuple[float, ...]]:
         """Places of all points that have answers, the best first."""
         order = {
-            place: (self.shortfall(one.judged), -self._worth(place, one.judged))
+            place: (self.shortfall(one.judged), -self._worth(np.array(place), one.judged))
             for place, one in self.tried.items() if one.judged
         }  # fmt: skip
         return sorted(order, key=order.__getitem__)
@@ -240,16 +239,12 @@ class Points:
 
         conditions = sum(aim.kind == "condition" for aim in self.aims)
 
-        def at(shares: Floats) -> tuple[tuple[float, ...], Judged | None]:
-            one = self.ask(shares[None])[0]
-            return tuple(float(v) for v in np.clip(shares, 0.0, 1.0)), one.judged
-
         def cost(shares: Floats) -> float:
-            place, found = at(shares)
-            return -self._worth(place, found) if found else 1.0
+            found = self.ask(shares[None])[0].judged
+            return -self._worth(np.clip(shares, 0.0, 1.0), found) if found else 1.0
 
         def margins(shares: Floats) -> Sequence[float]:
-            _, found = at(shares)
+            found = self.ask(shares[None])[0].judged
             return self._margins(found, "condition") if found else [-1.0] * conditions
 
         held = [NonlinearConstraint(margins, 0.0, np.inf)] if conditions else []
@@ -268,10 +263,10 @@ class Points:
         each = zip(self.aims, found.margins, self.scales, strict=True)
         return [margin / scale for aim, (margin, _), scale in each if aim.kind == kind]
 
-    def _worth(self, place: tuple[float, ...], found: Judged) -> float:
+    def _worth(self, shares: Floats, found: Judged) -> float:
         """Merit of a point: by the goal, or by its nearness to the scene's own."""
         goals = self._margins(found, "goal")
-        return goals[0] if goals else -float(((np.array(place) - self.here) ** 2).sum())
+        return goals[0] if goals else -float(((shares - self.here) ** 2).sum())
 
 
 def search(
