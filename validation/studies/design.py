@@ -368,11 +368,6 @@ class Dependence:
     slopes: tuple[float, ...]
 
     @property
-    def assumed(self) -> bool:
-        """Whether nobody but this project vouches for the parameter."""
-        return self.source.startswith("assumed")
-
-    @property
     def largest(self) -> float:
         """Size of the largest slope."""
         return max(abs(slope) for slope in self.slopes)

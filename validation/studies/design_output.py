@@ -111,7 +111,7 @@ def lines(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> lis
         )
         found.append(
             f"{1e3 * row['length']:>7.4g} mm {1e6 * row['start']:>10.4g} µm {lowest[0]:>11} "
-            f"{lowest[1]:>9} {row['margin']:>14.4g} {row['margin_at']:>6.4g} Hz"
+            f"{lowest[1]:>9} {row['margin']:>14.4g} {row['frequency']:>6.4g} Hz"
         )
     if not result.decided:
         return [*found, "\nThe length is at an end of the range and depends on no parameter."]
@@ -151,19 +151,15 @@ def as_json(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> d
             "margin": result.present[0], "frequency": result.present[1],
         },
         "map": [
-            {
-                "length": row["length"], "start": row["start"],
-                "minimum": row["minimum"] and row["minimum"]._asdict(),
-                "margin": row["margin"], "frequency": row["margin_at"],
-            }
+            {**row, "minimum": row["minimum"] and row["minimum"]._asdict()}
             for row in _length_rows(study, result)
         ],
         "sensitivity": {
             "lengths": [length for length, _ in result.decided],
             "frequencies": [at for _, at in result.decided],
             "parameters": [
-                {"key": row.key, "value": row.text, "source": row.source, "assumed": row.assumed,
-                 "slopes": row.slopes}
+                {"key": row.key, "value": row.text, "source": row.source,
+                 "assumed": row.source.startswith("assumed"), "slopes": row.slopes}
                 for row in rows
             ],
         },
@@ -179,7 +175,7 @@ def _length_rows(study: LengthMap, result: Design) -> list[dict[str, Any]]:
         study.lengths.tolist(), study.displacement[:, 0].tolist(), study.minima,
         margins.tolist(), at.tolist(), strict=True,
     )  # fmt: skip
-    names = ("length", "start", "minimum", "margin", "margin_at")
+    names = ("length", "start", "minimum", "margin", "frequency")
     return [dict(zip(names, row, strict=True)) for row in columns]
 
 

@@ -13,9 +13,9 @@ from tactgen.validation.scene.variation import with_values
 from tactgen.validation.studies import parameter_uncertainty as study
 from tactgen.validation.studies.parameter_uncertainty import (
     SampledNumbers,
-    range_text,
     left_out,
     parameter_uncertainty,
+    range_text,
     targets,
     uncertain_parameters,
     values_and_errors,
