@@ -6,10 +6,11 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import VOLTAGE
-from tactgen.validation.command_line.commands import backbone, design, positions, simulate
+from tactgen.validation.command_line.commands import backbone, positions, simulate
 from tactgen.validation.command_line.commands.common import low_high, values_of
 from tactgen.validation.command_line.study_options import whole_number
 from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed
+from tactgen.validation.studies.whatif.axes import scene_field
 
 #: By name, what reads the option, what it takes and with what result, and what it refuses.
 OPTIONS = {
@@ -41,7 +42,10 @@ OPTIONS = {
         partial(low_high, option="--band", example="10:1000"), {"10 : 20": ["10", "20"]},
         ("10", "10:", ":20", "1:2:3"),
     ),
-    "--lengths": (design._length, {"20 mm": 0.02}, ("20", "0 mm", "20 s")),
+    "--lengths": (
+        partial(scene_field("bimorph.length").read, where="--lengths"), {"20 mm": 0.02},
+        ("20", "0 mm", "20 s"),
+    ),
     "--coil": (
         lambda text: vars(parsed(text, "--coil", (AMPERES, VOLTS)).waveform),
         {"2 V step": {"level": 2.0, "start": 0.0, "stop": float("inf")},
