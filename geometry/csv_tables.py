@@ -35,16 +35,8 @@ def csv_rows(path: str | Path, name: str, remedy: str) -> list[Row]:
     """Lines that are not empty, the header first, each split into stripped cells.
 
     Separated by comma, semicolon or tab, whichever the first line has most of; comments go
-    from ``#`` to the end of the line; a byte order mark is skipped.
-
-    Parameters
-    ----------
-    path : path
-        The file, UTF-8 text.
-    name : str
-        What messages call it.
-    remedy : str
-        What to give instead of a file that cannot be read or is empty.
+    from ``#`` to the end of the line; a byte order mark is skipped.  Messages call the file, UTF-8
+    text, `name`, and `remedy` is what to give instead of one that cannot be read or is empty.
 
     Raises InputError if the file cannot be read, is empty, or a line is not CSV.
     """
@@ -76,22 +68,6 @@ def plain_number(cell: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def check_widths(rows: list[Row], name: str, *, short: bool = False) -> None:
-    """Refuse lines with more cells than the header, such as those of a decimal comma.
-
-    `short` lines, with fewer, are let pass where the last columns are not needed.
-
-    Raises InputError naming the line.
-    """
-    (_, header), *others = rows
-    for number, cells in others:
-        if len(cells) > len(header) or (len(cells) < len(header) and not short):
-            raise InputError(
-                f"{name} line {number} has {len(cells)} cells where the header has {len(header)} "
-                "columns; fill or remove that line, and write decimals with a point"
-            )
-
-
 def _without_comment(line: str) -> str:
     """Line up to the first ``#`` outside quotes."""
     for at, character in enumerate(line):
@@ -119,31 +95,19 @@ def write_csv(path: Path, head: Iterable[str], rows: Iterable[Iterable[Any]]) ->
 _HEADING = re.compile(r"(?P<name>[^()\[\]]*)(?:[(\[](?P<unit>.*)[)\]])?\s*")
 
 
-class Heading(NamedTuple):
-    """A column's name, in small letters with underscores, and its unit, both maybe empty."""
+def heading(text: str) -> tuple[str, str]:
+    """Name, in small letters with underscores, and unit of a column heading.
 
-    name: str
-    unit: str
-
-
-class Column(NamedTuple):
-    """Column: place, factor to SI, quantity."""
-
-    at: int
-    scale: float
-    unit: Unit
-
-
-def heading(text: str) -> Heading:
-    """Name and unit of a column heading; no name if unreadable."""
+    Both may be empty; no name if it is unreadable.
+    """
     parts = _HEADING.fullmatch(text)
     if parts is None:
-        return Heading("", "")
+        return "", ""
     name = parts["name"].strip().lower().replace(" ", "_")
-    return Heading(name, (parts["unit"] or "").strip())
+    return name, (parts["unit"] or "").strip()
 
 
-def scale_to_si(name: str, text: str, unit: Unit, where: str) -> float:
+def _scale_to_si(name: str, text: str, unit: Unit, where: str) -> float:
     """Factor from the unit that a heading states to SI.
 
     Raises InputError if the unit is missing or not one of that kind.
@@ -163,26 +127,17 @@ def scale_to_si(name: str, text: str, unit: Unit, where: str) -> float:
     try:
         return unit.parse(f"1 {text}")
     except ValueError:
-        kind = f"{'an' if unit.kind[0] in 'aeiou' else 'a'} {unit.kind}"
         raise InputError(
-            f'{where}: column "{name}" has the unit {quoted(text)}, which is not that of {kind}; '
-            f'write for example "{name} ({example})"'
+            f'{where}: column "{name}" has the unit {quoted(text)}, which is not that of '
+            f'{unit.a_kind}; write for example "{name} ({example})"'
         ) from None
 
 
-def numbers(rows: list[Row], column: Column, names: list[str], source: str) -> Floats:
-    """Column's numbers in SI units, (rows,).
+def _value(text: str, scale: float, unit: Unit, where: str) -> float:
+    """Cell's number in SI units, `scale` being the factor to them.
 
-    Raises InputError naming line, column and value of the first that is no possible number.
+    Raises InputError if it is no possible number.
     """
-    return np.array([_cell(row, column, names, source) for row in rows])
-
-
-def _cell(row: Row, column: Column, names: list[str], source: str) -> float:
-    line, cells = row
-    at, scale, unit = column
-    text = cells[at] if at < len(cells) else ""
-    where = f"{source} line {line}, column {quoted(names[at])}:"
     if not text:
         raise InputError(f"{where} the cell is empty; fill it or remove the line")
     number = plain_number(text)
@@ -215,28 +170,6 @@ def _read(read: Callable[[Path], Any], path: Path, _changed: int, _size: int) ->
     return read(path)
 
 
-def check_ascending(frequencies: Floats, lines: list[int], source: str) -> None:
-    """Refuse frequencies (n,) in Hz that are not above 0 and ascending.
-
-    Raises InputError naming the line.
-    """
-    for i, f in enumerate(frequencies):
-        if f <= 0.0:
-            raise InputError(
-                f"{source} line {lines[i]}: frequency {f:g} Hz is not above 0; remove the line"
-            )
-        if i and f == frequencies[i - 1]:
-            raise InputError(
-                f"{source} line {lines[i]}: frequency {f:g} Hz repeats that of line {lines[i - 1]};"
-                " keep one of the two, or their mean"
-            )
-        if i and f < frequencies[i - 1]:
-            raise InputError(
-                f"{source} line {lines[i]}: frequency {f:g} Hz follows {frequencies[i - 1]:g} Hz; "
-                "sort the lines by frequency"
-            )
-
-
 class Table(NamedTuple):
     """Numbers of a file in SI units by column name, and the line that each row is on."""
 
@@ -254,31 +187,18 @@ def read_columns(
     remedy: str = "",
     others: bool = False,
 ) -> Table:
-    """Columns of a file by name and unit.
+    """Columns of a CSV file with a header (:func:`csv_rows`), by name and unit.
 
-    Parameters
-    ----------
-    path : path
-        A CSV file with a header; see :func:`tactgen.geometry.csv_tables.csv_rows`.
-    name : str
-        What messages call it.
-    known : dict of str to Unit
-        What a column of each name measures.
-    example : str
-        A header that would do.
-    needed : iterable of str
-        Columns that must be there.
-    remedy : str
-        What to give instead of a file that cannot be read.
-    others : bool
-        Whether other columns are ignored instead of refused.
+    Messages call the file `name`, and name `example`, a header that would do, and `remedy`, what to
+    give instead of a file that cannot be read.  `known` says what a column of each name measures,
+    `needed` which must be there; `others` are ignored, or refused.
 
     Raises InputError in one sentence with file, line, column, value and remedy.
     """
     remedy = remedy or f"give a CSV file with the columns {example}"
     (number, names), *rows = csv_rows(path, name, remedy)
     where = f"{name} line {number}"
-    columns: dict[str, Column] = {}
+    columns: dict[str, tuple[int, float]] = {}  # place, factor to SI
     for at, text in enumerate(names):
         column, unit = heading(text)
         if column not in known:
@@ -290,19 +210,41 @@ def read_columns(
             )
         if column in columns:
             raise InputError(f"{where}: column {quoted(text)} is there twice; keep one of them")
-        columns[column] = Column(at, scale_to_si(column, unit, known[column], where), known[column])
+        columns[column] = at, _scale_to_si(column, unit, known[column], where)
     for column in needed:
         if column not in columns:
             raise InputError(
                 f"{where}: there is no {column} column; name the columns like {example}"
             )
-    check_widths([(number, names), *rows], name, short=others)
-    found = {column: numbers(rows, place, names, name) for column, place in columns.items()}
+    for line, cells in rows:
+        if len(cells) > len(names) or (len(cells) < len(names) and not others):
+            raise InputError(
+                f"{name} line {line} has {len(cells)} cells where the header has {len(names)} "
+                "columns; fill or remove that line, and write decimals with a point"
+            )
+        cells += [""] * (len(names) - len(cells))
+    found: dict[str, Floats] = {}
+    for column, (at, scale) in columns.items():
+        place = f"column {quoted(names[at])}:"
+        found[column] = np.array(
+            [_value(row[at], scale, known[column], f"{name} line {n}, {place}") for n, row in rows]
+        )
     return Table(found, [line for line, _ in rows])
 
 
 def read_table(path: str | Path, name: str, known: Mapping[str, Unit], example: str) -> Table:
     """Columns of a file over ascending frequencies; as :func:`read_columns`, and refused alike."""
     table = read_columns(path, name, known, example, ("frequency",))
-    check_ascending(table.columns["frequency"], table.lines, name)
+    before, line_before = 0.0, 0
+    for f, line in zip(table.columns["frequency"], table.lines, strict=True):
+        if f <= 0.0:
+            wrong = "is not above 0; remove the line"
+        elif f == before:
+            wrong = f"repeats that of line {line_before}; keep one of the two, or their mean"
+        elif f < before:
+            wrong = f"follows {before:g} Hz; sort the lines by frequency"
+        else:
+            before, line_before = f, line
+            continue
+        raise InputError(f"{name} line {line}: frequency {f:g} Hz {wrong}")
     return table

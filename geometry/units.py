@@ -40,7 +40,8 @@ BY_HEART = {
     "pC/N": ("m/V", -12), "m^2/N": ("1/Pa", 0), "ohm": ("ohm", 0), "ohm*m": ("ohm*m", 0),
     "kohm": ("ohm", 3), "Mohm": ("ohm", 6), "m/s^2": ("m/s**2", 0), "F": ("F", 0), "uF": ("F", -6),
     "nF": ("F", -9), "pF": ("F", -12), "H": ("H", 0), "mH": ("H", -3), "T": ("T", 0),
-    "A/m": ("A/m", 0),
+    "A/m": ("A/m", 0), "kV/mm": ("V/m", 6), "mm/kV": ("m/V", -6),
+    "C/m^2": ("C/m**2", 0),
 }  # fmt: skip
 
 #: Units that data sheets mean otherwise than they are defined: no picometre is squared.
@@ -67,12 +68,8 @@ def quoted(value: Any) -> str:
         text = f'"{value}"' if isinstance(value, str) else str(value)
     except (ValueError, RecursionError):  # Python does not write out integers of any length
         text = f"this {type(value).__name__}"
-    plain = "".join(c if c.isprintable() else _escaped(c) for c in text)
+    plain = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
     return plain if len(plain) <= _LONGEST else f"{plain[: _LONGEST - 1]}…"
-
-
-def _escaped(character: str) -> str:
-    return character.encode("unicode_escape").decode("ascii")
 
 
 class SI(float):
@@ -112,8 +109,8 @@ class Unit:
     limits : (float, float) or None
         Smallest and largest magnitude that can be meant here, in SI units, far beyond any
         real device; a value of 0 is judged by the other bounds alone.
-    shown, per_si : str, float
-        Unit in which values are shown to people, and how many of it make one SI unit.
+    shown : str
+        Unit in which values are shown to people, one of `BY_HEART` or ``deg``.
     sinusoid : bool
         Whether it is the amplitude of a sinusoid: the unit may be followed by ``peak``, ``pp``
         (peak to peak) or ``rms``, and the value is the peak.
@@ -127,12 +124,19 @@ class Unit:
     below: float | None = None
     limits: tuple[float, float] | None = None
     shown: str = ""
-    per_si: float = 1.0
     sinusoid: bool = False
 
     @property
-    def _a_kind(self) -> str:
+    def a_kind(self) -> str:
+        """Kind with its article."""
         return f"{'an' if self.kind[0] in 'aeiou' else 'a'} {self.kind}"
+
+    @property
+    def per_si(self) -> float:
+        """Number of units that people see in one SI unit."""
+        if self.shown == "deg":
+            return 180.0 / math.pi
+        return float(f"1e{-BY_HEART[self.shown][1]}")
 
     def show(self, value: float) -> str:
         """SI value as text in the unit that people write it in."""
@@ -147,12 +151,12 @@ class Unit:
         if isinstance(value, str):
             number = self.parse(value)
         elif isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f'is not {self._a_kind}; write for example "{self.example}"')
+            raise ValueError(f'is not {self.a_kind}; write for example "{self.example}"')
         else:
             strict = (info.context or {}).get("units_required") and not isinstance(value, SI)
             if self.si and strict:
                 raise ValueError(
-                    f'has no unit; {self._a_kind} needs one, for example "{self.example}"'
+                    f'has no unit; {self.a_kind} needs one, for example "{self.example}"'
                 )
             try:
                 number = float(value)
@@ -171,7 +175,7 @@ class Unit:
 
         Raises ValueError with a sentence that names the remedy.
         """
-        unreadable = f'cannot be read as {self._a_kind}; write for example "{self.example}"'
+        unreadable = f'cannot be read as {self.a_kind}; write for example "{self.example}"'
         if "±" in text or "+/-" in text:
             raise ValueError(
                 f'has a tolerance, and none is read here; write for example "{self.example}"'
@@ -190,7 +194,7 @@ class Unit:
         if name == "g" and self.si == "m/s**2":  # of accelerations, and not of masses
             name = "standard_gravity"
         if not name and self.si:
-            raise ValueError(f'has no unit; {self._a_kind} needs one, for example "{self.example}"')
+            raise ValueError(f'has no unit; {self.a_kind} needs one, for example "{self.example}"')
         si, power = BY_HEART.get(name) or _MEANT.get(name, ("unknown", 0))
         if si == self.si:
             return float(number.scaleb(power))
@@ -211,7 +215,7 @@ class Unit:
         angle = "radian" in str(registry.get_root_units(unit)[1]) and "rad" not in self.si
         if angle or not unit.is_compatible_with(self.si):
             raise ValueError(
-                f'has the unit "{unit:~}", which is not {self._a_kind}; '
+                f'has the unit "{unit:~}", which is not {self.a_kind}; '
                 f'write for example "{self.example}"'
             )
         zero = float(registry.convert(0.0, unit, self.si))
@@ -228,14 +232,6 @@ class Unit:
         """Refuse a number (SI) that a scene cannot have; ValueError as from a call."""
         self._in_range(number, limited=True)
 
-    def _takes(self, number: float) -> bool:
-        """Whether a number is within the bounds that the quantity has by its nature."""
-        return (
-            (self.above is None or number > self.above)
-            and (self.at_least is None or number >= self.at_least)
-            and (self.below is None or number < self.below)
-        )
-
     def _in_range(self, number: float, *, limited: bool) -> float:
         remedy = f'; write for example "{self.example}"'
         if not math.isfinite(number):
@@ -246,15 +242,12 @@ class Unit:
             raise ValueError(f"must be at least {self.show(self.at_least)}{remedy}")
         if self.below is not None and number >= self.below:
             raise ValueError(f"must be less than {self.show(self.below)}{remedy}")
-        if (
-            limited
-            and self.limits
-            and number
-            and not self.limits[0] <= abs(number) <= self.limits[1]
-        ):
-            low, high = (self.show(limit) for limit in self.limits)
-            zero = "0 or " if self._takes(0.0) else ""
+        least, most = self.limits or (0.0, math.inf)
+        if limited and number and not least <= abs(number) <= most:
+            zero_too = (self.above is None or self.above < 0.0) and (self.at_least or 0.0) <= 0.0
+            zero = "0 or " if zero_too else ""
             size = "a magnitude " if self.at_least is None and self.above is None else ""
+            low, high = self.show(least), self.show(most)
             raise ValueError(f"must be {zero}{size}from {low} to {high}{remedy}")
         return number
 
@@ -267,57 +260,33 @@ def quantity(unit: Unit) -> Any:
 #: Sizes that a part can have: from a film of ten nanometres to a metre.
 _SIZES = (1e-9, 100.0)
 
-Length = quantity(
-    Unit("m", "length", "20 mm", above=0.0, limits=(1e-6, 100.0), shown="mm", per_si=1e3)
-)
-SmallLength = quantity(
-    Unit("m", "length", "0.2 mm", above=0.0, limits=_SIZES, shown="mm", per_si=1e3)
-)
-LengthOrZero = quantity(
-    Unit("m", "length", "2 mm", at_least=0.0, limits=_SIZES, shown="mm", per_si=1e3)
-)
+Length = quantity(Unit("m", "length", "20 mm", above=0.0, limits=(1e-6, 100.0), shown="mm"))
+SmallLength = quantity(Unit("m", "length", "0.2 mm", above=0.0, limits=_SIZES, shown="mm"))
+LengthOrZero = quantity(Unit("m", "length", "2 mm", at_least=0.0, limits=_SIZES, shown="mm"))
 #: Glue between layers: no thicker than the layers of the thickest bimorphs.
 LayerThickness = quantity(
-    Unit(
-        "m", "thickness of glue", "20 um",
-        at_least=0.0, limits=(1e-9, 1e-3), shown="um", per_si=1e6,
-    )
-)  # fmt: skip
+    Unit("m", "thickness of glue", "20 um", at_least=0.0, limits=(1e-9, 1e-3), shown="um")
+)
 #: Over which the pressure of rough surfaces changes: from a polished to a blasted one.
 RoughnessLength = quantity(
-    Unit(
-        "m", "length of roughness", "0.3 um",
-        above=0.0, limits=(1e-10, 1e-3), shown="um", per_si=1e6,
-    )
-)  # fmt: skip
-Position = quantity(Unit("m", "position", "0.3 mm", limits=_SIZES, shown="mm", per_si=1e3))
+    Unit("m", "length of roughness", "0.3 um", above=0.0, limits=(1e-10, 1e-3), shown="um")
+)
+Position = quantity(Unit("m", "position", "0.3 mm", limits=_SIZES, shown="mm"))
 Density = quantity(
     Unit("kg/m**3", "density", "7900 kg/m^3", above=0.0, limits=(1.0, 1e5), shown="kg/m^3")
 )
-Modulus = quantity(
-    Unit("Pa", "modulus", "140 GPa", above=0.0, limits=(1e4, 1e13), shown="GPa", per_si=1e-9)
-)
+Modulus = quantity(Unit("Pa", "modulus", "140 GPa", above=0.0, limits=(1e4, 1e13), shown="GPa"))
 Compliance = quantity(
-    Unit(
-        "1/Pa", "elastic compliance", "15.8e-12 m^2/N",
-        above=0.0, limits=(1e-13, 1e-4), shown="m^2/N",
-    )
+    Unit("1/Pa", "elastic compliance", "15.8e-12 m^2/N", above=0.0, limits=(1e-13, 1e-4),
+         shown="m^2/N")
 )  # fmt: skip
 PiezoConstant = quantity(
-    Unit(
-        "m/V", "piezoelectric constant", "-385 pC/N",
-        limits=(1e-18, 1e-6), shown="pC/N", per_si=1e12,
-    )
-)  # fmt: skip
-Stress = quantity(
-    Unit("Pa", "stress", "28 MPa", above=0.0, limits=(1.0, 1e12), shown="MPa", per_si=1e-6)
+    Unit("m/V", "piezoelectric constant", "-385 pC/N", limits=(1e-18, 1e-6), shown="pC/N")
 )
+Stress = quantity(Unit("Pa", "stress", "28 MPa", above=0.0, limits=(1.0, 1e12), shown="MPa"))
 ElectricField = quantity(
-    Unit(
-        "V/m", "electric field", "0.4 kV/mm",
-        above=0.0, limits=(1.0, 1e12), shown="kV/mm", per_si=1e-6,
-    )
-)  # fmt: skip
+    Unit("V/m", "electric field", "0.4 kV/mm", above=0.0, limits=(1.0, 1e12), shown="kV/mm")
+)
 HeatTransfer = quantity(
     Unit("W/(m**2*K)", "heat transfer coefficient", "25 W/(m^2*K)", above=0.0, limits=(1e-3, 1e6))
 )
@@ -326,42 +295,33 @@ RotationalStiffness = quantity(
 )
 LateralStiffness = quantity(Unit("N/m", "stiffness", "3e6 N/m", at_least=0.0, limits=(1e-6, 1e15)))
 RotationalDamping = quantity(
-    Unit(
-        "N*m*s/rad", "rotational damping", "4.46e-6 N*m*s/rad",
-        at_least=0.0, limits=(1e-18, 1e3),
-    )
-)  # fmt: skip
+    Unit("N*m*s/rad", "rotational damping", "4.46e-6 N*m*s/rad", at_least=0.0, limits=(1e-18, 1e3))
+)
 LateralDamping = quantity(
     Unit("N*s/m", "damping coefficient", "0.5 N*s/m", at_least=0.0, limits=(1e-12, 1e9))
 )
 RotationalInertia = quantity(
-    Unit(
-        "kg*m**2", "rotational inertia", "1e-12 kg*m^2",
-        at_least=0.0, limits=(1e-24, 1.0), shown="kg*m^2",
-    )
+    Unit("kg*m**2", "rotational inertia", "1e-12 kg*m^2", at_least=0.0, limits=(1e-24, 1.0),
+         shown="kg*m^2")
 )  # fmt: skip
-Mass = quantity(
-    Unit("kg", "mass", "10 mg", at_least=0.0, limits=(1e-15, 1e3), shown="mg", per_si=1e6)
-)
+Mass = quantity(Unit("kg", "mass", "10 mg", at_least=0.0, limits=(1e-15, 1e3), shown="mg"))
 VOLTAGE = Unit("V", "voltage", "50 V", limits=(1e-12, 1e6), sinusoid=True)
 Voltage = quantity(VOLTAGE)
-CURRENT = Unit("A", "current", "130 mA", limits=(1e-12, 1e4), shown="mA", per_si=1e3)
+CURRENT = Unit("A", "current", "130 mA", limits=(1e-12, 1e4), shown="mA")
 Current = quantity(CURRENT)
-Force = quantity(
-    Unit("N", "force", "110 mN", at_least=0.0, limits=(1e-9, 1e4), shown="mN", per_si=1e3)
-)
+Force = quantity(Unit("N", "force", "110 mN", at_least=0.0, limits=(1e-9, 1e4), shown="mN"))
 ForceAmplitude = quantity(Unit("N", "force", "1 N", limits=(1e-12, 1e6), sinusoid=True))
 Acceleration = quantity(
     Unit("m/s**2", "acceleration", "1 g", limits=(1e-9, 1e7), shown="m/s^2", sinusoid=True)
 )
 Capacitance = quantity(
-    Unit("F", "capacitance", "10 nF", at_least=0.0, limits=(1e-18, 1e3), shown="nF", per_si=1e9)
+    Unit("F", "capacitance", "10 nF", at_least=0.0, limits=(1e-18, 1e3), shown="nF")
 )
 Inductance = quantity(
-    Unit("H", "inductance", "10 mH", at_least=0.0, limits=(1e-12, 1e9), shown="mH", per_si=1e3)
+    Unit("H", "inductance", "10 mH", at_least=0.0, limits=(1e-12, 1e9), shown="mH")
 )
 ElectricalResistance = quantity(
-    Unit("ohm", "resistance", "100 kohm", at_least=0.0, limits=(1e-9, 1e15), shown="ohm")
+    Unit("ohm", "resistance", "100 kohm", at_least=0.0, limits=(1e-9, 1e15))
 )
 Resistivity = quantity(
     Unit("ohm*m", "resistivity", "1.72e-8 ohm*m", above=0.0, limits=(1e-9, 1e-4))
@@ -370,11 +330,9 @@ Temperature = quantity(Unit("K", "temperature", "20 degC", above=0.0, limits=(1.
 FillFactor = quantity(Unit("", "share", "0.5", above=0.0, below=1.0))
 Duration = quantity(Unit("s", "time", "600 s", above=0.0, limits=(0.1, 1e6)))
 RelaxationTime = quantity(
-    Unit("s", "relaxation time", "20 us", at_least=0.0, limits=(1e-12, 1.0), shown="us", per_si=1e6)
+    Unit("s", "relaxation time", "20 us", at_least=0.0, limits=(1e-12, 1.0), shown="us")
 )
-Resistance = quantity(
-    Unit("ohm", "resistance", "10 ohm", at_least=0.0, limits=(1e-9, 1e9), shown="ohm")
-)
+Resistance = quantity(Unit("ohm", "resistance", "10 ohm", at_least=0.0, limits=(1e-9, 1e9)))
 #: Mechanical impedance: force per velocity.
 IMPEDANCE = Unit("N*s/m", "mechanical impedance", "0.5 N s/m", limits=(0.0, 1e9))
 #: Force per displacement, of either sign: a mass pulls.
@@ -386,9 +344,7 @@ DYNAMIC_ROTATION = Unit(
 #: Of a motion that is felt: from below what anyone feels to what hurts.
 AMPLITUDE = Unit("m", "displacement", "2 um", above=0.0, limits=(1e-12, 1.0))
 PHASE = Unit("rad", "phase", "30 deg", limits=(0.0, 1e4))
-Angle = quantity(
-    Unit("rad", "angle", "45 deg", limits=(1e-6, 10.0), shown="deg", per_si=180.0 / math.pi)
-)
+Angle = quantity(Unit("rad", "angle", "45 deg", limits=(1e-6, 10.0), shown="deg"))
 #: Up to where waves in the device are shorter than 0.1 mm.
 FREQUENCY = Unit("Hz", "frequency", "500 Hz", at_least=0.0, limits=(1e-6, 1e7))
 RelativePermittivity = quantity(
@@ -402,7 +358,7 @@ QualityFactor = quantity(Unit("", "quality factor", "60", above=0.0, limits=(0.1
 #: Relative growth of a constant per amplitude of the electric field.
 FieldGrowth = quantity(
     Unit("m/V", "growth per electric field", "2 mm/kV", at_least=0.0, limits=(1e-12, 1e-3),
-         shown="mm/kV", per_si=1e6)
+         shown="mm/kV")
 )  # fmt: skip
 LossTangent = quantity(Unit("", "loss tangent", "0.03", at_least=0.0, limits=(1e-12, 10.0)))
 LossFactor = quantity(Unit("", "loss factor", "0.02", at_least=0.0, limits=(1e-9, 2.0)))

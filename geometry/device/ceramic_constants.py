@@ -127,8 +127,8 @@ class _Kind(NamedTuple):
 def _kinds() -> Iterator[tuple[str, _Kind]]:
     """Every constant that can be stated, by name."""
     compliance = Unit("1/Pa", "elastic compliance", "16.4e-12 m^2/N", shown="m^2/N")
-    stiffness = Unit("Pa", "stiffness", "127 GPa", shown="GPa", per_si=1e-9)
-    strain = Unit("m/V", "piezoelectric constant", "-171 pC/N", shown="pC/N", per_si=1e12)
+    stiffness = Unit("Pa", "stiffness", "127 GPa", shown="GPa")
+    strain = Unit("m/V", "piezoelectric constant", "-171 pC/N", shown="pC/N")
     stress = Unit("C/m**2", "piezoelectric constant", "-6.62 C/m^2", shown="C/m^2")
     voltage = Unit("V*m/N", "piezoelectric constant", "-11e-3 V*m/N", shown="V*m/N")
     permittivity = Unit("", "relative permittivity", "1700", at_least=1.0)
@@ -149,7 +149,7 @@ def _kinds() -> Iterator[tuple[str, _Kind]]:
         at = f"{i + 1}{i + 1}"
         yield f"eps{at}", _Kind(permittivity, _entry("eps_t", i, i, EPS0))
         yield f"eps{at}S", _Kind(permittivity, _entry("eps_s", i, i, EPS0))
-        modulus = Unit("Pa", "modulus", "61 GPa", above=0.0, shown="GPa", per_si=1e-9)
+        modulus = Unit("Pa", "modulus", "61 GPa", above=0.0, shown="GPa")
         yield f"Y{at}", _Kind(modulus, _modulus(i))
     for name, directions in (("bar", 1), ("f", 2)):
         yield f"e31{name}", _Kind(stress, partial(_held_e31, directions))

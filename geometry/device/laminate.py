@@ -31,11 +31,11 @@ from tactgen.geometry.units import NUMBER, Unit, quantity, quoted
 
 _EXAMPLE = "brass 0.2 mm; PZT-5A 0.26 mm +x"
 _REMEDY = f'write for example "{_EXAMPLE}"'
-_THICKNESS = Unit("m", "thickness", "0.2 mm", above=0.0, limits=(1e-9, 0.1), shown="mm", per_si=1e3)
-_WIDTH = Unit("m", "width", "5 mm", above=0.0, limits=(1e-6, 1.0), shown="mm", per_si=1e3)
-_PLACE = Unit("m", "length", "5 mm", at_least=0.0, limits=(0.0, 1.0), shown="mm", per_si=1e3)
+_THICKNESS = Unit("m", "thickness", "0.2 mm", above=0.0, limits=(1e-9, 0.1), shown="mm")
+_WIDTH = Unit("m", "width", "5 mm", above=0.0, limits=(1e-6, 1.0), shown="mm")
+_PLACE = Unit("m", "length", "5 mm", at_least=0.0, limits=(0.0, 1.0), shown="mm")
 _END = replace(_PLACE, at_least=None, above=0.0)
-_PITCH = Unit("m", "pitch", "0.5 mm", above=0.0, limits=(1e-6, 0.1), shown="mm", per_si=1e3)
+_PITCH = Unit("m", "pitch", "0.5 mm", above=0.0, limits=(1e-6, 0.1), shown="mm")
 #: Sizes of a layer by the last part of their scene keys.
 SIZES = {
     "thickness": _THICKNESS, "width": _WIDTH, "pitch": _PITCH, "start": _PLACE, "end": _END,

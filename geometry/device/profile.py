@@ -19,8 +19,8 @@ from tactgen.geometry.units import Unit
 
 _EXAMPLE = "0 mm: 2.1 mm, 20 mm: 1 mm"
 _LIMITS = (1e-9, 100.0)
-_POSITION = Unit("m", "position", "10 mm", at_least=0.0, limits=_LIMITS, shown="mm", per_si=1e3)
-_VALUE = Unit("m", "dimension", "2.1 mm", above=0.0, limits=_LIMITS, shown="mm", per_si=1e3)
+_POSITION = Unit("m", "position", "10 mm", at_least=0.0, limits=_LIMITS, shown="mm")
+_VALUE = Unit("m", "dimension", "2.1 mm", above=0.0, limits=_LIMITS, shown="mm")
 #: What a scene writes for no profile.
 _NONE = "uniform"
 #: A profile that ends this close (relative) to the ceramic's edge ends there: input is rounded.

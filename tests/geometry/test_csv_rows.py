@@ -4,8 +4,9 @@ import os
 
 import pytest
 
-from tactgen.geometry.csv_tables import check_widths, csv_rows, heading, plain_number
+from tactgen.geometry.csv_tables import csv_rows, heading, plain_number, read_columns
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.units import Unit
 
 
 @pytest.mark.parametrize(
@@ -21,17 +22,20 @@ def test_numbers_are_those_that_other_programs_write(cell, value):
 
 def test_lines_wider_than_the_header_are_refused(tmp_path):
     """A decimal comma makes two cells of one; fewer cells pass only where that is allowed."""
-    path = tmp_path / "a.csv"
-    path.write_text("a,b\n0,0\n1,5,100,2\n")
-    rows = csv_rows(path, "a.csv", "mend it")
-    for short in (False, True):
+    path, known = tmp_path / "a.csv", {"a": Unit("", "number", "1")}
+
+    def read(text, *, others):
+        path.write_text(text)
+        return read_columns(path, "a.csv", known, "a", ("a",), others=others)
+
+    for header in ("a,b", "b,a"):
         with pytest.raises(InputError, match=r"line 3 has 4 cells .* header has 2 .*; fill"):
-            check_widths(rows, "a.csv", short=short)
-    path.write_text("a,b\n0\n")
-    rows = csv_rows(path, "a.csv", "mend it")
-    check_widths(rows, "a.csv", short=True)
-    with pytest.raises(InputError, match="has 1 cells"):
-        check_widths(rows, "a.csv")
+            read(f"{header}\n0,0\n1,5,100,2\n", others=True)
+    assert read("a,b\n0\n", others=True).columns["a"].tolist() == [0.0]
+    with pytest.raises(InputError, match="the cell is empty"):
+        read("b,a\n0\n", others=True)
+    with pytest.raises(InputError, match="has 2 cells"):
+        read("a\n0,1\n", others=False)
 
 
 def test_what_is_no_file_is_not_read(tmp_path):

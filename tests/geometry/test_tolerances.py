@@ -7,7 +7,7 @@ import pytest
 from tactgen.geometry.units import Unit
 from tactgen.validation.scene.tolerances import has_tolerance, read_tolerance
 
-LENGTH = Unit("m", "length", "0.2 mm", above=0.0, limits=(1e-9, 1.0), shown="mm", per_si=1e3)
+LENGTH = Unit("m", "length", "0.2 mm", above=0.0, limits=(1e-9, 1.0), shown="mm")
 Q = Unit("", "quality factor", "60", above=0.0, limits=(0.1, 1e9))
 TEMPERATURE = Unit("K", "temperature", "20 degC", above=0.0, limits=(1.0, 2000.0))
 HEAT = Unit("W/(m**2*K)", "heat transfer coefficient", "25 W/(m^2*K)", above=0.0)

@@ -81,7 +81,7 @@ def read_measured(path: str | Path) -> MeasuredCurve:
     (number, header), *_ = csv_rows(
         path, source, f"give a CSV file with columns such as {_EXAMPLE}"
     )
-    kind = _only_curve([heading(cell).name for cell in header], f"{source} line {number}")
+    kind = _only_curve([heading(cell)[0] for cell in header], f"{source} line {number}")
     data, lines = read_table(path, source, _units(kind), _EXAMPLE)
     if not 2 <= len(lines) <= _MOST:
         raise InputError(
