@@ -14,10 +14,9 @@ import os
 import re
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import NotWritten, special, written_whole
@@ -58,22 +57,12 @@ def cached_result(
     serves: Callable[[T], bool] = lambda _: True,
     announce: Callable[[str], None] = lambda _: None,
 ) -> T:
-    """Result of `work`, cached in the store.
+    """Result of `work`, a storable value (:mod:`geometry.store.values`), cached in the store.
 
-    Parameters
-    ----------
-    kind : str
-        What it is, for people: the store is listed by it.
-    inputs : tuple
-        All that the value depends on, plain values (:func:`fingerprint`).
-    made_of : tuple of str
-        Modules and packages that compute it; what they import counts as well.
-    work : callable
-        Gives a storable value (:mod:`geometry.store.values`).
-    serves : callable
-        Whether a stored value will do; one that will not is replaced.
-    announce : callable
-        Called when another process is at it and this one waits.
+    `kind` says for people what it is: the store is listed by it.  It goes by all `inputs` that it
+    depends on, plain values (:func:`fingerprint`), and by the modules and packages that it is
+    `made_of`, with all that they import.  A stored value that does not serve is replaced; when
+    another process is at it and this one waits, that is announced.
 
     Raises LookupError if a module named has no source.
     """
@@ -94,7 +83,7 @@ def stored_result(
     made_of: tuple[str, ...],
     serves: Callable[[T], bool] = lambda _: True,
 ) -> T | None:
-    """Cached result of :func:`kept`, or None."""
+    """Cached result of :func:`cached_result`, or None."""
     found = _recalled(_place(kind, inputs, made_of), serves)
     return found[0] if found is not None else None
 
@@ -136,9 +125,8 @@ def _keep(path: Path, value: object) -> None:
         _make_room(limit, len(content), path)
         write_entry(path, content)
     except (OSError, InputError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        if isinstance(error, NotWritten):
-            reason = error.reason
+        own = error.reason if isinstance(error, NotWritten) else getattr(error, "strerror", None)
+        reason = own or str(error)
         _say_once(
             f"results are not kept for the next run ({reason}); set TACTGEN_CACHE to a folder that "
             "can be written and has room",
@@ -194,12 +182,8 @@ def write_entry(path: Path, content: bytes) -> None:
 def read_entry(path: Path) -> Any:
     """Value of a file, whose name without suffix is also written in it.
 
-    Raises
-    ------
-    FileNotFoundError
-        If there is none.
-    Damaged
-        If it cannot be read or is not what was written under this name.
+    Raises FileNotFoundError if there is none, Damaged if it cannot be read or is not what was
+    written under this name.
     """
     try:
         descriptor = os.open(path, READ)
@@ -209,13 +193,13 @@ def read_entry(path: Path) -> Any:
         raise FileNotFoundError(path) from None
     except OSError as error:
         raise Damaged((error.strerror or str(error)).lower()) from error
-    head, rest = content[: len(MAGIC)], content[len(MAGIC) :]
-    if head != MAGIC:
+    if not content.startswith(MAGIC):
         raise Damaged("no file of this version of the store")
-    if hashlib.sha256(rest[_CHECKSUM:]).digest() != rest[:_CHECKSUM]:
+    checksum, rest = content[len(MAGIC) :][:_CHECKSUM], content[len(MAGIC) + _CHECKSUM :]
+    if hashlib.sha256(rest).digest() != checksum:
         raise Damaged("its checksum is another")
     try:
-        name, value = from_bytes(rest[_CHECKSUM:])
+        name, value = from_bytes(rest)
     except (ValueError, TypeError) as error:
         raise Damaged(f"not what is stored here: {error}") from error
     if name != path.name.removesuffix(SUFFIX):
@@ -304,8 +288,7 @@ def size_limit() -> int:
     return int(float(found[1]) * _UNITS[found[2]])
 
 
-@dataclass(frozen=True)
-class Holding:
+class Holding(NamedTuple):
     """Number and bytes of stored entries of a kind."""
 
     entries: int

@@ -7,7 +7,6 @@ arrays.  Reading builds these and runs nothing that a file names.
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import json
 import re
 from dataclasses import fields, is_dataclass
@@ -41,8 +40,20 @@ def to_bytes(value: object) -> bytes:
 
     Raises TypeError if something in it is not storable: a defect of the program.
     """
+    return _as_bytes(value, any_class=False)
+
+
+def fingerprint(*values: object) -> str:
+    """Hash of the content of values: those that can be stored, and dataclasses that cannot.
+
+    Raises TypeError if something in them is of another kind, whose content cannot be told.
+    """
+    return hashlib.sha256(_as_bytes(values, any_class=True)).hexdigest()[:32]
+
+
+def _as_bytes(value: object, *, any_class: bool) -> bytes:
     arrays: list[NDArray[Any]] = []
-    tree = _described(value, arrays)
+    tree = _described(value, arrays, any_class=any_class)
     kinds = [[array.dtype.str, list(array.shape)] for array in arrays]
     text = json.dumps([tree, kinds]).encode()
     return b"".join([len(text).to_bytes(_LENGTH, "little"), text, *(a.tobytes() for a in arrays)])
@@ -72,27 +83,30 @@ def from_bytes(content: bytes) -> Any:
         raise ValueError(str(error)) from error
 
 
-def _described(value: Any, arrays: list[NDArray[Any]]) -> Any:
+def _described(value: Any, arrays: list[NDArray[Any]], *, any_class: bool) -> Any:
     """JSON values: plain ones as they are, all others as [kind, ...]."""
-    if value is None or type(value) in (bool, int, float, str):
+
+    def described(part: Any) -> Any:
+        return _described(part, arrays, any_class=any_class)
+
+    kind = type(value)
+    if value is None or kind in (bool, int, float, str):
         return value
     if isinstance(value, np.ndarray | np.generic):
         if value.dtype.kind not in _KINDS or value.dtype in (np.longdouble, np.clongdouble):
             raise TypeError(f"an array of {value.dtype} cannot be stored")
         arrays.append(np.asarray(value))
         return ["array" if isinstance(value, np.ndarray) else "number", len(arrays) - 1]
-    if type(value) is complex:
+    if kind is complex:
         return ["complex", value.real, value.imag]
-    if type(value) in (tuple, list):
-        return [type(value).__name__, *(_described(item, arrays) for item in value)]
-    if type(value) is dict:
-        return ["dict", *([_described(part, arrays) for part in item] for item in value.items())]
-    name = type(value).__name__
-    kind = _STORABLE.get(name)
-    if kind is not type(value):
-        raise TypeError(f"{name} is not declared storable")
-    parts = {f.name: _described(getattr(value, f.name), arrays) for f in fields(kind) if f.init}
-    return ["object", name, parts]
+    if kind in (tuple, list):
+        return [kind.__name__, *map(described, value)]
+    if kind is dict:
+        return ["dict", *(list(map(described, item)) for item in value.items())]
+    if not (is_dataclass(kind) if any_class else _STORABLE.get(kind.__name__) is kind):
+        raise TypeError(f"{kind.__name__} cannot be stored, nor be part of a key")
+    parts = {f.name: described(getattr(value, f.name)) for f in fields(kind) if f.init}
+    return ["object", kind.__name__, parts]
 
 
 def _built(tree: Any, arrays: list[NDArray[Any]]) -> Any:
@@ -119,50 +133,11 @@ def _built(tree: Any, arrays: list[NDArray[Any]]) -> Any:
     raise ValueError(f"unknown kind of value {what}")
 
 
-def fingerprint(*values: object) -> str:
-    """Hash of the content of values.
-
-    Of dataclasses (any), tuples, lists, dicts, text, numbers and arrays.
-
-    Raises TypeError if something in them is of another kind, whose content cannot be told.
-    """
-    parts: list[bytes] = []
-    _gather(values, parts)
-    return hashlib.sha256(b"".join(part + b"\0" for part in parts)).hexdigest()[:32]
-
-
-def _gather(value: object, parts: list[bytes]) -> None:
-    """Append the content of a value to a list."""
-    if value is None or isinstance(value, bool | int | float | complex | str):
-        parts.append(repr(value).encode())
-    elif isinstance(value, np.ndarray):
-        parts.append(repr((value.dtype.str, value.shape)).encode())
-        parts.append(np.ascontiguousarray(value).tobytes())
-    elif is_dataclass(value) and not isinstance(value, type):
-        parts.append(type(value).__name__.encode())
-        for name in _field_names(type(value)):
-            parts.append(name.encode())
-            _gather(getattr(value, name), parts)
-        parts.append(b")")
-    elif isinstance(value, tuple | list | dict):
-        parts.append(type(value).__name__.encode())
-        for item in value.items() if isinstance(value, dict) else value:
-            _gather(item, parts)
-        parts.append(b")")
-    else:
-        raise TypeError(f"{type(value).__name__} cannot be part of a key")
-
-
-@cache
-def _field_names(kind: Any) -> tuple[str, ...]:
-    return tuple(field.name for field in fields(kind))
-
-
-#: The project's packages, and the package that holds them, if any.
-_PACKAGES = frozenset({"geometry", "tmm", "fem", "validation"})
-_HOLDER = __name__.removesuffix("geometry.store.values")
+#: Folder of the package, by whose name all imports of its modules begin.
+_ROOT = Path(__file__).parents[2]
 _IMPORT = re.compile(
-    r"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]+))",
+    r"^[ \t]*(?:from[ \t]+(tactgen[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)"
+    r"|import[ \t]+(tactgen[\w.]*))",
     re.MULTILINE,
 )
 
@@ -189,31 +164,20 @@ def _read(file: Path) -> tuple[str, tuple[Path, ...]]:
     """Hash of a file and the project's files that it imports: code that runs is fixed."""
     content = file.read_bytes()
     names: set[str] = set()
-    for package, members, modules in _IMPORT.findall(content.decode()):
-        if package.partition(".")[0] in (*_PACKAGES, _HOLDER[:-1]):
-            # of `from a import b` both a and a.b
-            inner = re.findall(r"(\w+)(?:[ \t]+as[ \t]+\w+)?", re.sub(r"#.*", "", members))
-            names |= {f"{package}.{name}" for name in inner}
-        names |= set(re.findall(r"[\w.]+", modules))
+    for package, members, module in _IMPORT.findall(content.decode()):
+        # of `from a import b` both a and a.b
+        inner = re.findall(r"(\w+)(?:[ \t]+as[ \t]+\w+)?", re.sub(r"#.*", "", members))
+        names |= {module} if module else {f"{package}.{name}" for name in inner}
     files = {each for name in names for each in _imported(name)}
     return hashlib.sha256(content).hexdigest(), tuple(sorted(files))
 
 
 @cache
-def _place(package: str) -> Path:
-    """Folder of one of the project's packages."""
-    spec = importlib.util.find_spec(_HOLDER + package)
-    if spec is None or not spec.submodule_search_locations:
-        raise LookupError(f"package {package} has no folder")
-    return Path(next(iter(spec.submodule_search_locations)))
-
-
-@cache
 def _source(name: str) -> Path | None:
-    """File of a module or package, None if it is not one of the project's."""
-    above, _, own = name.removeprefix(_HOLDER).rpartition(".")
+    """File of one of the project's modules or packages, None of any other name."""
+    above, _, own = name.rpartition(".")
     if not above:
-        return _place(own) / "__init__.py" if own in _PACKAGES else None
+        return _ROOT / "__init__.py" if own == "tactgen" else None
     package = _source(above)
     if package is None or package.name != "__init__.py":  # a name in a module: most are
         return None
@@ -233,5 +197,5 @@ def _files_of(name: str) -> list[Path]:
 def _imported(name: str) -> tuple[Path, ...]:
     """Files that an import of a dotted name runs: itself, and packages above it."""
     parts = name.split(".")
-    above = (".".join(parts[: n + 1]) for n in range(len(parts)))
+    above = (".".join(parts[: n + 1]) for n in range(1, len(parts)))
     return tuple(file for each in above if (file := _source(each)) is not None)
