@@ -14,7 +14,7 @@ from skfem.element.element_hcurl import ElementHcurl
 from skfem.refdom import RefTet
 
 from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh, find_rows
 
 #: VTK's eight corners in scikit-fem's order.
 _HEX_ORDER = [0, 4, 3, 1, 7, 5, 2, 6]
@@ -43,7 +43,7 @@ def to_skfem(mesh: Mesh) -> Any:
     named = plain.with_subdomains({r: mesh.cells_of(r) for r in mesh.regions}).with_boundaries(
         {name: _facets(plain, renumber[faces]) for name, faces in mesh.faces.items()}
     )
-    return _curved(named, mesh) if mesh.kind == "tetra10" else named
+    return _curved(named, mesh, cells.reshape(-1, 4)) if mesh.kind == "tetra10" else named
 
 
 def _facets(plain: Any, faces: Ints) -> Ints:
@@ -51,46 +51,25 @@ def _facets(plain: Any, faces: Ints) -> Ints:
     if faces.size == 0:
         return np.zeros(0, dtype=np.int64)
     facets = np.sort(plain.facets, axis=0).T
-    wanted = np.sort(faces, axis=1)
-    kind = np.dtype((np.void, facets.dtype.itemsize * facets.shape[1]))
-    keys = np.ascontiguousarray(facets).view(kind).ravel()
-    order = np.argsort(keys)
-    look = np.ascontiguousarray(wanted.astype(facets.dtype)).view(kind).ravel()
-    at = order[np.searchsorted(keys, look, sorter=order)]
-    if not np.array_equal(facets[at], wanted):
+    at = find_rows(faces, facets)
+    if not np.array_equal(facets[at], np.sort(faces, axis=1)):
         raise ValueError("a named face is not a face of the mesh")
-    return np.asarray(at, dtype=np.int64)
+    return at
 
 
-def _curved(named: Any, mesh: Mesh) -> Any:
-    """Give a tetrahedral mesh its mid-edge nodes (VTK order: 01 12 02 03 13 23)."""
+def _curved(named: Any, mesh: Mesh, corners: Ints) -> Any:
+    """Give a tetrahedral mesh its mid-edge nodes; `corners` (n, 4) are those of its cells."""
     from dataclasses import replace
 
     from skfem import MeshTet2
 
     quadratic = MeshTet2.from_mesh(named)
-    pairs = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
     points = quadratic.doflocs.copy()
-    dofs = quadratic.dofs.element_dofs
-    _, flat = np.unique(mesh.cells[:, :4], return_inverse=True)
-    cells = flat.reshape(-1, 4)
-    for middle, (a, b) in enumerate(pairs, start=4):
-        vtk_middle = mesh.points[mesh.cells[:, middle]]
-        # scikit-fem may have permuted the corners of an element: find the edge by its ends
-        where = _edge_dof(quadratic, dofs, cells[:, a], cells[:, b])
-        points[:, where] = vtk_middle.T
+    # scikit-fem may have permuted the corners of an element: find an edge by its ends
+    edges = find_rows(corners[:, TET_EDGES].reshape(-1, 2), np.sort(named.edges, axis=0).T)
+    points[:, quadratic.dofs.edge_dofs[0, edges]] = mesh.points[mesh.cells[:, 4:].ravel()].T
     curved = replace(quadratic, doflocs=points)
     return curved.with_subdomains(named.subdomains).with_boundaries(named.boundaries)
-
-
-def _edge_dof(quadratic: Any, dofs: Ints, a: Ints, b: Ints) -> Ints:
-    """Mid-edge dof between global vertices a and b of each element."""
-    found = np.full(a.size, -1, dtype=np.int64)
-    for local, (i, j) in enumerate(quadratic.elem.refdom.edges):
-        ends = np.sort(quadratic.t[[i, j]], axis=0)
-        match = (ends[0] == np.minimum(a, b)) & (ends[1] == np.maximum(a, b))
-        found[match] = dofs[4 + local, match]
-    return found
 
 
 #: Barycentric coordinate that three corners share, and weight (N. J. Walkington, Quadrature

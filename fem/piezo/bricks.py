@@ -281,6 +281,8 @@ def assemble_bricks(
     ----------
     motion : {"bending_x", "bending_y", "torsion", "axial"}
         Only the first takes part in what the ports do.
+    uniform_field : bool
+        Let the potential be linear through each layer, as beam theories have it.
 
     The others are those of :func:`fem.piezo.solid.assemble`.
     """

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tactgen.fem.piezo.brick_error import MotionEstimator
 from tactgen.fem.piezo.port_model import PortModel, extremes, motions, standard_ends, undamped_modes
 from tactgen.fem.piezo.ports import SEEN, SOURCE
 from tactgen.fem.piezo.symmetry import PORTS
-from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
+from tactgen.fem.piezo.system import SolidSystem
 from tactgen.fem.solvers.linear_solver import Factor, wide_product
 from tactgen.geometry.arrays import Bools, Complex, Floats, Numbers, Sparse
 from tactgen.geometry.store.values import storable
@@ -176,7 +177,7 @@ def _extended(basis: Floats, block: Complex) -> Floats:
 _SIGNS = np.array([1.0, 1.0, 1.0, 1.0, -1.0, 1.0])
 
 
-def missing_products(states: Numbers, surplus: EstimatorSpace) -> Numbers:
+def missing_products(states: Numbers, surplus: MotionEstimator) -> Numbers:
     """Products r_iᵀ K_w⁻¹ r_j (2, m, m) of displacements, of potentials; m = 2 k + 6 + t.
 
     Of K x and of M x of every unknown of a reduced solid, then of the t functionals that see it.
@@ -185,7 +186,7 @@ def missing_products(states: Numbers, surplus: EstimatorSpace) -> Numbers:
     ----------
     states : (n, k + 3) array, complex if the solid has losses
         What the solid's unknowns are per unknown of the reduced one.
-    surplus : EstimatorSpace
+    surplus : MotionEstimator
         The functions that the solid lacks, with the losses that it has.
     """
     return np.stack(surplus.products(np.hstack([*surplus.residuals(states), surplus.seen])))
@@ -270,7 +271,7 @@ def reduce_to_ports(
     frequencies: Floats,
     *,
     tolerance: float = 1e-6,
-    surplus: EstimatorSpace | None = None,
+    surplus: MotionEstimator | None = None,
 ) -> ReducedSolid:
     """Project a solid on a rational Krylov basis that serves a range of frequencies.
 
@@ -285,7 +286,7 @@ def reduce_to_ports(
         frequencies and, with losses, at every peak and dip between the lowest and highest.
         Shifts are added at the worst frequency until it holds or six are used; what was
         reached stays available as the estimate.
-    surplus : EstimatorSpace, optional
+    surplus : MotionEstimator, optional
         Functions that the solid lacks, to judge it by.
 
     Notes

@@ -140,8 +140,8 @@ class ModalModel:
     energy: Floats  #: (k + 2, k + 2) Nodal mass, for the share of a class in the energy
     motion: Motion  #: The motions that the solid can make
     #: (2, 2 k + 7, 2 k + 7) Products r_iᵀ K⁻¹ r_j of the residuals that functions the mesh lacks
-    #: (:class:`fem.piezo.system.EstimatorSpace`) have with K x and with M x of the unknowns, with
-    #: the charge and with both motions of the tip: of displacements, and of potentials
+    #: (:class:`fem.piezo.brick_error.MotionEstimator`) have with K x and with M x of the unknowns,
+    #: with the charge and with both motions of the tip: of displacements, and of potentials
     surplus: Floats | None = None
     missing: Floats | None = None  #: (2 k + 7, 2 k + 7) Those of them that the modes are moved by
 

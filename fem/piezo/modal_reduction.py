@@ -16,8 +16,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from tactgen.fem.piezo.brick_error import MotionEstimator
 from tactgen.fem.piezo.modal_model import ModalModel, section_motions
-from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
+from tactgen.fem.piezo.system import SolidSystem
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Numbers, Sparse
 
@@ -38,7 +39,7 @@ _MOST_BLOCKS = 100
 
 
 def modal_model(
-    system: SolidSystem, count: int, surplus: EstimatorSpace | None = None
+    system: SolidSystem, count: int, surplus: MotionEstimator | None = None
 ) -> ModalModel:
     """Reduce a lossless solid to its lowest `count` modes on any support.
 
@@ -99,7 +100,7 @@ def _alone(system: SolidSystem, charge: Numbers) -> tuple[Floats, Floats]:
     return field, forces
 
 
-def _lacking(surplus: EstimatorSpace, shapes: Floats, field: Floats) -> Floats:
+def _lacking(surplus: MotionEstimator, shapes: Floats, field: Floats) -> Floats:
     """Estimator-space part of :class:`ModalModel`."""
     size = shapes.shape[1]
     states = np.zeros((shapes.shape[0] + 1, size + 1))

@@ -11,7 +11,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
+from tactgen.fem.piezo.brick_error import MotionEstimator
+from tactgen.fem.piezo.system import SolidSystem
 from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.tmm.ports.multiport import BIMORPH, MEASURED, Multiport
 
@@ -34,7 +35,7 @@ def direct_multiport(system: SolidSystem, frequencies: Floats) -> Multiport:
 
 
 def static_multiports(
-    system: SolidSystem, surplus: EstimatorSpace
+    system: SolidSystem, surplus: MotionEstimator
 ) -> tuple[Multiport, Multiport, Multiport]:
     """D(0) of a lossless system, with its hierarchical error.
 

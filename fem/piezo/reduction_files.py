@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from tactgen.fem.piezo.brick_error import MotionEstimator
 from tactgen.fem.piezo.krylov import ReducedSolid, reduce_to_ports
 from tactgen.fem.piezo.solid import assemble
-from tactgen.fem.piezo.system import EstimatorSpace, materials
+from tactgen.fem.piezo.system import materials
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.parameters import Device
@@ -58,7 +59,7 @@ def write_ports(path: str | Path, reduced: ReducedSolid, *, made_from: str) -> N
 
 
 #: What makes a reduction.
-_MADE_OF = ("tactgen.fem.piezo.reduction_files", "tactgen.fem.piezo.brick_error")
+_MADE_OF = ("tactgen.fem.piezo.reduction_files",)
 
 
 def reduced_solid(
@@ -67,7 +68,7 @@ def reduced_solid(
     frequencies: Floats,
     *,
     tolerance: float,
-    lacking: Callable[[], EstimatorSpace] | None = None,
+    lacking: Callable[[], MotionEstimator] | None = None,
 ) -> ReducedSolid:
     """Lossy solid reduced to its ports, from the store if it was reduced before.
 

@@ -26,12 +26,7 @@ from tactgen.geometry.meshing.structured_tets import mirror_axes
 
 
 def assemble(
-    device: Device,
-    mesh: Mesh | Bricks,
-    *,
-    lossy: bool,
-    ceramic: Piezoceramic | None = None,
-    uniform_field: bool = False,
+    device: Device, mesh: Mesh | Bricks, *, lossy: bool, ceramic: Piezoceramic | None = None
 ) -> SolidSystem:
     """Assemble the solid model of `device` on `mesh`, all that its ports can move.
 
@@ -50,15 +45,10 @@ def assemble(
         Take the ceramic's Q and tan δ into account (complex matrices).
     ceramic : Piezoceramic, optional
         Full material to use instead of the device's own, for studies of the tensor.
-    uniform_field : bool
-        Let the potential be linear through each layer, as beam theories have it.
     """
     if isinstance(mesh, Bricks):
-        return assemble_bricks(
-            device, mesh, lossy=lossy, ceramic=ceramic, uniform_field=uniform_field
-        )
+        return assemble_bricks(device, mesh, lossy=lossy, ceramic=ceramic)
     known = materials(device, mesh.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)
-    uniform, below = device.bimorph if uniform_field else None, device.measurement.below_tip
-    body = SkfemBody(mesh, known, unit, uniform, below)
+    body = SkfemBody(mesh, known, unit, device.measurement.below_tip)
     return body.system("bending_x" if mirror_axes(mesh) else "all")

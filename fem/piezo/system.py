@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
@@ -30,26 +29,6 @@ VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 
 #: Where a system keeps its factor once it is asked for.
 _FACTOR = "_held_factor"
-
-
-class EstimatorSpace(Protocol):
-    """Estimator space of w functions for the hierarchical error of a system."""
-
-    @property
-    def seen(self) -> Floats:
-        """What they add (w, t) to tip displacement, tip rotation, and where motion is measured."""
-        ...
-
-    def residuals(self, states: Numbers) -> tuple[Numbers, Numbers]:
-        """K x and M x (w, k) of states (n, k); at Ω the residual is f − K x + Ω² M x."""
-        ...
-
-    def products(self, residuals: Numbers) -> tuple[Numbers, Numbers]:
-        """R_iᵀ K⁻¹ r_j (k, k) of residuals (w, k), K the functions' own stiffness.
-
-        Of displacements, and of potentials, whose K counts as positive.
-        """
-        ...
 
 
 @dataclass(frozen=True)

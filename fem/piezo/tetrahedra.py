@@ -20,7 +20,6 @@ from tactgen.fem.piezo.symmetry import OTHERS, SIGNS, Expansion, Unknowns, lumpe
 from tactgen.fem.piezo.system import Material, SolidSystem
 from tactgen.fem.solvers.pardiso import nested_dissection
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers, Sparse
-from tactgen.geometry.device.parameters import Bimorph
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import MIRRORS, mirror_axes, mirrored_points
 
@@ -33,15 +32,11 @@ _POINTS = 12
 
 @dataclass(frozen=True)
 class SkfemBody:
-    """Unsupported body, common to all classes of motion.
-
-    With `uniform` the potential is prescribed everywhere: linear through that bimorph's layers.
-    """
+    """Unsupported body, common to all classes of motion."""
 
     mesh: Mesh
     known: dict[str, Material]
     unit: float
-    uniform: Bimorph | None
     below_tip: float = 0.0  #: Of the place where motion is measured (m)
 
     @cached_property
@@ -175,7 +170,7 @@ class SkfemBody:
             self._on_faces(*(name for name in self.mesh.faces if name.endswith(f"_{side}")))
             for side in ("outer", "inner")
         )
-        field = piezo & ~outer & ~inner & (self.uniform is None)
+        field = piezo & ~outer & ~inner
         free = np.stack([~base, ~base, ~base, field], axis=-1)
         if motion != "all":
             for axis in mirror_axes(self.mesh):
@@ -184,11 +179,7 @@ class SkfemBody:
         if motion in ("all", "bending_x"):
             ports[base, 0, 0] = 1.0
             ports[base, 2, 1] = x[base]
-            potential = outer.astype(float)
-            if self.uniform is not None:
-                depth = np.abs(x) - 0.5 * self.uniform.shim_thickness
-                potential = np.where(piezo, depth / self.uniform.piezo_thickness, 0.0)
-            ports[:, 3, 2] = potential / self.unit
+            ports[:, 3, 2] = outer / self.unit
         elif motion == "bending_y":
             ports[base, 1, 0] = 1.0
             ports[base, 2, 1] = y[base]

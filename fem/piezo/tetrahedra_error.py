@@ -20,7 +20,7 @@ from tactgen.fem.piezo.system import Material, SolidSystem, materials
 from tactgen.fem.solvers.linear_solver import refined_solution
 from tactgen.geometry.arrays import Floats, Ints, Sparse
 from tactgen.geometry.device.parameters import Device
-from tactgen.geometry.meshing.mesh import Mesh
+from tactgen.geometry.meshing.mesh import Mesh, find_rows
 from tactgen.geometry.meshing.structured_tets import MIRRORS, mirror_axes
 
 #: Elements worked on at a time: bounds the memory.
@@ -150,12 +150,8 @@ def _on_faces(domain: Any, names: list[str]) -> Ints:
     facets = np.unique(np.concatenate([domain.boundaries[name] for name in names]))
     corners = np.sort(domain.facets[:, facets], axis=0)
     pairs = np.hstack([corners[[0, 1]], corners[[1, 2]], corners[[0, 2]]])
-    ends = np.sort(domain.edges, axis=0)
-    stride = int(ends.max()) + 1
-    keys = ends[0] * stride + ends[1]
-    order = np.argsort(keys)
-    edges = order[np.searchsorted(keys, pairs[0] * stride + pairs[1], sorter=order)]
-    return np.concatenate([np.unique(edges), ends.shape[1] + facets])
+    edges = find_rows(pairs.T, np.sort(domain.edges, axis=0).T)
+    return np.concatenate([np.unique(edges), domain.edges.shape[1] + facets])
 
 
 def _prescribe(residual: Floats, diagonal: Floats, parts: slice, functions: Ints) -> None:

@@ -48,12 +48,11 @@ class Mesh:
 _HEXAHEDRON = np.array(
     [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
 )
-_TETRA = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 #: The same of ten nodes: corners, then the nodes between them.
 _TETRA10 = np.array(
     [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]]
 )
-_FACES = {"hexahedron": (_HEXAHEDRON, 4), "tetra": (_TETRA, 3), "tetra10": (_TETRA10, 3)}
+_FACES = {"hexahedron": (_HEXAHEDRON, 4), "tetra": (TET_FACES, 3), "tetra10": (_TETRA10, 3)}
 #: Triangles of a face with so many nodes.
 _TRIANGLES = {
     3: np.array([[0, 1, 2]]),
@@ -95,23 +94,34 @@ def surface_of(mesh: Mesh) -> Surface:
 #: Corners of the six edges of a tetrahedron, in the order of VTK's mid-edge nodes.
 TET_EDGES = np.array([[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]])
 
-#: Corners of the three edges of a triangle, in the order of VTK's mid-edge nodes.
-TRIANGLE_EDGES = np.array([[0, 1], [1, 2], [2, 0]])
-
 
 def unique_edges(tets: Ints) -> tuple[Ints, Ints]:
     """All edges (n_edges, 2), sorted, and the edges (n_tets, 6) of each tetrahedron."""
     ends = np.sort(tets[:, TET_EDGES].reshape(-1, 2), axis=1)
-    edges, index = np.unique(ends, axis=0, return_inverse=True)
-    return edges, index.reshape(-1, 6)
+    size = int(tets.max()) + 1
+    keys, index = np.unique(ends[:, 0] * size + ends[:, 1], return_inverse=True)
+    return np.stack(np.divmod(keys, size), axis=1), index.reshape(-1, 6)
+
+
+def find_rows(wanted: Ints, rows: Ints) -> Ints:
+    """Place (m,) in `rows` (n, k) of each row of `wanted` (m, k), in whatever order that is.
+
+    Rows are edges or faces by their ends or corners, ascending, each there once; of quadrilaterals
+    three corners tell which it is.  What is not there gets any place.
+    """
+    shape = min(rows.shape[1], 3) * (int(rows.max()) + 1,)
+    found, known = (
+        np.ravel_multi_index(tuple(of[:, :3].T), shape, mode="clip")
+        for of in (np.sort(wanted, axis=1), rows)
+    )
+    order = np.argsort(known)
+    place = np.minimum(np.searchsorted(known, found, sorter=order), known.size - 1)
+    return np.asarray(order[place])
 
 
 def edges_of_triangles(triangles: Ints, edges: Ints) -> Ints:
     """Row in `edges` (as :func:`unique_edges` gives them) of each triangle's edges."""
-    ends = np.sort(triangles[:, TRIANGLE_EDGES].reshape(-1, 2), axis=1)
-    stride = int(edges.max()) + 1
-    keys = edges[:, 0] * stride + edges[:, 1]
-    return np.searchsorted(keys, ends[:, 0] * stride + ends[:, 1]).reshape(-1, 3)
+    return find_rows(triangles[:, _EDGES[3]].reshape(-1, 2), edges).reshape(-1, 3)
 
 
 _CUBIC = np.array([p for p in itertools.product(range(4), repeat=4) if sum(p) == 3])
@@ -157,7 +167,7 @@ def tet_volumes(corners: Floats) -> Floats:
 def smallest_dihedral_angles(corners: Floats) -> Floats:
     """Smallest dihedral angle (n,) in degrees of straight tetrahedra (n, 4, 3)."""
     normals = []
-    for face in ([0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]):
+    for face in TET_FACES:
         p, q, r = (corners[:, k] for k in face)
         normal = np.cross(q - p, r - p)
         length = np.linalg.norm(normal, axis=1)

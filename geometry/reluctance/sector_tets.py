@@ -14,7 +14,7 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.cad.tessellation import merge_points
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh, tet_volumes
+from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh, find_rows, tet_volumes, unique_edges
 from tactgen.geometry.meshing.structured_tets import reflected, swept_tetrahedra
 from tactgen.geometry.reluctance.section_grid import (
     Grid,
@@ -253,10 +253,9 @@ def _drawn(path: Ints, ups: int, cells: Ints, layers: int) -> Ints:
 
 def _middles(first: Ints, second: Ints, cells: Ints) -> Ints:
     """Mid-edge nodes between corners of ten-node cells; of a corner and itself, it."""
-    ends = np.sort(cells[:, TET_EDGES].reshape(-1, 2), axis=1)
-    stride = int(cells.max()) + 1
-    keys, at = np.unique(ends[:, 0] * stride + ends[:, 1], return_index=True)
-    middles = cells[:, 4:].ravel()[at]
-    wanted = np.minimum(first, second) * stride + np.maximum(first, second)
-    found = np.minimum(np.searchsorted(keys, wanted), keys.size - 1)
-    return np.asarray(np.where(first == second, first, middles[found]))
+    edges, edges_of_cell = unique_edges(cells)
+    middles = np.empty(len(edges), dtype=cells.dtype)
+    middles[edges_of_cell] = cells[:, 4:]
+    wanted = np.stack([first, second], axis=-1).reshape(-1, 2)
+    found = middles[find_rows(wanted, edges)].reshape(first.shape)
+    return np.asarray(np.where(first == second, first, found))

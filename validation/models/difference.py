@@ -179,12 +179,12 @@ class SolidCase:
 
     def assembled(self) -> SolidSystem:
         """Lossless system."""
-        from tactgen.fem.piezo.solid import assemble
+        from tactgen.fem.piezo.bricks import assemble_bricks
         from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 
         device = self.scene.device
         bricks = bimorph_bricks(device, LEVELS[self.level], self.held)
-        return assemble(
+        return assemble_bricks(
             device, bricks, lossy=False, ceramic=self.ceramic, uniform_field=self.uniform_field
         )
 

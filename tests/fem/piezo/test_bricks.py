@@ -108,7 +108,8 @@ def test_negative_pivots_are_the_potentials(variant, motion):
 
 def test_prescribed_field_leaves_a_definite_system():
     """With the potential prescribed everywhere no unknown potential is left."""
-    system = assemble(Device(), bimorph_bricks(Device(), COARSE), lossy=False, uniform_field=True)
+    bricks = bimorph_bricks(Device(), COARSE)
+    system = assemble_bricks(Device(), bricks, lossy=False, uniform_field=True)
     assert system.potentials == 0
     assert system.held_factor.negative_pivots in (0, None)
 

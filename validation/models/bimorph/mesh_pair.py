@@ -40,9 +40,10 @@ from tactgen.validation.models.bimorph.natural_modes import (
 from tactgen.validation.models.model import SAFETY, Modes, Refined, least_difference
 
 if TYPE_CHECKING:
+    from tactgen.fem.piezo.brick_error import MotionEstimator
     from tactgen.fem.piezo.krylov import ReducedSolid
     from tactgen.fem.piezo.modal_model import BareMode, ModalModel
-    from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
+    from tactgen.fem.piezo.system import SolidSystem
 
 
 class MeshPair(ABC):
@@ -59,7 +60,7 @@ class MeshPair(ABC):
         """The lossless systems on them."""
 
     @property
-    def lacking(self) -> Callable[..., EstimatorSpace] | None:
+    def lacking(self) -> Callable[..., MotionEstimator] | None:
         """Estimator space of the finer mesh by class of motion (and `lossy`), where it is known."""
         return None
 

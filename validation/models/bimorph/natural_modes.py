@@ -22,7 +22,8 @@ from tactgen.geometry.store.values import storable
 from tactgen.validation.models.model import SAFETY, Modes, cancelling, least_difference
 
 if TYPE_CHECKING:
-    from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
+    from tactgen.fem.piezo.brick_error import MotionEstimator
+    from tactgen.fem.piezo.system import SolidSystem
 
 #: Relative errors (k,) of the natural frequencies of a system on its mesh, from Ω² (k,) and shapes.
 Estimate = Callable[["SolidSystem", Floats, Floats], Floats]
@@ -103,7 +104,7 @@ def fine_modes(
     fine: SolidSystem,
     coarse: MeshModes,
     count: int,
-    lacking: Callable[[Motion], EstimatorSpace] | None = None,
+    lacking: Callable[[Motion], MotionEstimator] | None = None,
     estimate: Estimate | None = None,
 ) -> MeshModes:
     """Modes on the finer mesh, of the classes that are low on the coarser one.
@@ -121,7 +122,7 @@ def mesh_modes(
     system: SolidSystem,
     others: dict[Motion, int],
     count: int,
-    lacking: Callable[[Motion], EstimatorSpace] | None = None,
+    lacking: Callable[[Motion], MotionEstimator] | None = None,
     estimate: Estimate | None = None,
     *,
     across: bool = False,
@@ -176,7 +177,7 @@ def _other(
     system: SolidSystem,
     motion: Motion,
     count: int,
-    lacking: Callable[[Motion], EstimatorSpace] | None,
+    lacking: Callable[[Motion], MotionEstimator] | None,
     estimate: Estimate | None,
 ) -> list[tuple[BareMode, ...]]:
     """Modes of a class of motion, with hierarchical errors of displacement and potential."""

@@ -19,7 +19,8 @@ from tactgen.validation.models.model import SURPLUS_FACTOR, SURPLUS_FACTOR_AT_ED
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
-    from tactgen.fem.piezo.system import EstimatorSpace, SolidSystem
+    from tactgen.fem.piezo.brick_error import MotionEstimator
+    from tactgen.fem.piezo.system import SolidSystem
 
 
 #: Relative error bar of static deflection, capacitances and first frequencies that each level
@@ -90,7 +91,7 @@ class BrickPair(MeshPair):
         return fine, coarse
 
     @cached_property
-    def lacking(self) -> Callable[..., EstimatorSpace]:
+    def lacking(self) -> Callable[..., MotionEstimator]:
         """Estimator space of each class of motion, also with losses."""
         from tactgen.fem.piezo.brick_error import BrickEstimator
 
