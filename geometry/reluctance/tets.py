@@ -20,9 +20,8 @@ from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.device.parts import MM, Turned, layout
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild.conform import conform
-from tactgen.geometry.meshing.tetwild.mesher import SizingField, run_ftetwild
+from tactgen.geometry.meshing.tetwild.mesher import SizingField, run_ftetwild, sizing_on_grid
 from tactgen.geometry.reluctance.section_grid import actuator_regions, air_radius
 from tactgen.geometry.store.store import cached_result
 
@@ -177,15 +176,16 @@ def _sizing(device: Device, meshing: ActuatorMeshing, points: Floats, margin: fl
     widest = _ACROSS * max(sleeve.outer_radius, rod.head_radius) * MM
     ends = -_DOWN * sleeve.length * MM, _UP * (device.gap + rod.head_thickness) * MM
     step = device.gap * MM / _PER_GAP
-    x, y, z = (
+    axes = [
         _axis(low[i], first, last, high[i], step)
         for i, (first, last) in enumerate([(0.0, widest), (0.0, widest), ends])
-    )
-    empty = np.zeros((x.size - 1, y.size - 1, z.size - 1), dtype=int)
-    grid = box_tetrahedra(x, y, z, empty, ("air",))
-    beyond = np.maximum(-grid.points[:, :2].min(axis=1), 0.0)
-    lengths = _edge_length(device, meshing, grid.points) + beyond
-    return SizingField(grid.points, grid.cells, lengths)
+    ]
+
+    def lengths(points: Floats) -> Floats:
+        beyond = np.maximum(-points[:, :2].min(axis=1), 0.0)
+        return np.asarray(_edge_length(device, meshing, points) + beyond)
+
+    return sizing_on_grid(axes, lengths)
 
 
 def _axis(low: float, first: float, last: float, high: float, step: float) -> Floats:

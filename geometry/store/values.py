@@ -44,7 +44,7 @@ def to_bytes(value: object) -> bytes:
 
 
 def fingerprint(*values: object) -> str:
-    """Hash of the content of values: those that can be stored, and dataclasses that cannot.
+    """Hash of the content of values: of all that can be stored, any dataclass or named tuple.
 
     Raises TypeError if something in them is of another kind, whose content cannot be told.
     """
@@ -99,7 +99,7 @@ def _described(value: Any, arrays: list[NDArray[Any]], *, any_class: bool) -> An
         return ["array" if isinstance(value, np.ndarray) else "number", len(arrays) - 1]
     if kind is complex:
         return ["complex", value.real, value.imag]
-    if kind in (tuple, list):
+    if kind in (tuple, list) or (any_class and isinstance(value, tuple)):
         return [kind.__name__, *map(described, value)]
     if kind is dict:
         return ["dict", *(list(map(described, item)) for item in value.items())]

@@ -6,26 +6,18 @@ Knows nothing of the device: only solids, their faces and planes that have a nam
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-import numpy as np
-from numpy.typing import NDArray
-
-from tactgen.geometry.arrays import Floats, Ints
-from tactgen.geometry.cad.tessellation import OUTSIDE, Face, Surface
-from tactgen.geometry.errors import MeshError
-from tactgen.geometry.meshing.mesh import TET_FACES
-
-if TYPE_CHECKING:
-    import cadquery as cq
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeGuard
 
-from tactgen.geometry.arrays import Bools
-from tactgen.geometry.cad.tessellation import Cylinder, Plane, Tessellation
+import numpy as np
+
+from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.cad.tessellation import OUTSIDE, Cylinder, Face, Plane, Surface, Tessellation
 from tactgen.geometry.device.parts import MM
+from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import (
+    TET_FACES,
     Mesh,
     check_areas,
     check_conformity,
@@ -40,6 +32,9 @@ from tactgen.geometry.meshing.mesh import (
 )
 from tactgen.geometry.meshing.tetwild.mesher import UNSTRETCHED, Stretching
 
+if TYPE_CHECKING:
+    import cadquery as cq
+
 
 @dataclass(frozen=True)
 class Skin:
@@ -51,7 +46,7 @@ class Skin:
     #: lower label
     cell: Ints
     face: Ints  #: (n_triangles,) Index of the CAD face
-    open: NDArray[np.bool_]  #: (n_triangles,) Whether the other side is outside
+    open: Bools  #: (n_triangles,) Whether the other side is outside
 
 
 def region_labels(
@@ -257,8 +252,8 @@ def snapped(
     ----------
     points : (n_points, 3) array
         Coordinates (mm).
-    members, surface_of : (n_memberships,) int arrays
-        Point ``members[k]`` belongs to ``surfaces[surface_of[k]]``.
+    members, surface_of : (n,) or (n, k) and (n,) int arrays
+        Point or points ``members[i]`` belong to ``surfaces[surface_of[i]]``.
     surfaces : sequence of Surface
         The surfaces.
     reach : float
@@ -267,7 +262,7 @@ def snapped(
     Raises MeshError if a point cannot be on all its surfaces or would have to move too far.
     """
     belongs = np.zeros((len(points), len(surfaces)), dtype=bool)
-    belongs[members, surface_of] = True
+    belongs[members.T, surface_of] = True
     moved = points.copy()
     combinations, which = np.unique(belongs, axis=0, return_inverse=True)
     which = which.ravel()
@@ -297,22 +292,6 @@ def _onto(points: Floats, surfaces: list[Surface]) -> Floats:
     raise MeshError("a vertex belongs to faces that do not meet; choose a smaller edge length")
 
 
-def memberships(triangles: Ints, face: Ints, surface_of_face: Ints) -> tuple[Ints, Ints]:
-    """Vertices by surface, from triangles on CAD faces.
-
-    Parameters
-    ----------
-    triangles : (n_triangles, k) int array
-        Points of each triangle (corners or edge numbers).
-    face : (n_triangles,) int array
-        CAD face of each triangle.
-    surface_of_face : (n_faces,) int array
-        Surface of each CAD face.
-    """
-    members = triangles.ravel()
-    return members, np.repeat(surface_of_face[face], triangles.shape[1])
-
-
 def is_curved(surfaces: Sequence[Surface]) -> bool:
     """Say whether any surface is curved."""
     return any(isinstance(surface, Cylinder) for surface in surfaces)
@@ -335,8 +314,8 @@ def bent_middles(
         Nodes: vertices first, then mid-edge nodes numbered from ``n_points``.
     middles : (n_edges, 3) array
         Midpoints of the straight edges (mm).
-    on_surface : two (n_memberships,) int arrays
-        Edges and the surfaces they lie on, as :func:`memberships` gives them.
+    on_surface : (n,) or (n, k) and (n,) int arrays
+        Edges and the surfaces they lie on, as :func:`snapped` wants them.
     surfaces : sequence of Surface
         The surfaces.
     """
@@ -361,16 +340,6 @@ class NamedFace:
 
     planes: tuple[Plane, ...]
     regions: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class _Draft:
-    """A mesh in the making: all tetrahedra, vertices on their surfaces (mm)."""
-
-    points: Floats
-    tets: Ints
-    labels: Ints
-    skin: Skin
 
 
 def conform(
@@ -411,34 +380,23 @@ def conform(
 
     Raises MeshError if it does not pass its checks.
     """
-    draft = _draft(raw, tets, solids, tessellation, slack, stretching)
-    return _finished(draft, solids, tessellation, named, curved, stretching)
-
-
-def _draft(
-    raw: Floats,
-    tets: Ints,
-    solids: dict[str, cq.Solid],
-    tessellation: Tessellation,
-    slack: float,
-    stretching: Stretching,
-) -> _Draft:
-    """Tag the tetrahedra and put the vertices on their surfaces, from which they are `slack`."""
     surfaces = list(dict.fromkeys(face.surface for face in tessellation.faces))
     surface_of_face = np.array([surfaces.index(face.surface) for face in tessellation.faces])
     labels = region_labels(raw, tets, solids, surfaces, tolerance=1.5 * slack)
     while True:
         found = skin(raw, tets, labels, tuple(solids), tessellation.faces, 2.0 * slack)
-        belongs = memberships(found.triangles, found.face, surface_of_face)
+        belongs = found.triangles, surface_of_face[found.face]
         points = snapped(raw, *belongs, surfaces, reach=5.0 * slack)
         seen = stretching.squeezed(points)
         flat = _flat_on_the_outside(seen, tets, found)
         if not flat.size:
-            free = _free_axes(len(points), *belongs, surfaces)
-            moved = stretching.restored(relaxed(seen, tets[labels >= 0], free))
-            points = np.where(free, moved, points)
-            return _Draft(points, tets, labels, found)
+            break
         labels[flat] = -1
+    free = _free_axes(len(points), *belongs, surfaces)
+    moved = stretching.restored(relaxed(seen, tets[labels >= 0], free))
+    points = np.where(free, moved, points)
+    curved = curved and is_curved(surfaces)
+    return _finished(points, tets, labels, found, solids, tessellation, named, curved, stretching)
 
 
 def _free_axes(n: int, members: Ints, surface_of: Ints, surfaces: Sequence[Surface]) -> Bools:
@@ -450,7 +408,7 @@ def _free_axes(n: int, members: Ints, surface_of: Ints, surfaces: Sequence[Surfa
         [np.abs(s.normal) > 0.0 if _across_an_axis(s) else np.ones(3, bool) for s in surfaces]
     )
     free = np.ones((n, 3), dtype=bool)
-    np.logical_and.at(free, members, ~held[surface_of])
+    np.logical_and.at(free, members.T, ~held[surface_of])
     return free
 
 
@@ -471,21 +429,21 @@ def _flat_on_the_outside(points: Floats, tets: Ints, found: Skin) -> Ints:
 
 
 def _finished(
-    draft: _Draft,
+    points: Floats,
+    tets: Ints,
+    labels: Ints,
+    found: Skin,
     solids: dict[str, cq.Solid],
     tessellation: Tessellation,
     named: dict[str, NamedFace],
     curved: bool,
     stretching: Stretching,
 ) -> Mesh:
-    """Checked mesh of the inside, with curved edges, in metres."""
-    found, faces = draft.skin, tessellation.faces
-    inside = draft.labels >= 0
-    used, tets = np.unique(draft.tets[inside], return_inverse=True)
-    tets = tets.reshape(-1, 4)
+    """Checked mesh of the inside, in metres, its edges curved if wanted."""
+    faces = tessellation.faces
+    used, tets = np.unique(tets[labels >= 0], return_inverse=True)
+    points, tets, labels = points[used], tets.reshape(-1, 4), labels[labels >= 0]
     triangles = np.searchsorted(used, found.triangles)
-    points = draft.points[used]
-    labels = draft.labels[inside]
     check_shape(stretching.squeezed(points), tets)
     check_conformity(tets, int(found.open.sum()))
 
@@ -493,16 +451,14 @@ def _finished(
     edges_of_face = edges_of_triangles(triangles, edges)
     surfaces = [face.surface for face in faces]
     cells = np.concatenate([tets, edges_of_cell + len(points)], axis=1)
-    belongs = memberships(edges_of_face, found.face, np.arange(len(faces)))
     middles = points[edges].mean(axis=1)
-    middles = bent_middles(points, cells, middles, belongs, surfaces)
+    middles = bent_middles(points, cells, middles, (edges_of_face, found.face), surfaces)
     nodes = np.concatenate([points, middles])
     six = np.concatenate([triangles, edges_of_face + len(points)], axis=1)
     volumes = {name: solid.Volume() for name, solid in solids.items()}
     check_volumes(nodes, cells, labels, volumes, _bounded_by_planes(tessellation))
     check_areas(nodes, six, found.face, faces)
 
-    curved = curved and is_curved(surfaces)
     return Mesh(
         points=(nodes if curved else points) / MM,
         cells=cells if curved else tets,

@@ -7,13 +7,12 @@ has them when it comes, and the second mesh need not load them again.
 from __future__ import annotations
 
 import contextlib
-import itertools
 import json
 import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
@@ -25,7 +24,8 @@ from numpy.typing import NDArray
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.cad.system_libraries import require_package
 from tactgen.geometry.errors import MeshError
-from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh, unique_edges
+from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh, tet_volumes, unique_edges
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra, reflected
 
 _WORKER = Path(__file__).with_name("worker.py")
 
@@ -232,29 +232,42 @@ def run_ftetwild(
         return own.mesh(arrays, time_limit)
 
 
-def sizing_along_z(points: Floats, length_at: Callable[[Floats], Floats]) -> SizingField:
+def sizing_on_grid(axes: Sequence[Floats], length_at: Callable[[Floats], Floats]) -> SizingField:
+    """Sizing field (mm) on the grid of three axes, its edge lengths (n,) at points (n, 3)."""
+    x, y, z = axes
+    cells = np.zeros((x.size - 1, y.size - 1, z.size - 1), dtype=int)
+    grid = box_tetrahedra(x, y, z, cells, ("",))
+    return SizingField(grid.points, grid.cells, length_at(grid.points))
+
+
+def _axes_around(points: Floats, counts: tuple[int, ...]) -> list[Floats]:
+    """So many positions (mm) along each axis, over all that fTetWild fills around points (mm)."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = _MARGIN * np.linalg.norm(high - low)
+    ends = zip(low - margin, high + margin, counts, strict=True)
+    return [np.linspace(start, end, n) for start, end, n in ends]
+
+
+def sizing_along_z(surface: Floats, length_at: Callable[[Floats], Floats]) -> SizingField:
     """Sizing field that varies along z, and coarsens away from the device.
 
     Parameters
     ----------
-    points : (n_points, 3) array
+    surface : (n_surface, 3) array
         The surface's points (mm): they give the box.
     length_at : callable
         Target edge length (mm) at heights z (mm), both of shape (n,).
     """
-    low, high = points.min(axis=0), points.max(axis=0)
-    margin = _MARGIN * np.linalg.norm(high - low)
-    axes = [
-        np.linspace(lo - margin, hi + margin, n) for lo, hi, n in zip(low, high, _GRID, strict=True)
-    ]
+    low, high = surface.min(axis=0), surface.max(axis=0)
+    x, y, z = _axes_around(surface, _GRID)
     # the device's own sides are grid planes, so that coarsening starts outside of it
-    for i in (0, 1):
-        axes[i] = np.unique(np.concatenate([axes[i], [low[i], high[i]]]))
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    away = np.maximum(np.maximum(low - grid, grid - high), 0.0).max(axis=1)
-    lengths = length_at(grid[:, 2]) + _GROWTH_OUTSIDE * away
-    n_x, n_y, n_z = (len(axis) for axis in axes)
-    return SizingField(grid, _cubes_to_tets(n_x, n_y, n_z), lengths)
+    x, y = (np.union1d(axis, [low[i], high[i]]) for i, axis in enumerate((x, y)))
+
+    def lengths(points: Floats) -> Floats:
+        away = np.maximum(np.maximum(low - points, points - high), 0.0).max(axis=1)
+        return np.asarray(length_at(points[:, 2]) + _GROWTH_OUTSIDE * away)
+
+    return sizing_on_grid((x, y, z), lengths)
 
 
 def sizing_at_points(surface: Floats, points: Floats, lengths: Floats) -> SizingField:
@@ -271,40 +284,18 @@ def sizing_at_points(surface: Floats, points: Floats, lengths: Floats) -> Sizing
     """
     from scipy.spatial import Delaunay, cKDTree
 
-    low, high = surface.min(axis=0), surface.max(axis=0)
-    margin = _MARGIN * np.linalg.norm(high - low)
-    axes = [
-        np.linspace(lo - margin, hi + margin, n)
-        for lo, hi, n in zip(low, high, _AROUND, strict=True)
-    ]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    axes = np.meshgrid(*_axes_around(surface, _AROUND), indexing="ij")
+    grid = np.stack(axes, axis=-1).reshape(-1, 3)
     away, nearest = cKDTree(points).query(grid)
     around = away > lengths[nearest]
     everywhere = np.concatenate([points, grid[around]])
     outside = lengths[nearest[around]] + _GROWTH_OUTSIDE * away[around]
     tets = Delaunay(everywhere).simplices.astype(np.int64)
-    a, b, c = (everywhere[tets[:, k]] - everywhere[tets[:, 0]] for k in (1, 2, 3))
-    volumes = np.einsum("ni,ni->n", np.cross(a, b), c)
-    tets[volumes < 0.0] = tets[volumes < 0.0][:, [1, 0, 2, 3]]
+    volumes = 6.0 * tet_volumes(everywhere[tets])
+    tets[volumes < 0.0] = reflected(tets[volumes < 0.0])
     # points in one plane can give tetrahedra without volume
     solid = np.abs(volumes) > 1e-9 * np.ptp(everywhere[tets], axis=1).max(axis=1) ** 3
     return SizingField(everywhere, tets[solid], np.concatenate([lengths, outside]))
-
-
-def _cubes_to_tets(n_x: int, n_y: int, n_z: int) -> Ints:
-    """Tetrahedra (six a cube, all positive) of a grid of points."""
-    index = np.arange(n_x * n_y * n_z).reshape(n_x, n_y, n_z)
-    tets = []
-    for axes in itertools.permutations(range(3)):
-        steps = np.concatenate(
-            [np.zeros((1, 3), int), np.cumsum(np.eye(3, dtype=int)[list(axes)], 0)]
-        )
-        corners = [
-            index[i : n_x - 1 + i, j : n_y - 1 + j, k : n_z - 1 + k].ravel() for i, j, k in steps
-        ]
-        odd = np.linalg.det(np.eye(3)[list(axes)]) < 0
-        tets.append(np.stack([corners[k] for k in ((0, 1, 3, 2) if odd else range(4))], axis=1))
-    return np.concatenate(tets)
 
 
 #: Order in which an element's share of the error per volume falls with its size.  Smooth
@@ -418,12 +409,12 @@ class Stretching:
     def squeezed(self, points: Floats) -> Floats:
         """Points (n, 3) in mm as the mesher gets to see them."""
         z, image = self._table()
-        return _with_z(points, _mapped(points[:, 2], z, image))
+        return _moved_along_z(points, z, image)
 
     def restored(self, points: Floats) -> Floats:
         """Squeezed points (n, 3) in mm put back."""
         z, image = self._table()
-        return _with_z(points, _mapped(points[:, 2], image, z))
+        return _moved_along_z(points, image, z)
 
     def _table(self) -> tuple[Floats, Floats]:
         z = np.linspace(self.low, self.high, _POINTS)
@@ -438,12 +429,8 @@ class Stretching:
 UNSTRETCHED = Stretching(low=0.0, high=1.0, most=1.0, growth=0.0)
 
 
-def _mapped(values: Floats, source: Floats, image: Floats) -> Floats:
-    """Interpolate between the tables; beyond them, move along with their ends."""
-    inside = np.interp(values, source, image)
-    beyond = np.where(values > source[-1], values - source[-1], np.minimum(values - source[0], 0.0))
-    return np.asarray(inside + beyond)
-
-
-def _with_z(points: Floats, z: Floats) -> Floats:
-    return np.column_stack([points[:, :2], z])
+def _moved_along_z(points: Floats, source: Floats, image: Floats) -> Floats:
+    """Interpolate z between the tables; beyond them it moves along with their ends."""
+    z = points[:, 2]
+    beyond = np.where(z > source[-1], z - source[-1], np.minimum(z - source[0], 0.0))
+    return np.column_stack([points[:, :2], np.interp(z, source, image) + beyond])

@@ -12,8 +12,8 @@ from tactgen.geometry.meshing.mesh import (
     tet_volumes,
     unique_edges,
 )
+from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.meshing.tetwild.conform import NamedFace, bent_middles, conform, relaxed
-from tactgen.geometry.meshing.tetwild.mesher import _cubes_to_tets
 
 #: How far raw points are from where they belong, and may be (mm).
 OFF, SLACK = 0.01, 0.02
@@ -45,8 +45,9 @@ def shaken(points, by=OFF):
 
 def grid(*axes):
     """Return the points of a grid and its tetrahedra, six a cell."""
-    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3).astype(float)
-    return points, _cubes_to_tets(*map(len, axes))
+    cells = np.zeros([len(axis) - 1 for axis in axes], dtype=int)
+    mesh = box_tetrahedra(*map(np.array, axes), cells, ("",))
+    return mesh.points, mesh.cells
 
 
 def disc(corners=16, radius=1.0, height=1.0):
@@ -232,8 +233,8 @@ def test_an_edge_stays_straight_where_its_element_would_fold(away, bent):
 
 
 #: A cube about a vertex, from which twelve tetrahedra go to its faces.
-CUBE, _ = grid([-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0])
-STAR = np.column_stack([outer(_cubes_to_tets(2, 2, 2))[:, [0, 2, 1]], np.full(12, 8)])
+CUBE, BOX = grid([-1.0, 1.0], [-1.0, 1.0], [-1.0, 1.0])
+STAR = np.column_stack([outer(BOX)[:, [0, 2, 1]], np.full(12, 8)])
 
 
 @pytest.mark.parametrize("start", [(0.99, 0.0, 0.0), (0.2, -0.995, 0.1), (1.4, 0.0, 0.3)])
