@@ -33,20 +33,14 @@ _NOISE = 1e-8
 _SOFT = 1e-3
 
 
-@dataclass(frozen=True)
-class Projection:
-    """A solid on a basis of responses."""
+def project(
+    system: SolidSystem, chains: list[list[Complex]]
+) -> tuple[PortModel, PortModel, Numbers]:
+    """Project on the real and imaginary parts of all blocks; also without each chain's last.
 
-    #: On the whole basis; without the last block of every chain
-    fine: PortModel
-    coarse: PortModel
-    #: (n, k + 3) What the solid's unknowns y are, per unknown of `fine`; complex if the solid has
-    #: losses
-    states: Numbers
-
-
-def project(system: SolidSystem, chains: list[list[Complex]]) -> Projection:
-    """Project on the real and imaginary parts of all blocks; also without each chain's last."""
+    Third come the solid's unknowns y per unknown of the first model (n, k + 3), complex if the
+    solid has losses.
+    """
     moves = system.mass.inner.diagonal() > 0.0
     blocks = [block for chain in chains for block in chain[:-1]]
     last = [chain[-1] for chain in chains]
@@ -95,7 +89,7 @@ def project(system: SolidSystem, chains: list[list[Complex]]) -> Projection:
     spread = np.zeros((system.size, whole.shape[0]))
     spread[:-PORTS, :k], spread[:-PORTS, s:] = u, p
     spread[-PORTS:, k:s] = np.eye(PORTS)
-    return Projection(fine, coarse, spread @ parts_of_fine)
+    return fine, coarse, spread @ parts_of_fine
 
 
 def _narrow(left: Floats, parts: list[Sparse], right: Floats) -> Wide:
@@ -299,9 +293,8 @@ def reduce_to_ports(
     bounds = float(frequencies.min()), float(frequencies.max())
     chains = [_Chain(system, max(_FIRST_AT * bounds[1], _LOWEST_FIRST), _FIRST_BLOCKS)]
     while True:
-        found = project(system, [chain.blocks for chain in chains])
-        fine = found.fine
-        reduced = ReducedSolid(fine, found.coarse, bounds, np.inf, system.size)
+        fine, coarse, states = project(system, [chain.blocks for chain in chains])
+        reduced = ReducedSolid(fine, coarse, bounds, np.inf, system.size)
         checked = frequencies
         if np.any(fine.stiffness.imag):
             ends = standard_ends(fine)
@@ -310,7 +303,7 @@ def reduce_to_ports(
         worst = int(np.argmax(estimate))
         full = len(chains[-1].blocks) == _BLOCKS
         if estimate[worst] <= tolerance or (full and len(chains) == _MOST_SHIFTS):
-            missing = None if surplus is None else missing_products(found.states, surplus)
+            missing = None if surplus is None else missing_products(states, surplus)
             return replace(reduced, error=float(estimate[worst]), missing=missing)
         if full:
             chains.append(_Chain(system, max(float(checked[worst]), _LOWEST), _BLOCKS))

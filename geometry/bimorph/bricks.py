@@ -29,8 +29,6 @@ from tactgen.geometry.device.checks import check_bonded, check_constant_section
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.meshing.mesh import Mesh
 
-__all__ = ["Axis", "Bricks", "Slab", "lobatto_points"]
-
 #: Which part of the lowest section is held: all layers, or the shim alone.
 Held = Literal["layers", "shim"]
 

@@ -47,8 +47,6 @@ from tactgen.geometry.store.store import cached_result
 if TYPE_CHECKING:
     import cadquery as cq
 
-__all__ = ["MeshError", "TetMeshing", "squeezed", "tetrahedralise"]
-
 #: What makes a mesh; the mesher's own process is started by its file.
 _MADE_OF = ("tactgen.geometry.bimorph.tets", "tactgen.geometry.meshing.tetwild")
 

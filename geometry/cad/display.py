@@ -1,19 +1,17 @@
-"""The display as CAD: each distinct solid built once and placed many times; STEP and GLB files."""
+"""The display as CAD: each distinct solid built once and placed many times."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tactgen.geometry.cad.solids import COLOURS, solid_of
 from tactgen.geometry.cad.system_libraries import require_cad_kernel
-from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Device, Display
+from tactgen.geometry.display.clearances import check_display
+from tactgen.geometry.display.layout import Placed, Plate, display_parts, unit_names
 
 if TYPE_CHECKING:
     import cadquery as cq
-from tactgen.geometry.cad.solids import COLOURS, solid_of, write_glb, write_step
-from tactgen.geometry.device.parameters import Display
-from tactgen.geometry.display.clearances import check_display
-from tactgen.geometry.display.layout import Placed, Plate, display_parts, unit_names
 
 #: Colour of each part of the display besides a generator's own (red, green, blue; 0 to 1).
 DISPLAY_COLOURS: dict[str, tuple[float, float, float]] = {
@@ -57,20 +55,6 @@ def display_solids(device: Device, display: Display) -> dict[str, cq.Shape]:
     check_display(device, display)
     require_cad_kernel()
     return {placed.name: _solid(placed) for placed in display_parts(device, display)}
-
-
-def export_display(
-    device: Device, display: Display, *, step: Path | None = None, glb: Path | None = None
-) -> None:
-    """Write the display as STEP and as binary glTF.
-
-    Raises InputError if parts do not fit, or a file cannot be written.
-    """
-    assembly = display_assembly(device, display)
-    if step is not None:
-        write_step(assembly, step)
-    if glb is not None:
-        write_glb(assembly, glb)
 
 
 def _solid(placed: Placed) -> cq.Shape:

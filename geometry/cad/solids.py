@@ -21,7 +21,6 @@ from tactgen.geometry.device.parts import (
     Standing,
     Tapered,
     Turned,
-    closed_form_volumes,
     layout,
 )
 from tactgen.geometry.errors import InputError
@@ -29,22 +28,6 @@ from tactgen.geometry.files import NotWritten, written_whole
 
 if TYPE_CHECKING:
     import cadquery as cq
-
-
-__all__ = [
-    "COLOURS",
-    "build_solids",
-    "closed_form_volumes",
-    "colour_of",
-    "cut_open",
-    "export_glb",
-    "export_step",
-    "fuse",
-    "solid_of",
-    "thinnest_feature",
-    "write_glb",
-    "write_step",
-]
 
 #: Colour of each region (red, green, blue; 0 to 1), for models and pictures.
 COLOURS: dict[str, tuple[float, float, float]] = {
@@ -68,6 +51,9 @@ _GREY = (0.7, 0.7, 0.7)
 
 #: Distance (mm) up to which two faces count as touching.
 _CONTACT = 1e-7
+
+#: Largest distance (mm) between a curved face and its triangles in a glTF file.
+_DEFLECTION = 2e-3
 
 #: Overlap of two solids (mm³) up to which they count as touching.
 _TOUCHING = 1e-9
@@ -222,12 +208,14 @@ def _refuse_overlap(solids: dict[str, cq.Solid]) -> None:
                 )
 
 
-def export_step(solids: dict[str, cq.Solid], path: str | Path) -> None:
-    """Write named solids to a STEP file (an assembly, in millimetres).
+def solids_assembly(solids: dict[str, cq.Solid]) -> cq.Assembly:
+    """Named solids (mm), each in its colour."""
+    import cadquery as cq
 
-    Raises InputError if the file cannot be written.
-    """
-    write_step(_assembly(solids), path)
+    assembly = cq.Assembly(name="tactile_generator")
+    for name, solid in solids.items():
+        assembly.add(solid, name=name, color=cq.Color(*colour_of(name), 1.0))
+    return assembly
 
 
 def write_step(assembly: cq.Assembly, path: str | Path) -> None:
@@ -242,27 +230,12 @@ def write_step(assembly: cq.Assembly, path: str | Path) -> None:
             raise NotWritten(path, "the CAD kernel does not say why")
 
 
-def export_glb(solids: dict[str, cq.Solid], path: str | Path, deflection: float = 2e-3) -> None:
-    """Write named, coloured solids to a binary glTF file (metres, y up, as glTF has it).
+def write_glb(assembly: cq.Assembly, path: str | Path) -> None:
+    """Write an assembly (mm) to a binary glTF file (metres, y up, as glTF has it).
 
-    Parameters
-    ----------
-    solids : dict of str to cadquery.Solid
-        Solids in millimetres; each becomes a node of its name.
-    path : path
-        File to write.
-    deflection : float
-        Largest distance between a curved face and its triangles (mm).
+    Each part becomes a node of its name; copies of a part share its triangles.
 
     Raises InputError if the file cannot be written.
-    """
-    write_glb(_assembly(solids), path, deflection)
-
-
-def write_glb(assembly: cq.Assembly, path: str | Path, deflection: float = 2e-3) -> None:
-    """Write an assembly (mm) to a binary glTF file; copies of a part share its triangles.
-
-    Parameters and errors as in :func:`export_glb`.
     """
     from cadquery.occ_impl.assembly import toCAF
     from OCP.Message import Message_ProgressRange
@@ -271,7 +244,7 @@ def write_glb(assembly: cq.Assembly, path: str | Path, deflection: float = 2e-3)
     from OCP.TCollection import TCollection_AsciiString
     from OCP.TColStd import TColStd_IndexedDataMapOfStringString
 
-    _, document = toCAF(assembly, mesh=True, tolerance=deflection, angularTolerance=0.2)
+    _, document = toCAF(assembly, mesh=True, tolerance=_DEFLECTION, angularTolerance=0.2)
     with written_whole(path) as temporary:
         # cadquery's own writer would call our millimetres metres
         writer = RWGltf_CafWriter(TCollection_AsciiString(str(temporary)), True)
@@ -281,16 +254,6 @@ def write_glb(assembly: cq.Assembly, path: str | Path, deflection: float = 2e-3)
         no_comments = TColStd_IndexedDataMapOfStringString()
         if not writer.Perform(document, no_comments, Message_ProgressRange()):
             raise NotWritten(path, "the CAD kernel does not say why")
-
-
-def _assembly(solids: dict[str, cq.Solid]) -> cq.Assembly:
-    import cadquery as cq
-
-    assembly = cq.Assembly(name="tactile_generator")
-    for name, solid in solids.items():
-        red, green, blue = colour_of(name)
-        assembly.add(solid, name=name, color=cq.Color(red, green, blue, 1.0))
-    return assembly
 
 
 def thinnest_feature(solids: dict[str, cq.Solid]) -> float:

@@ -44,7 +44,7 @@ def test_piezoelectric_solid_equals_the_product(mesh):
     device = Device()
     known = materials(device, layers, device.piezo.ceramic(), lossy=False)
     layer = np.searchsorted([-1e-4, 1e-4], mesh.p[0, mesh.t].mean(axis=0))
-    body = SkfemBody(Mesh(mesh.p.T, mesh.t.T, "tetra", layer, layers, {}), known, GIGAVOLT, None)
+    body = SkfemBody(Mesh(mesh.p.T, mesh.t.T, "tetra", layer, layers, {}), known, GIGAVOLT)
     basis = Basis(mesh, ElementVector(ElementTetP2()) * ElementTetP2(), intorder=4)
     stiffness = mass = 0.0
     for number, material in enumerate(known.values()):

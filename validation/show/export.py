@@ -309,19 +309,17 @@ def normal_actuator_solids(device: Device) -> dict[str, Any]:
 
 
 def _export_solids(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> None:
+    from tactgen.geometry.cad.solids import solids_assembly, write_glb, write_step
+
     if asks_display(scene.quantities):
-        from tactgen.geometry.cad.display import export_display
+        from tactgen.geometry.cad.display import display_assembly
 
         announce("CAD solids of the display")
-        export_display(
-            scene.device, scene.display, step=targets.get("step"), glb=targets.get("glb")
-        )
-        return
-    from tactgen.geometry.cad.solids import export_glb, export_step
-
-    announce("CAD solids")
-    solids = scene_solids(scene)
+        assembly = display_assembly(scene.device, scene.display)
+    else:
+        announce("CAD solids")
+        assembly = solids_assembly(scene_solids(scene))
     if "step" in targets:
-        export_step(solids, targets["step"])
+        write_step(assembly, targets["step"])
     if "glb" in targets:
-        export_glb(solids, targets["glb"])
+        write_glb(assembly, targets["glb"])

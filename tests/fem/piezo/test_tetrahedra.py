@@ -79,7 +79,7 @@ def body_of(device, mesh):
     """Unheld body with its materials and the size of the potential's unit."""
     known = materials(device, mesh.regions, device.piezo.ceramic(), lossy=False)
     unit = volts_per_unit(known)
-    return SkfemBody(mesh, known, unit, None), known, unit
+    return SkfemBody(mesh, known, unit), known, unit
 
 
 def ceramic_without(device, *, coupling=True, poisson=True):

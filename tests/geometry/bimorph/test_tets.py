@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph import tets
-from tactgen.geometry.bimorph.bricks import bimorph_bricks
-from tactgen.geometry.bimorph.tets import MeshError, TetMeshing, squeezed, tetrahedralise
+from tactgen.geometry.bimorph.tets import TetMeshing, squeezed, tetrahedralise
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.device.parts import closed_form_volumes
-from tactgen.geometry.errors import InputError
+from tactgen.geometry.errors import InputError, MeshError
 from tactgen.geometry.meshing import mesh as quadratic
 from tactgen.geometry.meshing.mesh import (
     TET_EDGES,

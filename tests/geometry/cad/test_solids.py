@@ -10,10 +10,11 @@ import pytest
 from tactgen.geometry.cad.display import display_assembly
 from tactgen.geometry.cad.solids import (
     build_solids,
-    export_glb,
-    export_step,
     fuse,
+    solids_assembly,
     thinnest_feature,
+    write_glb,
+    write_step,
 )
 from tactgen.geometry.cad.tessellation import tessellate
 from tactgen.geometry.device.parameters import Bimorph, Coil, Device, Display, Glue, Rod, Sleeve
@@ -114,7 +115,7 @@ def test_step_file_holds_the_same_solids(tmp_path):
 
     solids = build_solids(GENERATOR)
     path = tmp_path / "generator.step"
-    export_step(solids, path)
+    write_step(solids_assembly(solids), path)
     again = cq.importers.importStep(str(path)).solids().vals()
     volumes = sorted(solid.Volume() for solid in again)
     assert volumes == pytest.approx(sorted(s.Volume() for s in solids.values()), rel=1e-9)
@@ -126,7 +127,7 @@ def test_step_file_holds_the_same_solids(tmp_path):
 def test_glb_file_is_valid_named_and_in_metres(tmp_path):
     solids = build_solids(GENERATOR)
     path = tmp_path / "generator.glb"
-    export_glb(solids, path)
+    write_glb(solids_assembly(solids), path)
     data = path.read_bytes()
     magic, version, length, json_length, json_kind = struct.unpack_from("<4sIIII", data)
     assert (magic, version, length, json_kind) == (b"glTF", 2, len(data), 0x4E4F534A)
@@ -210,5 +211,5 @@ def test_a_kernel_that_fails_is_one_sentence(monkeypatch, tmp_path):
         fuse(parts)
     monkeypatch.setattr("OCP.RWGltf.RWGltf_CafWriter", lambda *_: fails)
     with pytest.raises(InputError, match=r"cannot be written \(the CAD kernel does not say why\)"):
-        export_glb(parts, tmp_path / "a.glb")
+        write_glb(solids_assembly(parts), tmp_path / "a.glb")
     assert not list(tmp_path.iterdir())

@@ -7,7 +7,8 @@ import struct
 
 import pytest
 
-from tactgen.geometry.cad.display import display_solids, export_display
+from tactgen.geometry.cad.display import display_assembly, display_solids
+from tactgen.geometry.cad.solids import write_glb, write_step
 from tactgen.geometry.device.parameters import (
     Bimorph,
     Device,
@@ -159,7 +160,9 @@ def test_files_hold_each_part_once(tmp_path):
     """Each distinct solid is one set of triangles, however often it is placed."""
     display = Display(rows=1, columns=2)
     step, glb = tmp_path / "d.step", tmp_path / "d.glb"
-    export_display(DEVICE, display, step=step, glb=glb)
+    assembly = display_assembly(DEVICE, display)
+    write_step(assembly, step)
+    write_glb(assembly, glb)
     content = glb.read_bytes()
     (size,) = struct.unpack("<I", content[12:16])
     document = json.loads(content[20 : 20 + size])

@@ -148,7 +148,7 @@ def _membrane() -> Floats:
     points = box.points.copy()
     points[:, 1] *= 1.0 - (1.0 - _TIP / _ROOT) * (points[:, 0] / _LONG)
     material = Material(isotropic_stiffness(200e9, 0.3), 8000.0)
-    body = SkfemBody(replace(box, points=points), {"all": material}, 1.0, None)
+    body = SkfemBody(replace(box, points=points), {"all": material}, 1.0)
     nodes = body.basis.doflocs.T
     root, middle = (np.abs(nodes[:, axis]) < 1e-9 * _LONG for axis in (0, 2))
     free = np.stack([~root, ~root, ~middle, np.zeros_like(root)], axis=-1).ravel()

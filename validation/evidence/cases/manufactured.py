@@ -141,7 +141,7 @@ def cells_space(mesh: Mesh, material: Material) -> tuple[Space, float]:
     """Space of tetrahedra or hexahedra by scikit-fem, and the potential's unit (V)."""
     known = {mesh.regions[0]: material}
     unit = volts_per_unit(known)
-    body = SkfemBody(replace(mesh, faces={}), known, unit, None)
+    body = SkfemBody(replace(mesh, faces={}), known, unit)
     basis: Any = body.basis
     walls = np.zeros(basis.N, dtype=bool)
     walls[basis.get_dofs().flatten()] = True
