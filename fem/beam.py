@@ -301,13 +301,7 @@ def multiport(
     elements: int = 8,
     lossy: bool = True,
 ) -> Multiport:
-    """Beam-element model over its ports (parallel wiring).
-
-    Parameters
-    ----------
-    elements : int
-        Elements along the whole row.
-    """
+    """Beam-element model over its ports (parallel wiring), `elements` along the whole row."""
     matrices = assemble(device, support, beam, elements=elements, lossy=lossy, measured=True)
     return condense(matrices, np.atleast_1d(np.asarray(frequencies, dtype=float)))
 
@@ -393,18 +387,11 @@ def assemble(
 ) -> BeamMatrices:
     """Assemble the row of beams, `elements` shared out by waves, rounded up in each piece.
 
-    Parameters
-    ----------
-    halvings : int
-        How many times all elements are halved then.
-    unit : float
-        How many units of force and charge make a newton and a coulomb.  It goes in before the
-        elements are summed: another one changes nothing but how every sum is rounded.
-    shift : float
-        By what part of an element the nodes inside of a piece lie higher: little of it changes
-        little but what lengths are rounded to, which is alike in all units.
-    measured : bool
-        Whether a node lies where motion is measured.
+    All elements are then halved so many times.  `unit` is how many units of force and charge make a
+    newton and a coulomb.  It goes in before the elements are summed: another one changes nothing
+    but how every sum is rounded.  By `shift` of an element the nodes inside of a piece lie higher:
+    little of it changes little but what lengths are rounded to, which is alike in all units.  If
+    `measured`, a node lies where motion is measured.
     """
     from skfem import Basis, ElementLinePp, LinearForm, asm
 

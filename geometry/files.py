@@ -41,12 +41,8 @@ def read_text(path: str | Path) -> str:
 
     Pipes and devices are not read: they may have no end, or nobody at the other one.
 
-    Raises
-    ------
-    OSError
-        If it cannot be read, is no regular file, or is larger than any table.
-    UnicodeDecodeError
-        If it is not UTF-8.
+    Raises OSError if it cannot be read, is no regular file, or is larger than any table,
+    UnicodeDecodeError if it is not UTF-8.
     """
     descriptor = os.open(path, READ)
     try:

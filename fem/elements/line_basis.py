@@ -28,15 +28,10 @@ class LineMatrices:
 
 @cache
 def gauss_values(degree: int, *, hierarchic: bool = False) -> tuple[Floats, Floats]:
-    """Polynomials and their slopes at the degree + 1 Gauss points of [−1, 1].
+    """Weights (points,) of the degree + 1 Gauss points of [−1, 1], and the polynomials there.
 
-    In a hierarchy the bubbles are integrals of Legendre's polynomials, of unit ∫ N'².
-
-    Returns
-    -------
-    weights : (points,) array
-    values : (2, points, degree + 1) array
-        Values, then slopes.
+    Values, then slopes, (2, points, degree + 1).  In a hierarchy the bubbles are integrals of
+    Legendre's polynomials, of unit ∫ N'².
     """
     points, weights = legendre.leggauss(degree + 1)
     to_coefficients = _legendre_coefficients(degree, hierarchic=hierarchic)

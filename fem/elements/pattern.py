@@ -19,12 +19,8 @@ from tactgen.geometry.arrays import Floats, Ints, Numbers, Sparse
 class Pattern:
     """Where the cells' entries go in vectors and matrices over the free unknowns; found once.
 
-    Parameters
-    ----------
-    dofs : (n_cells, n_local) int
-        Global unknowns of the cells.
-    free : (n_free,) int
-        Those unknowns that are solved for; the others are 0.
+    `dofs` (n_cells, n_local) are the cells' global unknowns, `free` (n_free,) those that are solved
+    for; the others are 0.
     """
 
     def __init__(self, dofs: Ints, free: Ints) -> None:
@@ -85,16 +81,9 @@ class Pattern:
 class FieldKernel:
     """F = S Σ_i f_i x_i on every cell, and the integrals of a Newton method over it.
 
-    Parameters
-    ----------
-    reference : (n_local, 3, n_points) float
-        Fields f_i on the reference cell.
-    transform : (n_cells, n_points or 1, 3, 3) float
-        S at the quadrature points; one matrix where it is constant on the cell.
-    weights : (n_cells, n_points) float
-        Volumes (m³) of the quadrature points.
-    pattern : Pattern
-        The cells' unknowns, and those that are solved for.
+    `reference` (n_local, 3, n_points) are the fields f_i on the reference cell, `transform`
+    (n_cells, n_points or 1, 3, 3) is S at the quadrature points, one matrix where it is constant on
+    the cell, `weights` (n_cells, n_points) are the volumes (m³) of these points.
     """
 
     def __init__(
@@ -137,12 +126,7 @@ class FieldKernel:
 class BlockPattern:
     """Where the cells' entries go in a sparse matrix whose entries are blocks.
 
-    Parameters
-    ----------
-    dofs : (n_cells, n_local) int array
-        Nodes of the cells.
-    size : int
-        Number of nodes.
+    `dofs` (n_cells, n_local) are the nodes of the cells, of which there are `size`.
     """
 
     def __init__(self, dofs: Ints, size: int) -> None:

@@ -158,12 +158,7 @@ def winding_source(device: Device, gap: float) -> SourceField:
 def solve_solid(device: Device, current: float, gap: float, sector: Sector) -> SolidPoint:
     """Solve the actuator's field in 3D at one current (A) and gap (m).
 
-    Raises
-    ------
-    InputError
-        If the parts do not fit at this gap.
-    SolverError
-        If a field does not converge.
+    Raises InputError if the parts do not fit at this gap, SolverError if a field does not converge.
     """
     return solve_row(device, gap, np.array([current]), sector)[0]
 
@@ -171,17 +166,11 @@ def solve_solid(device: Device, current: float, gap: float, sector: Sector) -> S
 def solve_cad(device: Device, current: float, gap: float, meshing: ActuatorMeshing) -> SolidPoint:
     """Solve the same on the CAD solids in a box of air, meshed by fTetWild, slot and all.
 
-    Not in the bars is where the air ends: at the default third of the axisymmetric
-    field's distance that has 0.06 % more force on the paper's device.
+    Not in the bars is where the air ends: at the default third of the axisymmetric field's distance
+    that has 0.06 % more force on the paper's device.
 
-    Raises
-    ------
-    InputError
-        If the parts do not fit at this gap.
-    MeshError
-        If no mesh passes its checks.
-    SolverError
-        If a field does not converge.
+    Raises InputError if the parts do not fit at this gap, MeshError if no mesh passes its checks,
+    SolverError if a field does not converge.
     """
     actuator_regions(device, gap)  # refuses before anything is built
     mesh = actuator_tets(device, gap, meshing)

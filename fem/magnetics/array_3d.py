@@ -58,12 +58,8 @@ def array_forces(
 ) -> ArrayForces:
     """Pull with all actuators of a square array driven; current in A, lengths in m.
 
-    Raises
-    ------
-    InputError
-        If the parts do not fit at this gap, or not into the pitch.
-    SolverError
-        If a field does not converge.
+    Raises InputError if the parts do not fit at this gap, or not into the pitch, SolverError if a
+    field does not converge.
     """
     mesh = cell_mesh(device, gap, pitch, cell or Cell())
     steel = magnetisation_curve(device.steel)
@@ -115,14 +111,10 @@ def nine_forces(
     pitch: float,
     cell: Cell | None = None,
 ) -> tuple[NineForces, ...]:
-    """Pulls for each choice of currents (A), which are by unit of `UNITS`.
+    """Pulls for each choice of currents (A), which are by unit of `UNITS`; lengths in m.
 
-    Raises
-    ------
-    InputError
-        If the parts do not fit at this gap (m), or not into the pitch (m).
-    SolverError
-        If a field does not converge.
+    Raises InputError if the parts do not fit at this gap, or not into the pitch, SolverError if a
+    field does not converge.
     """
     solids = nine_solids(device, currents, gap, pitch, cell or _CELL)
     weights = motion_weights(solids[0])

@@ -97,30 +97,15 @@ def solve_point(
     outer_radius: float | None = None,
     any_grid: bool = False,
 ) -> FieldPoint:
-    """Solve the actuator's field at one current and gap.
+    """Solve the actuator's field at one current (A) and gap (m), by default those of the device.
 
-    Parameters
-    ----------
-    device : Device
-        What is built; its own current and gap by default.
-    current, gap : float, optional
-        Others (A, m).
-    order : int
-        Polynomial order, at least 2.
-    refinement : float
-        Fineness of the grid, see :func:`geometry.reluctance.section_grid.graded_grid`.
-    outer_radius : float, optional
-        Radius and half height of the air (m), see
-        :func:`geometry.reluctance.section_grid.air_radius`.
-    any_grid : bool
-        Answer on a grid too coarse for error bars, too: to see how the error falls.
+    `order` is the polynomials', at least 2; `refinement` is the fineness of the grid, see
+    :func:`geometry.reluctance.section_grid.graded_grid`, `outer_radius` (m) the radius and half
+    height of the air, see :func:`geometry.reluctance.section_grid.air_radius`.  With `any_grid` a
+    grid too coarse for error bars gives an answer, too: to see how the error falls.
 
-    Raises
-    ------
-    InputError
-        If the parts do not fit at this gap, or the grid is too coarse for any answer.
-    SolverError
-        If the field does not converge.
+    Raises InputError if the parts do not fit at this gap, or the grid is too coarse for any answer,
+    SolverError if the field does not converge.
     """
     current = device.coil.current if current is None else current
     gap = device.gap if gap is None else gap
@@ -247,16 +232,9 @@ _LARGEST_WEIGHTS = 4.0
 
 
 class FieldPath:
-    """Points that differ in a few numbers, on the grid of one device.
+    """Points that differ in a few numbers, on the grid of one device at a gap (m).
 
-    Parameters
-    ----------
-    device, gap
-        Whose grid it is (m).
-    order, refinement
-        As of :func:`fem.magnetics.axisymmetric.solve_point`.
-
-    Raises InputError as there.
+    Raises InputError as :func:`solve_point`.
     """
 
     def __init__(
@@ -273,10 +251,7 @@ class FieldPath:
     def solved(self, model: TwoOrders, current: float, place: Floats) -> FieldPoint:
         """Field point at a current (A) on a fitted grid.
 
-        Parameters
-        ----------
-        place : (k,) float
-            What varies, each about from −1 to 1: fields nearby in it make the start.
+        `place` (k,) is what varies, each about from −1 to 1: fields nearby in it make the start.
 
         Raises CoarseGridError if the grid is too coarse, SolverError where nothing converges.
         """
@@ -327,12 +302,8 @@ _MOST = 3
 class FieldContinuation:
     """Points of devices, currents and gaps that differ little from one to the next.
 
-    Parameters
-    ----------
-    refinements : sequence of float
-        Of the grids that may be taken, coarsest first.
-    accuracy : float
-        Force bar over the force above which the next finer grid is taken, if there is one.
+    `refinements` are those of the grids that may be taken, coarsest first; where the force's bar
+    over the force is above `accuracy` the next finer grid is taken, if there is one.
     """
 
     def __init__(self, refinements: Sequence[float], accuracy: float) -> None:
@@ -344,19 +315,11 @@ class FieldContinuation:
     def at(self, device: Device, current: float, gap: float, place: Floats) -> FieldPoint:
         """Point of a device at a current (A) and gap (m).
 
-        The first grid tried is the one that was fine enough at the nearest place.
+        The first grid tried is the one that was fine enough at the nearest place.  `place` (k,) is
+        what varies, each of the order of 1 over the walk: it says which fields are near.
 
-        Parameters
-        ----------
-        place : (k,) float
-            What varies, each of the order of 1 over the walk: it says which fields are near.
-
-        Raises
-        ------
-        InputError
-            If the parts do not fit at this gap.
-        SolverError
-            If the field does not converge.
+        Raises InputError if the parts do not fit at this gap, SolverError if the field does not
+        converge.
         """
         place = np.asarray(place, dtype=float)
         finest = len(self._refinements) - 1

@@ -102,21 +102,11 @@ def solve_field(
     factors: Factors | None = None,
     tolerance: float = TOLERANCE,
 ) -> MagneticField:
-    """Find the field of given currents.
+    """Field of given currents (n_coils,) in A, one for each region with turns, in their order.
 
-    Parameters
-    ----------
-    discretisation : Discretisation
-        Functions and materials.
-    currents : (n_coils,) float
-        Current of each region with turns (A), in the order of the regions.
-    start : (n_dofs,) float, optional
-        Potential to start from; zero by default.
-    factors : Factors, optional
-        Those of an earlier solution on this grid, so that their ordering is kept, and they
-        themselves where the field differs little.
-    tolerance : float
-        As of :func:`fem.solvers.newton.minimise`.
+    `start` (n_dofs,) is a potential to start from, zero by default.  `factors` are those of an
+    earlier solution on this grid, so that their ordering is kept, and they themselves where the
+    field differs little; `tolerance` is as of :func:`fem.solvers.newton.minimise`.
 
     Raises SolverError if Newton's method does not arrive.
     """

@@ -286,16 +286,10 @@ def _tables(grid: Grid, reference: ReferenceCell) -> dict[str, Any]:
 def discretise(
     grid: Grid, order: int, closed: tuple[str, ...] = ("outer", "bottom", "top")
 ) -> Discretisation:
-    """Put shape functions on a grid.
+    """Put shape functions of an order, at least 1, in each direction on a grid.
 
-    Parameters
-    ----------
-    grid : Grid
-        Lines and regions.
-    order : int
-        Polynomial order in each direction, at least 1.
-    closed : tuple of {"outer", "bottom", "top"}
-        Sides that no flux crosses (A_φ = 0); on the others the tangential H is zero.
+    The flux does not cross the sides that are closed (A_φ = 0), of ``outer``, ``bottom`` and
+    ``top``; on the others the tangential H is zero.
     """
     from skfem import Basis, ElementQuadP, MeshQuad
 

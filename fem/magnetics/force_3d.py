@@ -46,15 +46,9 @@ def harmonic_weight(
 ) -> MotionWeight:
     """Weight that is 1 on `body`, harmonic in `shell` and 0 elsewhere.
 
-    Parameters
-    ----------
-    solid : SampledSolid
-        The problem.
-    body : tuple of str
-        Regions that move as one, windings among them.
-    shell : tuple of str
-        Regions around the body with neither iron nor current.  They may touch the outer
-        boundary at symmetry planes along which the body moves, and nowhere else.
+    The body's regions move as one, windings among them.  Those of the shell, around it, have
+    neither iron nor current; they may touch the outer boundary at symmetry planes along which the
+    body moves, and nowhere else.
 
     Raises InputError if the mesh lacks a region, or iron is in the shell.
     """

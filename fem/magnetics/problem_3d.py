@@ -227,12 +227,7 @@ class VectorPotential:
     def solve(self, current: float, start: MagneticField | None = None) -> MagneticField:
         """Field at `current` ampere-turns.
 
-        Parameters
-        ----------
-        current : float
-            Ampere-turns.
-        start : MagneticField, optional
-            A solution by this potential to start from, on the same mesh or one deformed.
+        `start` is a solution by this potential to start from, on the same mesh or one deformed.
 
         Raises SolverError if Newton's method does not arrive.
         """
@@ -330,18 +325,10 @@ class ScalarPotential:
 def gradient_kernel(
     solid: SampledSolid, dofs: Ints, free: Ints, cells: Ints | slice = slice(None)
 ) -> FieldKernel:
-    """Kernel of the gradients of quadratic nodal functions.
+    """Kernel of the gradients of quadratic nodal functions, over some cells (n,) or all.
 
-    Parameters
-    ----------
-    solid : SampledSolid
-        The problem.
-    dofs : (n_cells, 10) int
-        Unknowns of all its cells.
-    free : (n_free,) int
-        Those that are solved for; the others are 0.
-    cells : (n,) int, optional
-        The cells over which to integrate, all by default.
+    `dofs` (n_cells, 10) are the unknowns of all cells, `free` (n_free,) those that are solved for;
+    the others are 0.
     """
     from skfem import ElementTetP2
 

@@ -37,22 +37,13 @@ def brick_matrices(
 ) -> tuple[Sparse, Sparse]:
     """Stiffness and mass of the whole body by the values on its quarter, held nowhere.
 
-    Parameters
-    ----------
-    bricks : Bricks
-        The quarter.
-    known : dict of str to Material
-        Material of each region.
-    unit : float
-        Size of the potential's unit (V).
-    tested : (nx, ny, nz) mask, optional
-        Products of functions whose rows are wanted; by default all that are there.
+    `known` is the material of each region, `unit` the size of the potential's unit (V), `tested`
+    (nx, ny, nz) tells the products of functions whose rows are wanted; by default all that are
+    there.
 
-    Returns
-    -------
-    stiffness, mass : (4 n, 4 n) sparse
-        Over (u_x, u_y, u_z, φ) of each product of functions, z fastest; columns sorted.  Those
-        that no material has are there, with zeros; those that are left out have empty rows.
+    Both are sparse (4 n, 4 n) over (u_x, u_y, u_z, φ) of each product of functions, z fastest;
+    columns sorted.  Those that no material has are there, with zeros; those that are left out have
+    empty rows.
     """
     products = bricks.products()
     lines = (line_matrices(axis) for axis in bricks.axes)

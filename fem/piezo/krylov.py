@@ -175,13 +175,8 @@ def missing_products(states: Numbers, surplus: MotionEstimator) -> Numbers:
     """Products r_iᵀ K_w⁻¹ r_j (2, m, m) of displacements, of potentials; m = 2 k + 6 + t.
 
     Of K x and of M x of every unknown of a reduced solid, then of the t functionals that see it.
-
-    Parameters
-    ----------
-    states : (n, k + 3) array, complex if the solid has losses
-        What the solid's unknowns are per unknown of the reduced one.
-    surplus : MotionEstimator
-        The functions that the solid lacks, with the losses that it has.
+    `states` (n, k + 3), complex if the solid has losses, are its unknowns per unknown of the
+    reduced one; `surplus` has functions that it lacks, with the losses that it has.
     """
     return np.stack(surplus.products(np.hstack([*surplus.residuals(states), surplus.seen])))
 
@@ -269,22 +264,12 @@ def reduce_to_ports(
 ) -> ReducedSolid:
     """Project a solid on a rational Krylov basis that serves a range of frequencies.
 
-    Parameters
-    ----------
-    system : SolidSystem
-        Lossy or lossless.
-    frequencies : (n,) array
-        Where D(Ω) is wanted (Hz).
-    tolerance : float
-        Estimated relative error (:meth:`ReducedSolid.error_estimate`) at every one of these
-        frequencies and, with losses, at every peak and dip between the lowest and highest.
-        Shifts are added at the worst frequency until it holds or six are used; what was
-        reached stays available as the estimate.
-    surplus : MotionEstimator, optional
-        Functions that the solid lacks, to judge it by.
+    `frequencies` (n,) in Hz are where D(Ω) is wanted, `tolerance` is the estimated relative error
+    (:meth:`ReducedSolid.error_estimate`) at every one of them and, with losses, at every peak and
+    dip between the lowest and highest.  Shifts are added at the worst frequency until it holds or
+    six are used; what was reached stays available as the estimate.  By functions of a `surplus`
+    that the solid lacks it is judged, too.
 
-    Notes
-    -----
     One complex factorisation per shift.  The shifts Ω² (1 + j) keep clear of all poles.  Three
     blocks serve a range well below the second resonance to rounding; two more cost less than
     another shift, so they are tried first.

@@ -48,24 +48,11 @@ def classify(nodes: Floats, mass: Floats, displacement: Floats) -> tuple[ModeCla
 
 
 def section_motions(nodes: Floats, mass: Floats, displacement: Floats) -> Floats:
-    """Rigid motions of sections, each squared twice its kinetic energy over ω².
+    """Rigid motions (6, slices, k) of sections, each squared twice its kinetic energy over ω².
 
-    Nodes are gathered in slices along z; in each the displacement is fitted by translations
+    Nodes (n, 3) in m of a `mass` (n,) in kg are gathered in slices along z; in each the
+    displacement (n, 3, k) of k motions, in which the result is linear, is fitted by translations
     along x, y and z, by rotations in x and y and by twist.
-
-    Parameters
-    ----------
-    nodes : (n, 3) array
-        Where the nodes are (m).
-    mass : (n,) array
-        Of the nodes (kg).
-    displacement : (n, 3, k) array
-        Of k motions.
-
-    Returns
-    -------
-    (6, slices, k) array
-        Linear in the displacement.
     """
     z = nodes[:, 2]
     section = np.minimum((_SLICES * (z - z.min()) / np.ptp(z)).astype(int), _SLICES - 1)

@@ -161,18 +161,12 @@ def mode_state(
 
 
 def driven_state(system: SolidSystem, ends: Ends, frequency: float, voltage: complex) -> SolidState:
-    """Motion at a voltage (V) across each layer, with support and load.
+    """Motion at a frequency (Hz) and voltage (V) across each layer, with support and load.
 
-    Base motion, tip force and tip moment are unknowns beside the voltage: with X the states per
-    unit of each, base reactions and the support's forces cancel, and force and moment are minus
-    the load's stiffness times the tip's motion.
-
-    Parameters
-    ----------
-    system : SolidSystem
-        Lossy for harmonic states; a lossless one at 0 Hz gives a real static state.
-    frequency : float
-        Hz.
+    The system is lossy for harmonic states; a lossless one at 0 Hz gives a real static state. Base
+    motion, tip force and tip moment are unknowns beside the voltage: with X the states per unit of
+    each, base reactions and the support's forces cancel, and force and moment are minus the load's
+    stiffness times the tip's motion.
     """
     omega2 = (2.0 * np.pi * frequency) ** 2
     n, at = system.inner, np.array([frequency])

@@ -110,19 +110,10 @@ def ports_from_blocks(
 ) -> Multiport:
     """D(Ω) (n, p, p) from its mixed form, the place of measurement being a sixth port.
 
-    Parameters
-    ----------
-    frequencies : (n,) array
-        Hz.
-    held : (n, 3, 3) array
-        Base force, base moment and −charge per unit (w_base, ψ_base, U), tip free.
-    through : (n, 3, t) array
-        The same per unit force on what is seen: on the tip, its moment, at the place of
-        measurement.
-    follows : (n, t, 3) array
-        Motion seen per unit (w_base, ψ_base, U), tip free.
-    compliance : (n, t, t) array
-        Motion seen per unit force on it.
+    `frequencies` (n,) are in Hz.  With the tip free, `held` (n, 3, 3) are base force, base moment
+    and −charge, `follows` (n, t, 3) the motion seen, per unit (w_base, ψ_base, U); `through` (n, 3,
+    t) and `compliance` (n, t, t) are the same per unit force on what is seen: on the tip, its
+    moment, at the place of measurement.
     """
     stiff, t = np.linalg.inv(compliance), compliance.shape[-1]
     source, seen = np.array(SOURCE), np.array(SEEN[:t])

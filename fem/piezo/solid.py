@@ -30,21 +30,14 @@ def assemble(
 ) -> SolidSystem:
     """Assemble the solid model of `device` on `mesh`, all that its ports can move.
 
-    Bricks are the business of :mod:`fem.piezo.bricks`; other cells
-    that of :mod:`fem.piezo.tetrahedra`.
+    Bricks are the business of :mod:`fem.piezo.bricks`; other cells that of
+    :mod:`fem.piezo.tetrahedra`.  Regions are among piezo_top, piezo_bottom, shim, glue, rod, faces
+    as named there.  A mesh with the faces `MIRRORS` is a quarter, with the second of them half of
+    it: the system is then that of the bending in x that the ports move, the others are ``related``
+    to it.
 
-    Parameters
-    ----------
-    device : Device
-        Materials and poling.
-    mesh : Mesh or Bricks
-        Regions among piezo_top, piezo_bottom, shim, glue, rod; faces as named there.  A mesh
-        with the faces `MIRRORS` is a quarter, with the second of them half of it: the system is
-        then that of the bending in x that the ports move, the others are ``related`` to it.
-    lossy : bool
-        Take the ceramic's Q and tan δ into account (complex matrices).
-    ceramic : Piezoceramic, optional
-        Full material to use instead of the device's own, for studies of the tensor.
+    A `lossy` one takes the ceramic's Q and tan δ into account (complex matrices).  A full material
+    stands for the device's own ceramic, if given, for studies of the tensor.
     """
     if isinstance(mesh, Bricks):
         return assemble_bricks(device, mesh, lossy=lossy, ceramic=ceramic)

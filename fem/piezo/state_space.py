@@ -74,16 +74,10 @@ _RATES = (
 def state_space(
     model: PortModel, base: Springs | None, frequencies: tuple[float, float]
 ) -> StateSpace:
-    """Causal model of a lossy reduced solid.
+    """Causal model of a solid that was reduced with losses.
 
-    Parameters
-    ----------
-    model : PortModel
-        Reduced with losses.
-    base : Springs or None
-        What holds the base; None is a clamp, and the base is then no port.
-    frequencies : (low, high)
-        Range in which tan δ is held (Hz), both above 0.
+    `base` holds it; None is a clamp, and the base is then no port.  In the range of frequencies
+    (Hz), both above 0, tan δ is held.
     """
     held = 3 if base is None else 1
     n = model.stiffness.shape[0] - held
@@ -183,13 +177,8 @@ def differences(
 ) -> tuple[Floats, Complex, Floats]:
     """Compare with the solid at every peak and dip of its response to 1 V, the tip free.
 
-    Returns
-    -------
-    frequencies : (n,) array
-    solid : (3, n) complex array
-        Tip velocity, tip angular velocity and current of the lossy solid.
-    error : (3, n) array
-        Distance of the state space's, relative.
+    Frequencies (n,) in Hz; tip velocity, tip angular velocity and current of the lossy solid (3,
+    n), complex; distance of the state space's (3, n), relative.
     """
     ends = Ends(base)
     at = extremes(model, *frequencies, (ends,))

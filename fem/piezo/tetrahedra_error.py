@@ -49,20 +49,10 @@ def cubic_surplus(
 ) -> CubicEstimator:
     """Hierarchical error estimate with cubic functions.
 
-    Parameters
-    ----------
-    device : Device
-        Materials and poling, as the system was assembled with.
-    mesh : Mesh
-        Tetrahedra, as the system was assembled on: whole, or a quarter.
-    system : SolidSystem
-        Lossless.
-    fields : (n, n_fields) array
-        Solutions y of the system, in its own unknowns.
-    inertia : (n_fields,) array
-        Ω² (rad²/s²) of each: its load is Ω² times its mass, 0 at rest.
-    force : (n_fields,) array
-        Lateral force on the tip (N) of each, spread evenly over the tip face.
+    `system` is lossless, assembled of this device on this mesh of tetrahedra, whole or a quarter.
+    `fields` (n, n_fields) are solutions y of it, in its own unknowns.  Each has Ω² in `inertia`
+    (n_fields,) in rad²/s² (its load is Ω² times its mass, 0 at rest) and in `force` (n_fields,) the
+    lateral force on the tip (N), spread evenly over the tip face.
     """
     domain = to_skfem(mesh)
     n_edges = domain.edges.shape[1]
@@ -191,22 +181,10 @@ class GoalError:
 
 
 def goal_errors(device: Device, mesh: Mesh, system: SolidSystem) -> dict[str, GoalError]:
-    """Goals and their estimated errors, base clamped, lossless.
+    """Goals and their estimated errors, base clamped, of a lossless system assembled on a mesh.
 
-    Parameters
-    ----------
-    device : Device
-        Materials and poling.
-    mesh : Mesh
-        Tetrahedra.
-    system : SolidSystem
-        `device` assembled on `mesh`, lossless.
-
-    Returns
-    -------
-    dict of str to GoalError
-        ``tip_displacement`` (m/V), ``tip_compliance`` (m/N), ``capacitance`` (F), tip free,
-        and the first ``bending_1`` … in Hz, electrodes short-circuited.
+    They are ``tip_displacement`` (m/V), ``tip_compliance`` (m/N), ``capacitance`` (F), tip free,
+    and the first ``bending_1`` … in Hz, electrodes short-circuited.
     """
     voltage, force = _static_responses(system)
     shapes, squares = _bending(system, voltage[:-3], force[:-3])
@@ -241,12 +219,8 @@ def mode_errors(
 ) -> Floats:
     """Estimated relative errors (k,) of natural frequencies, each too high by so much.
 
-    Parameters
-    ----------
-    device, mesh, system
-        As of :func:`goal_errors`; the system of one class of motion.
-    squares, shapes : (k,) and (n - 3, k) array
-        Ω² (rad²/s²) and modes of unit mass, base clamped, electrodes short-circuited.
+    As :func:`goal_errors`, of one class of motion: `squares` (k,) are Ω² (rad²/s²), `shapes` (n -
+    3, k) modes of unit mass, base clamped, electrodes short-circuited.
     """
     fields = np.vstack([shapes, np.zeros((system.size - len(shapes), squares.size))])
     surplus = cubic_surplus(

@@ -74,18 +74,13 @@ class SolverError(RuntimeError):
 
 
 def factorise(matrix: Sparse, *, definite: bool = False, order: Ints | None = None) -> Factor:
-    """Factorise a symmetric (not Hermitian) real or complex sparse matrix.
+    """Factorise a symmetric (not Hermitian) real or complex sparse matrix (n, n).
 
-    Parameters
-    ----------
-    matrix : sparse (n, n)
-        Both triangles; only the upper one is read by Pardiso.
-    definite : bool
-        The matrix should be positive definite: Cholesky, up to twice as fast.  If it is
-        not, it is factorised as an indefinite one, and `negative_pivots` tells.
-    order : (n,) int array, optional
-        The unknowns in the order in which to eliminate them, where a good one is known; else
-        Pardiso looks for one, which takes longer than the factorisation.
+    It has both triangles; only the upper one is read by Pardiso.  One that should be positive
+    `definite` is factorised by Cholesky, up to twice as fast; if it is not, as an indefinite one,
+    and `negative_pivots` tells.  `order` (n,) has the unknowns in the order in which to eliminate
+    them, where a good one is known; else Pardiso looks for one, which takes longer than the
+    factorisation.
 
     Raises SolverError if the matrix is singular or the library reports an error.
     """

@@ -130,14 +130,9 @@ def minimise(
 ) -> Minimum:
     """Minimum of `energy`.
 
-    A Hessian's factors are used again while they are good: first of all those that are given.
-
-    Parameters
-    ----------
-    factors : Factors, optional
-        Those of earlier Hessians of the same pattern; afterwards of the last one made.
-    tolerance : float
-        Energy norm of what may be left, over the field's.
+    Hessians' factors are used again while they are good: first of all those that are given, of
+    earlier Hessians of the same pattern; afterwards they are of the last one made.  `tolerance` is
+    the energy norm of what may be left, over the field's.
 
     Raises SolverError if it takes more than 60 steps, or the energy is not convex.
     """

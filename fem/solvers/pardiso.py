@@ -106,29 +106,16 @@ class PardisoError(RuntimeError):
 class Pardiso:
     """Factors of symmetric matrices that share one pattern.
 
-    Parameters
-    ----------
-    starts, columns : (n + 1,) int, (n_entries,) int
-        Compressed rows of the upper triangle, columns sorted, every diagonal entry there.
-    complex_numbers : bool
-        Whether entries are complex.
-    definite : bool
-        Real positive definite (matrix type 2) instead of real indefinite (−2); complex
-        symmetric is always 6.
-    matching : bool
-        Weighted matching and scaling, for matrices on whose diagonal there is little.
-    order : (n,) int array, optional
-        The unknowns in the order of their elimination; found by nested dissection if not given.
-
-    Attributes
-    ----------
-    perturbed_pivots : int
-        Pivots that were too small and were replaced.
+    `starts` (n + 1,) and `columns` (n_entries,) are the compressed rows of the upper triangle,
+    columns sorted, every diagonal entry there.  Real matrices are positive `definite` (matrix type
+    2) or indefinite (−2); complex symmetric is always 6.  Weighted `matching` and scaling are for
+    matrices on whose diagonal there is little.  `order` (n,) has the unknowns in the order of their
+    elimination; found by nested dissection if not given.
     """
 
     #: Number of negative pivots; None for complex matrices, where there is no sign
     negative_pivots: int | None = None
-    perturbed_pivots = 0
+    perturbed_pivots = 0  #: Pivots that were too small and were replaced
 
     def __init__(
         self,
@@ -239,17 +226,9 @@ class Pardiso:
 
 
 def nested_dissection(starts: Ints, columns: Ints) -> Ints | None:
-    """Order (n,) in which to eliminate the unknowns of a symmetric pattern.
+    """Order (n,) in which to eliminate the unknowns of a pattern as :class:`Pardiso` has it.
 
-    Parameters
-    ----------
-    starts, columns : (n + 1,) int, (n_entries,) int
-        Compressed rows of the upper triangle, columns sorted, every diagonal entry there.
-
-    Returns
-    -------
-    order : (n,) int array or None
-        None without Intel's library.
+    None without Intel's library.
     """
     if mkl() is None:
         return None

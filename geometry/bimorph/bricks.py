@@ -217,16 +217,9 @@ class Bricks:
 
 
 def mirrored_axis(nodes: Floats) -> tuple[Floats, Ints, Bools]:
-    """Axis continued to the other side of 0.
+    """Axis continued to the other side of 0: three arrays (2 n − 1,), ascending.
 
-    Returns
-    -------
-    nodes : (2 n − 1,) array
-        Ascending.
-    source : (2 n − 1,) int array
-        The node of the half that each is or mirrors.
-    reflected : (2 n − 1,) bool array
-        Whether it lies on the other side.
+    Positions, the node of the half that each is or mirrors, and whether it lies on the other side.
     """
     n = nodes.size
     source = np.abs(np.arange(-(n - 1), n))

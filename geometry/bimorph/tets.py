@@ -129,39 +129,19 @@ def tetrahedralise(
 ) -> Mesh:
     """Mesh chosen solids of the device with tetrahedra and check the mesh against CAD.
 
-    A mesh made before from the same geometry and options is read from the store: the mesher has
-    no seed, so only a kept mesh makes results repeatable.
+    A mesh made before from the same geometry and options is read from the store: the mesher has no
+    seed, so only a kept mesh makes results repeatable.  By default all solids are meshed: of the
+    generator with the bimorph glued into the rod, or of the bimorph alone.  `sizing` has edge
+    lengths in place of those of the options, as the mesher sees the device (:func:`squeezed`);
+    `mesher` is the mesher's process, if another mesh has had or will have one too.
 
-    Parameters
-    ----------
-    device : Device
-        What is meshed.
-    standing : {"rod", "alone"}
-        The generator with the bimorph glued into the rod, or the bimorph alone.
-    regions : tuple of str, optional
-        Solids to mesh; all by default.
-    options : TetMeshing
-        How to mesh.
-    sizing : Sizing, optional
-        Edge lengths in place of those of the options, as the mesher sees the device
-        (:func:`squeezed`).
-    mesher : Mesher, optional
-        The mesher's process, if another mesh has had or will have one too.
+    Returns the mesh in metres, with the named faces ``base`` (the rod's bottom face; without rod
+    the lowest face of ceramic and shim), ``tip`` and ``electrode_top_outer``, ``…_top_inner``,
+    ``…_bottom_inner``, ``…_bottom_outer`` as far as their regions are chosen; electrode triangles
+    are seen from outside the ceramic.
 
-    Returns
-    -------
-    Mesh
-        In metres.  Named faces: ``base`` (the rod's bottom face; without rod the lowest
-        face of ceramic and shim), ``tip`` and ``electrode_top_outer``, ``…_top_inner``,
-        ``…_bottom_inner``, ``…_bottom_outer`` as far as their regions are chosen; electrode
-        triangles are seen from outside the ceramic.
-
-    Raises
-    ------
-    InputError
-        If the device cannot be built.
-    MeshError
-        If no mesh passes its checks, or the time is up.
+    Raises InputError if the device cannot be built, MeshError if no mesh passes its checks, or the
+    time is up.
     """
     parts = layout(device, standing, regions)
     named = _named_faces(device, standing, tuple(parts))

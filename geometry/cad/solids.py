@@ -62,22 +62,10 @@ _TOUCHING = 1e-9
 def build_solids(
     device: Device, names: tuple[str, ...] | None = None, standing: Standing = "rod"
 ) -> dict[str, cq.Solid]:
-    """Build the solids of the device, each by itself.
+    """Build the solids of the device (mm), all or some by name, each by itself.
 
-    Parameters
-    ----------
-    device : Device
-        What is built.
-    names : tuple of str, optional
-        Solids wanted; all by default.
-    standing : {"rod", "alone"}
-        The whole generator (z = 0 at the rod's top face), or the bimorph alone
-        (z = 0 at its lowest edge).
-
-    Returns
-    -------
-    dict of str to cadquery.Solid
-        In millimetres.
+    Standing on the rod it is the whole generator (z = 0 at the rod's top face), alone the bimorph
+    (z = 0 at its lowest edge).
 
     Raises InputError if a name is unknown, the parts cannot be put together, or the CAD kernel's
     system library is missing.
@@ -147,17 +135,7 @@ def _only_solid(shape: cq.Shape) -> cq.Solid:
 
 
 def fuse(solids: dict[str, cq.Solid]) -> dict[str, cq.Solid]:
-    """Fuse solids so that neighbours share the faces on which they touch.
-
-    Parameters
-    ----------
-    solids : dict of str to cadquery.Solid
-        Solids that touch but do not overlap.
-
-    Returns
-    -------
-    dict of str to cadquery.Solid
-        The same names; two solids that touch hold the very same face there.
+    """Fuse solids, which may touch but not overlap, so that neighbours share the very same faces.
 
     Raises InputError if two solids overlap.
     """
@@ -257,14 +235,9 @@ def write_glb(assembly: cq.Assembly, path: str | Path) -> None:
 
 
 def thinnest_feature(solids: dict[str, cq.Solid]) -> float:
-    """Smallest distance (mm) between two faces that do not touch each other.
+    """Smallest distance (mm) between two faces of fused solids that do not touch each other.
 
     It is the thickness of the thinnest layer, wall, step or gap between the solids.
-
-    Parameters
-    ----------
-    solids : dict of str to cadquery.Solid
-        As :func:`fuse` returns them.
     """
     from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 

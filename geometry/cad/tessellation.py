@@ -19,14 +19,9 @@ if TYPE_CHECKING:
 
 
 def merge_points(points: Floats, within: float) -> tuple[Floats, Ints]:
-    """Points that differ, and which of them each of the given ones is.
+    """Points (n, 3) that differ, and which of them each of the given ones is.
 
-    Parameters
-    ----------
-    points : (n, 3) float
-        In any unit of length.
-    within : float
-        Distance up to which points are the same, far below that of any others.
+    Those up to `within` apart are the same, which is far below the distance of any others.
     """
     from scipy.spatial import cKDTree
 
@@ -109,16 +104,10 @@ class Tessellation:
 
 
 def tessellate(solids: dict[str, cq.Solid], deflection: float, angle: float = 0.5) -> Tessellation:
-    """Triangulate fused solids.
+    """Triangulate fused solids (mm).
 
-    Parameters
-    ----------
-    solids : dict of str to cadquery.Solid
-        As :func:`geometry.cad.solids.fuse` returns them (mm).
-    deflection : float
-        Largest distance between a curved face and its triangles (mm).
-    angle : float
-        Largest angle between neighbouring triangles of a curved face (rad).
+    Curved faces and their triangles are apart by `deflection` (mm) at most, neighbouring triangles
+    turn by `angle` (rad) at most.
     """
     import cadquery as cq
     from OCP.BRepMesh import BRepMesh_IncrementalMesh

@@ -221,18 +221,9 @@ def check_volumes(
 ) -> None:
     """Refuse a region whose volume is off, or an element that is turned inside out.
 
-    Parameters
-    ----------
-    points : (n_points, 3) array
-        Coordinates (mm).
-    cells : (n_cells, 10) int array
-        Nodes of ten-node tetrahedra.
-    labels : (n_cells,) int array
-        Region of each cell: position in `expected`.
-    expected : dict of str to float
-        Volume of each region (mm³), from CAD.
-    plane : set of str
-        Regions bounded by planes only.
+    Of the ten-node tetrahedra `cells` (n_cells, 10) of `points` (n_points, 3) in mm the region is
+    ``labels`` (n_cells,): a position in `expected`, the volumes (mm³) from CAD.  `plane` names the
+    regions bounded by planes only.
 
     Raises MeshError naming the region and by how much it is off.
     """
@@ -251,16 +242,8 @@ def check_volumes(
 def check_areas(points: Floats, triangles: Ints, face: Ints, faces: Sequence[Face]) -> None:
     """Refuse a CAD face whose triangles do not add up to its area.
 
-    Parameters
-    ----------
-    points : (n_points, 3) array
-        Coordinates (mm).
-    triangles : (n_triangles, 6) int array
-        Nodes of six-node triangles.
-    face : (n_triangles,) int array
-        CAD face of each triangle.
-    faces : sequence of Face
-        The CAD faces.
+    `triangles` (n_triangles, 6) have six nodes each of `points` (n_points, 3) in mm; `face`
+    (n_triangles,) is the one of `faces` that each is of.
 
     Raises MeshError naming the two sides of the face and by how much it is off.
     """
@@ -282,12 +265,8 @@ def _compare(what: str, found: float, expected: float, unit: str, tolerance: flo
 def check_conformity(tets: Ints, n_skin: int) -> None:
     """Refuse a mesh in which a face belongs to more than two cells, or that is torn.
 
-    Parameters
-    ----------
-    tets : (n_cells, 4) int array
-        Corners.
-    n_skin : int
-        Number of triangles between the regions and outside.
+    `tets` (n_cells, 4) are the corners, `n_skin` the number of triangles between regions and
+    outside.
 
     Raises MeshError if faces do not match.
     """

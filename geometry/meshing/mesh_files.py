@@ -31,17 +31,11 @@ _REGION, _FACE = "region ", "face "
 def write_mesh(
     mesh: Mesh, path: str | Path, point_data: Mapping[str, NDArray[np.number]] | None = None
 ) -> None:
-    """Write a mesh to a file, as its suffix says.
+    """Write a mesh in metres to a file, as its suffix says, with fields at its points.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        Written in metres.
-    path : path
-        ``.vtu`` (ParaView: regions and faces are cell arrays named ``region …`` and
-        ``face …`` that hold 0 or 1) or ``.msh`` (Gmsh 2.2: they are physical groups).
-    point_data : mapping of str to (n_points,) or (n_points, 3) real array, optional
-        Fields at the points.
+    ``.vtu`` is ParaView's: regions and faces are cell arrays named ``region …`` and ``face …`` that
+    hold 0 or 1.  ``.msh`` is Gmsh's (2.2): they are physical groups.  Fields are real, (n_points,)
+    or (n_points, 3).
 
     Raises InputError if the suffix is another one or the file cannot be written.
     """

@@ -31,21 +31,10 @@ _FACES = ([1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2])
 def box_tetrahedra(
     x: Floats, y: Floats, z: Floats, region_of_box: Ints, regions: tuple[str, ...]
 ) -> Mesh:
-    """Mesh of all boxes between the grid planes.
+    """Straight tetrahedra in all boxes between the grid planes.
 
-    Parameters
-    ----------
-    x, y, z : (nx,), (ny,), (nz,) float
-        Increasing grid planes (m).
-    region_of_box : (nx - 1, ny - 1, nz - 1) int
-        Index into `regions`.
-    regions : tuple of str
-        Region names.
-
-    Returns
-    -------
-    Mesh
-        Straight tetrahedra; its faces are the outer sides named in `SIDES`.
+    `x` (nx,), `y` (ny,), `z` (nz,) are increasing (m), `region_of_box` (nx - 1, ny - 1, nz - 1) the
+    index into `regions`.  The mesh's faces are the outer sides named in `SIDES`.
     """
     sizes = (x.size, y.size, z.size)
     index = np.arange(x.size * y.size * z.size).reshape(sizes)
@@ -91,14 +80,10 @@ def _sides(tets: Ints, sizes: tuple[int, int, int]) -> dict[str, Ints]:
 def graded_planes(stops: Sequence[tuple[float, float]], growth: float) -> Floats:
     """Grid planes through all stops, intervals growing away from each stop.
 
-    Parameters
-    ----------
-    stops : sequence of (position, size)
-        Increasing positions (m) that must be planes, and the length (m) wanted of the
-        intervals beside each.
-    growth : float
-        How much longer an interval may be per distance from a stop: neighbours then differ
-        by a factor of about exp(growth).  A family of alike meshes scales it as the sizes.
+    `stops` are increasing positions (m) that must be planes, each with the length (m) wanted of the
+    intervals beside it.  `growth` is how much longer an interval may be per distance from a stop:
+    neighbours then differ by a factor of about exp(growth).  A family of alike meshes scales it as
+    the sizes.
     """
     planes = [stops[0][0]]
     for (low, first), (high, last) in itertools.pairwise(stops):
@@ -128,24 +113,11 @@ _SIDES = {"x_high": "mantle", "y_low": "start", "y_high": "end", "z_low": "botto
 def swept_tetrahedra(
     r: Floats, z: Floats, angles: Floats, region_of_cell: Ints, regions: tuple[str, ...]
 ) -> Mesh:
-    """Sector's mesh of ten-node tetrahedra.
+    """Sector as ten-node tetrahedra; sides ``mantle``, ``start``, ``end``, ``bottom`` and ``top``.
 
-    Parameters
-    ----------
-    r, z : (nr,), (nz,) float
-        Increasing grid lines of the half section (m); r from 0.
-    angles : (na,) float
-        Increasing angles (rad) of the half planes that bound the layers of cells, from the
-        x-axis towards y.
-    region_of_cell : (nr - 1, nz - 1) int
-        Index into `regions`.
-    regions : tuple of str
-        Region names.
-
-    Returns
-    -------
-    Mesh
-        With the outer sides ``mantle``, ``start``, ``end``, ``bottom`` and ``top``.
+    `r` (nr,), from 0, and `z` (nz,) are increasing grid lines of the half section (m); `angles`
+    (na,) increasing angles (rad) of the half planes that bound the layers of cells, from the x-axis
+    towards y; `region_of_cell` (nr - 1, nz - 1) is the index into `regions`.
     """
     layers = np.repeat(np.asarray(region_of_cell)[:, None, :], angles.size - 1, axis=1)
     box = box_tetrahedra(r, angles, z, layers, regions)

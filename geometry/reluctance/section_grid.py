@@ -159,17 +159,11 @@ def air_radius(regions: tuple[Region, ...]) -> float:
 def graded_grid(
     regions: tuple[Region, ...], outer_radius: float | None = None, *, refinement: float = 1.0
 ) -> Grid:
-    """Grid over 0 ≤ r ≤ R, −R ≤ z ≤ R, graded towards every edge of iron.
+    """Grid over 0 ≤ r ≤ R, −R ≤ z ≤ R, graded towards every edge of iron, air elsewhere.
 
-    Parameters
-    ----------
-    regions : tuple of Region
-        What is there; the rest is air.
-    outer_radius : float, optional
-        R (m): radius and half height of the air around z = 0; by default :func:`air_radius`.
-    refinement : float
-        Divides the cell sizes at the edges and their growth; 2 gives about twice as
-        many lines in each direction.
+    R (m) is the radius and half height of the air around z = 0, by default :func:`air_radius`.
+    `refinement` divides the cell sizes at the edges and their growth; 2 gives about twice as many
+    lines in each direction.
 
     Raises ValueError if an edge of a moving region is level with one of a fixed region: a line can
     follow only one of them.
@@ -195,16 +189,9 @@ def graded_grid(
 def graded_lines(marks: Floats, sizes: Floats, growth: float) -> Floats:
     """Lines through all marks, spaced by h(x) = min over marks of size + growth·distance.
 
-    Each interval between marks gets whole cells that share ∫ dx/h evenly.
-
-    Parameters
-    ----------
-    marks : (n,) float
-        Positions that must be lines (m), increasing.
-    sizes : (n,) float
-        Cell size wanted at each mark (m); infinite where there is no need.
-    growth : float
-        Greatest increase of the size per length.
+    Each interval between the increasing `marks` (n,) in m gets whole cells that share ∫ dx/h
+    evenly. `sizes` (n,) are the cell sizes wanted at the marks (m), infinite where there is no
+    need; `growth` is the greatest increase of the size per length.
     """
     # fine samples towards both ends of an interval, where 1/h is steep
     ramp = np.concatenate([[0.0], np.logspace(_FIRST, np.log10(0.5), _SAMPLES)])

@@ -75,12 +75,8 @@ def actuator_tets(device: Device, gap: float, meshing: ActuatorMeshing) -> Mesh:
 
     A mesh made before from the same geometry and options is read from the store.
 
-    Raises
-    ------
-    InputError
-        If the device cannot be built.
-    MeshError
-        If no mesh passes its checks, or the time is up.
+    Raises InputError if the device cannot be built, MeshError if no mesh passes its checks, or the
+    time is up.
     """
     at_gap = with_fitting_tab(device, gap)
     parts = layout(at_gap, "rod", PARTS)

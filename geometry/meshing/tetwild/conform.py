@@ -56,25 +56,14 @@ def region_labels(
     surfaces: list[Surface],
     tolerance: float,
 ) -> Ints:
-    """Index of the solid that each tetrahedron fills, -1 outside.
+    """Index (n_tets,) of the solid that each tetrahedron fills, -1 outside.
 
-    The surfaces cut space into pieces each of which lies in one solid or outside.  The
-    CAD kernel classifies one point of each piece, every tetrahedron inherits.  A vertex
-    on a surface does not count for the side of its tetrahedron, so curved boundaries
-    with straight-edged elements are no exception.
+    The surfaces, all that bound the solids, cut space into pieces each of which lies in one solid
+    or outside.  The CAD kernel classifies one point of each piece, every tetrahedron inherits.  A
+    vertex on a surface, up to `tolerance` (mm) away, does not count for the side of its
+    tetrahedron, so curved boundaries with straight-edged elements are no exception.
 
-    Parameters
-    ----------
-    points : (n_points, 3) array
-        Coordinates (mm).
-    tets : (n_tets, 4) int array
-        Corners.
-    solids : dict of str to cadquery.Solid
-        Fused solids (mm).
-    surfaces : list of Surface
-        All surfaces that bound the solids.
-    tolerance : float
-        Distance up to which a vertex counts as on a surface (mm).
+    `points` (n_points, 3) are in mm as the fused solids are, `tets` (n_tets, 4) the corners.
     """
     centroids = points[tets].mean(axis=1)
     # weighing the tetrahedra in the device's box only: the mesher fills a larger one
@@ -133,16 +122,8 @@ def skin(
 ) -> Skin:
     """Find the triangles between regions and assign each to the CAD face it lies on.
 
-    Parameters
-    ----------
-    points, tets, labels
-        As in :func:`region_labels`.
-    names : tuple of str
-        Region of each label.
-    faces : tuple of Face
-        All CAD faces of the fused solids.
-    tolerance : float
-        Largest distance allowed between a triangle's corners and its face (mm).
+    `names` has the region of each label, `faces` are all CAD faces of the fused solids, `tolerance`
+    is the largest distance allowed between a triangle's corners and its face (mm).
 
     Raises MeshError if two regions touch that do not touch in CAD, or a triangle lies on no face.
     """
@@ -195,14 +176,9 @@ _WAYS = (0.1, 0.3, 0.6, 1.0)
 def relaxed(points: Floats, tets: Ints, free: Bools) -> Floats:
     """Points, vertices of flat tetrahedra moved where their worst angle is best.
 
-    Parameters
-    ----------
-    points : (n_points, 3) array
-        Coordinates, in which the shape of tetrahedra is judged.
-    tets : (n_tets, 4) int array
-        Corners of all tetrahedra that must keep their volume.
-    free : (n_points, 3) bool array
-        Along which axes each point may be moved.
+    `points` (n_points, 3) are coordinates in which the shape of tetrahedra is judged, `tets` the
+    corners (n_tets, 4) of all that must keep their volume, `free` (n_points, 3) says along which
+    axes each point may be moved.
     """
     points = points.copy()
     for _ in range(_ROUNDS):
@@ -246,18 +222,9 @@ _ROOM = 0.1
 def snapped(
     points: Floats, members: Ints, surface_of: Ints, surfaces: Sequence[Surface], reach: float
 ) -> Floats:
-    """Points moved onto all the surfaces that each belongs to.
+    """Points (n_points, 3) moved onto all the surfaces that each belongs to, `reach` at most (mm).
 
-    Parameters
-    ----------
-    points : (n_points, 3) array
-        Coordinates (mm).
-    members, surface_of : (n,) or (n, k) and (n,) int arrays
-        Point or points ``members[i]`` belong to ``surfaces[surface_of[i]]``.
-    surfaces : sequence of Surface
-        The surfaces.
-    reach : float
-        Longest way a point may be moved (mm).
+    Point or points ``members[i]``, (n,) or (n, k), belong to ``surfaces[surface_of[i]]``.
 
     Raises MeshError if a point cannot be on all its surfaces or would have to move too far.
     """
@@ -306,18 +273,10 @@ def bent_middles(
 ) -> Floats:
     """Mid-edge nodes moved onto the surfaces, except where an element would fold.
 
-    Parameters
-    ----------
-    points : (n_points, 3) array
-        Vertices (mm).
-    cells : (n_cells, 10) int array
-        Nodes: vertices first, then mid-edge nodes numbered from ``n_points``.
-    middles : (n_edges, 3) array
-        Midpoints of the straight edges (mm).
-    on_surface : (n,) or (n, k) and (n,) int arrays
-        Edges and the surfaces they lie on, as :func:`snapped` wants them.
-    surfaces : sequence of Surface
-        The surfaces.
+    `points` (n_points, 3) are the vertices (mm), `cells` (n_cells, 10) have these first, then
+    mid-edge nodes numbered from ``n_points``; `middles` (n_edges, 3) are the midpoints of the
+    straight edges (mm), `on_surface` edges and the surfaces they lie on, as :func:`snapped` wants
+    them.
     """
     bent = snapped(middles, *on_surface, surfaces, reach=np.inf)
     moved = (bent != middles).any(axis=1)
@@ -352,16 +311,12 @@ def conform(
     curved: bool,
     stretching: Stretching = UNSTRETCHED,
 ) -> Mesh:
-    """Mesh of the solids.
+    """Mesh of the solids (mm), in metres.
 
     Parameters
     ----------
-    raw : (n_points, 3) array
-        The mesher's points (mm).
-    tets : (n_tets, 4) int array
-        Its tetrahedra, those outside the solids included.
-    solids : dict of str to cadquery.Solid
-        Fused solids (mm).
+    raw, tets : (n_points, 3) and (n_tets, 4) int array
+        The mesher's points (mm) and tetrahedra, those outside the solids included.
     tessellation : Tessellation
         The surface that was meshed, and its CAD faces.
     slack : float
@@ -372,11 +327,6 @@ def conform(
         Whether curved boundaries get curved elements.
     stretching : Stretching
         Under which the mesher saw the solids: the elements' shape is judged there.
-
-    Returns
-    -------
-    Mesh
-        In metres.
 
     Raises MeshError if it does not pass its checks.
     """

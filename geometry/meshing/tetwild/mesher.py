@@ -75,14 +75,9 @@ class Mesher:
             )
 
     def mesh(self, arrays: dict[str, NDArray[Any]], time_limit: float) -> tuple[Floats, Ints]:
-        """Points (n, 3) and corners (m, 4) of fTetWild's mesh of the arrays.
+        """Points (n, 3) and corners (m, 4) of fTetWild's mesh of arrays for ``worker.py``.
 
-        Parameters
-        ----------
-        arrays : dict of str to array
-            As ``worker.py`` wants them.
-        time_limit : float
-            Processor time (s) after which the process is ended, in whole seconds.
+        After `time_limit` seconds of processor time, in whole ones, the process is ended.
 
         Raises MeshError if the time is up or fTetWild fails.
         """
@@ -182,14 +177,10 @@ def run_ftetwild(
 
     Parameters
     ----------
-    points : (n_points, 3) array
-        Coordinates (mm).
-    triangles : (n_triangles, 3) int array
-        Surface, with the interfaces inside.
-    edge_length : float
-        Target edge length (mm).
-    envelope : float
-        Largest distance of the result from the surface (mm).
+    points, triangles : (n_points, 3) and (n_triangles, 3) int array
+        Surface (mm), with the interfaces inside.
+    edge_length, envelope : float
+        Target edge length, and largest distance of the result from the surface (mm).
     sizing : SizingField, optional
         Target edge lengths where they vary.
     time_limit : float
@@ -197,12 +188,7 @@ def run_ftetwild(
     mesher : Mesher, optional
         The process that does it; one of its own by default.
 
-    Returns
-    -------
-    points : (n, 3) array
-        Coordinates (mm).
-    tets : (m, 4) int array
-        Corners in VTK order, box and all.
+    Returns points (n, 3) in mm and corners (m, 4) in VTK order, box and all.
 
     Raises MeshError if the time is up or fTetWild fails.
     """
@@ -243,14 +229,9 @@ def _axes_around(points: Floats, counts: tuple[int, ...]) -> list[Floats]:
 
 
 def sizing_along_z(surface: Floats, length_at: Callable[[Floats], Floats]) -> SizingField:
-    """Sizing field that varies along z, and coarsens away from the device.
+    """Sizing field around a surface (n_surface, 3) in mm that coarsens away from its box.
 
-    Parameters
-    ----------
-    surface : (n_surface, 3) array
-        The surface's points (mm): they give the box.
-    length_at : callable
-        Target edge length (mm) at heights z (mm), both of shape (n,).
+    `length_at` gives the target edge length (mm) at heights z (mm) within, both of shape (n,).
     """
     low, high = surface.min(axis=0), surface.max(axis=0)
     x, y, z = _axes_around(surface, _GRID)
@@ -265,16 +246,10 @@ def sizing_along_z(surface: Floats, length_at: Callable[[Floats], Floats]) -> Si
 
 
 def sizing_at_points(surface: Floats, points: Floats, lengths: Floats) -> SizingField:
-    """Sizing field through given lengths that coarsens away from the points.
+    """Sizing field around a surface (n_surface, 3) in mm that coarsens away from given points.
 
-    Parameters
-    ----------
-    surface : (n_surface, 3) array
-        The surface's points (mm): they give the box.
-    points : (n_points, 3) array
-        Where edge lengths are given (mm), all over the device.
-    lengths : (n_points,) array
-        Target edge lengths (mm).
+    At the `points` (n_points, 3) in mm, all over the device, it has the edge lengths (n_points,) in
+    mm.
     """
     from scipy.spatial import Delaunay, cKDTree
 
@@ -323,23 +298,13 @@ def sizing_for(
 ) -> Sizing:
     """Edge lengths that bring the sum of the elements' errors down to `wanted`.
 
-    With fewest elements each has the same error µ.  Since an element's share of the error
-    falls with its volume and size, as h³⁺ᵠ, an element of error η becomes (η/µ)^(3/(3+q))
-    elements of size h (µ/η)^(1/(3+q)); that their errors µ add up to `wanted` gives µ.
+    With fewest elements each has the same error µ.  Since an element's share of the error falls
+    with its volume and size, as h³⁺ᵠ, an element of error η becomes (η/µ)^(3/(3+q)) elements of
+    size h (µ/η)^(1/(3+q)); that their errors µ add up to `wanted` gives µ.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        Tetrahedra.
-    errors : (n_cells,) array
-        Each element's share of the error, not negative.
-    wanted : float
-        Sum of the shares on the next mesh.
-    shortest : float
-        Shortest edge (m).
-    most : float
-        Number of elements that the next mesh shall not exceed by much: if `wanted` needs
-        more, its error is larger.
+    `errors` (n_cells,) are each tetrahedron's share of the error, not negative; `shortest` is the
+    shortest edge (m), `most` a number of elements that the next mesh shall not exceed by much: if
+    `wanted` needs more, its error is larger.
     """
     tets = mesh.cells[:, :4]
     errors = np.maximum(errors, 1e-12 * errors.max())
@@ -361,18 +326,9 @@ def sizing_for(
 
 
 def limited_growth(points: Floats, edges: Ints, lengths: Floats, growth: float) -> Floats:
-    """Lengths lowered until none differs along an edge by more than growth x distance.
+    """Lengths (n,) lowered until none differs along an edge by more than growth x distance.
 
-    Parameters
-    ----------
-    points : (n, 3) array
-        Coordinates (m).
-    edges : (n_edges, 2) int array
-        Pairs of points.
-    lengths : (n,) array
-        Target edge lengths (m).
-    growth : float
-        Largest change per distance (m/m).
+    `points` are (n, 3), `edges` (n_edges, 2) pairs of these, lengths and distances in m.
     """
     lengths = lengths.copy()
     a, b = edges.T
