@@ -13,13 +13,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from tactgen.fem.elements.line_basis import (
-    LineMatrices,
-    line_matrices,
-    line_weights,
-    nodal_values,
-    values_at,
-)
+from tactgen.fem.elements.line_basis import line_matrices, line_weights, nodal_values, values_at
 from tactgen.fem.piezo.modal_model import Motion
 from tactgen.fem.piezo.symmetry import OTHERS, SIGNS, Expansion, Unknowns, mirror_signs
 from tactgen.fem.piezo.system import Material, SolidSystem, materials, volts_per_unit
@@ -45,131 +39,50 @@ def brick_matrices(
     columns sorted.  Those that no material has are there, with zeros; those that are left out have
     empty rows.
     """
-    products = bricks.products()
-    lines = (line_matrices(axis) for axis in bricks.axes)
-    pairs = _Pairs(products, products if tested is None else tested, *lines)
+    there = bricks.products()
+    pairs, pattern, place = _pattern(bricks, there, there if tested is None else tested)
     layers = [_Layer.of(bricks, slab, known[slab.region], unit) for slab in bricks.slabs]
     dtype = np.result_type(*(layer.weights.dtype for layer in layers))
-    counts = pairs.row_counts.ravel()
-    count = int(counts.sum())
-    values = np.empty((4 * count, 4), dtype=dtype)
-    columns = np.empty((4 * count, 4), dtype=np.int32)
-    inertia = np.empty(3 * count)
-    moved = np.empty(3 * count, dtype=np.int32)
-    component = np.arange(4, dtype=np.int32)
-    for across, alike in pairs.groups:
-        here = [layer.of_pairs(across.at) for layer in layers]
-        for pair in alike:
-            start, length, within, column = pairs.places(pair, across)
-            at = (4 * start + within)[:, None] + length[:, None] * component
-            columns[at] = (4 * column[:, None] + component)[:, None, :]
-            light = (3 * start + within)[:, None] + length[:, None] * component[:3]
-            moved[light] = 4 * column[:, None] + component[:3]
-            there = [layer for layer in here if layer.reaches(pair)]
-            values[at] = sum(layer.blocks(pair) for layer in there)
-            inertia[light] = sum(layer.inertia(pair)[:, None] for layer in there)
-    n = 4 * counts.size
-    stiff = _starts(counts[:, None] * np.array([4, 4, 4, 4]))
-    heavy = _starts(counts[:, None] * np.array([1, 1, 1, 0]))
-    return (
-        sparse.csr_matrix((values.ravel(), columns.ravel(), stiff), shape=(n, n)),
-        sparse.csr_matrix((inertia, moved, heavy), shape=(n, n)),
+    blocks, inertia = np.empty((place.size, 4, 4), dtype=dtype), np.empty(place.size)
+    first = 0
+    for pair, across in enumerate(pairs):
+        at = place[first : first + across.size]
+        first += across.size
+        reaching = [layer for layer in layers if layer.reaches(pair)]
+        blocks[at] = sum(layer.blocks(pair, across) for layer in reaching)
+        inertia[at] = sum(layer.inertia(pair, across) for layer in reaching)
+    n = 4 * there.size
+    where = pattern.indices, pattern.indptr
+    stiffness = sparse.bsr_matrix((blocks, *where), shape=(n, n)).tocsr()
+    moving = sparse.csr_matrix(np.diag([1.0, 1.0, 1.0, 0.0]))
+    mass = sparse.kron(sparse.csr_matrix((inertia, *where), shape=pattern.shape), moving, "csr")
+    return stiffness, mass
+
+
+def _pattern(bricks: Bricks, there: Bools, tested: Bools) -> tuple[list[Ints], Sparse, Ints]:
+    """Pairs of functions that share a brick, as products of pairs along the axes.
+
+    For each pair along x those over y and z, among all along y times all along z, z fastest; the
+    sparsity pattern of all; and the place there of each.  `there` (nx, ny, nz) says which products
+    of functions there are, `tested` which have rows.
+    """
+    x, y, z = (line_matrices(axis) for axis in bricks.axes)
+    there, tested = (mask.reshape(bricks.shape[0], -1) for mask in (there, tested))
+    size = there.shape[1]
+    rows, columns = (
+        (of_y[:, None] * bricks.shape[2] + of_z).ravel()
+        for of_y, of_z in ((y.rows, z.rows), (y.columns, z.columns))
     )
-
-
-def _starts(counts: Ints) -> Ints:
-    """Where rows of these lengths start."""
-    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-
-
-@dataclass(frozen=True)
-class _Across:
-    """The pairs of functions over y and z that go with a pair along x, by rows, columns ascending.
-
-    `at` (m,) is where they are among all pairs along y times all along z, z fastest; `rows` and
-    `columns` (m,) number the functions, `within` (m,) the places in a row, `counts` (ny nz,) the
-    pairs of each row.
-    """
-
-    at: Ints
-    rows: Ints
-    columns: Ints
-    within: Ints
-    counts: Ints
-
-
-@dataclass(frozen=True)
-class _Pairs:
-    """All pairs of functions that share a brick, as products of pairs along the axes.
-
-    `there` (nx, ny, nz) says which products of functions there are, `tested` which have rows.
-    """
-
-    there: Bools
-    tested: Bools
-    x: LineMatrices
-    y: LineMatrices
-    z: LineMatrices
-
-    @cached_property
-    def groups(self) -> list[tuple[_Across, list[int]]]:
-        """Pairs along x that go with the same pairs over y and z, and those."""
-        nx = self.there.shape[0]
-        flat, tested = self.there.reshape(nx, -1), self.tested.reshape(nx, -1)
-        _, kinds = np.unique(np.hstack([flat, tested]), axis=0, return_inverse=True)
-        kinds = kinds.ravel()
-        rows, columns = (
-            (getattr(self.y, of)[:, None] * self.there.shape[2] + getattr(self.z, of)).ravel()
-            for of in ("rows", "columns")
-        )
-        order = np.lexsort((columns, rows))
-        rows, columns = rows[order], columns[order]
-        alike: dict[tuple[int, int], list[int]] = {}
-        for pair, ends in enumerate(zip(self.x.rows, self.x.columns, strict=True)):
-            alike.setdefault((int(kinds[ends[0]]), int(kinds[ends[1]])), []).append(pair)
-        found = []
-        for pairs in alike.values():
-            i, j = self.x.rows[pairs[0]], self.x.columns[pairs[0]]
-            kept = tested[i][rows] & flat[j][columns]
-            counts = np.bincount(rows[kept], minlength=flat.shape[1])
-            starts = np.cumsum(counts) - counts
-            within = np.arange(counts.sum()) - np.repeat(starts, counts)
-            found.append((_Across(order[kept], rows[kept], columns[kept], within, counts), pairs))
-        return found
-
-    @cached_property
-    def _before(self) -> tuple[Ints, Ints]:
-        """Partners of each function (nx, ny nz); those in earlier pairs along x (pairs, ny nz)."""
-        counts = np.zeros((self.x.rows.size, self.there[0].size), dtype=np.int64)
-        for across, pairs in self.groups:
-            counts[pairs] = across.counts
-        total = np.zeros((self.there.shape[0], counts.shape[1]), dtype=np.int64)
-        before = np.empty_like(counts)
-        for pair, i in enumerate(self.x.rows):
-            before[pair] = total[i]
-            total[i] += counts[pair]
-        return total, before
-
-    @property
-    def row_counts(self) -> Ints:
-        """Partners of each product of functions (nx, ny nz)."""
-        return self._before[0]
-
-    @cached_property
-    def _row_starts(self) -> Ints:
-        flat = self.row_counts.ravel()
-        return (np.cumsum(flat) - flat).reshape(self.row_counts.shape)
-
-    def places(self, pair: int, across: _Across) -> tuple[Ints, Ints, Ints, Ints]:
-        """For one pair along x and all that go with it over y, z where they are.
-
-        The start and length of the first function's row, the place in that row, and the other
-        function; all counted in functions.
-        """
-        i, j, rows = self.x.rows[pair], self.x.columns[pair], across.rows
-        within = self._before[1][pair][rows] + across.within
-        other = j * self.there[0].size + across.columns
-        return self._row_starts[i][rows], self.row_counts[i][rows], within, other
+    ends = list(zip(x.rows, x.columns, strict=True))
+    pairs = [np.flatnonzero(tested[i][rows] & there[j][columns]) for i, j in ends]
+    first = np.concatenate([i * size + rows[at] for (i, _), at in zip(ends, pairs, strict=True)])
+    other = np.concatenate([j * size + columns[at] for (_, j), at in zip(ends, pairs, strict=True)])
+    number = np.arange(first.size)
+    shape = (there.size, there.size)
+    pattern = sparse.coo_matrix((number, (first, other)), shape=shape).tocsr()
+    place = np.empty_like(number)
+    place[pattern.data] = number
+    return pairs, pattern, place
 
 
 @dataclass(frozen=True)
@@ -201,24 +114,20 @@ class _Layer:
             areas=bricks.copies * material.density * product(0, 0),
         )
 
-    def of_pairs(self, at: Ints) -> _Layer:
-        """Selected pairs over y and z."""
-        return replace(self, gram=self.gram[at], areas=self.areas[at])
-
     def reaches(self, pair: int) -> bool:
         """Whether the slab has this pair of functions along x."""
         return bool(self.along_x[:, pair].any())
 
-    def blocks(self, pair: int) -> Numbers:
-        """4 x 4 blocks (m, 4, 4) of one pair along x with those over y and z."""
+    def blocks(self, pair: int, across: Ints) -> Numbers:
+        """4 x 4 blocks (m, 4, 4) of one pair along x with some (m,) over y and z."""
         scaled = self.along_x[:, [pair]] * self.weights
         # complex weights as twice as many real ones: the integrals are real
-        product = self.gram @ scaled.view(float)
+        product = self.gram[across] @ scaled.view(float)
         return np.asarray(product.view(self.weights.dtype)).reshape(-1, 4, 4)
 
-    def inertia(self, pair: int) -> Floats:
-        """Mass (m,) of one pair along x with those over y and z."""
-        return np.asarray(self.along_x[_PLAIN, pair] * self.areas)
+    def inertia(self, pair: int, across: Ints) -> Floats:
+        """Mass (m,) of one pair along x with some over y and z."""
+        return np.asarray(self.along_x[_PLAIN, pair] * self.areas[across])
 
 
 def elimination_order(bricks: Bricks) -> Ints:
