@@ -10,8 +10,6 @@ with the iron.  It reads the field in the iron too.  No field solution.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from tactgen.fem.elements.pattern import Pattern
@@ -25,14 +23,6 @@ from tactgen.fem.solvers.newton import Factors
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.reluctance.section_grid import Grid
-
-
-@dataclass(frozen=True)
-class EggshellWeight:
-    """Gradient of the weight at the quadrature points, each (n_e, n_q) in 1/m."""
-
-    slope_r: Floats
-    slope_z: Floats
 
 
 class Eggshell:
@@ -57,8 +47,11 @@ class Eggshell:
         self._pattern = Pattern(self._cell_dofs, self._free)
         self._factors = Factors()
 
-    def weight(self, discretisation: Discretisation) -> EggshellWeight:
-        """Weight on one of these grids, at the quadrature points of the field."""
+    def weight(self, discretisation: Discretisation) -> Floats:
+        """Slopes (2, n_e, n_q) of the weight along r and z (1/m) at the field's quadrature points.
+
+        On one of these grids.
+        """
         d, reference = discretisation, self._reference
         widths, heights = np.diff(d.grid.r)[:, None], d.heights[:, None]
         radii = d.grid.r[:-1, None] + widths * reference.across
@@ -75,7 +68,7 @@ class Eggshell:
         weight[self._free] = -self._factors.solve(self._pattern.vector(given))
         of_cells = weight[self._cell_dofs]
         columns = np.repeat(widths, d.grid.z.size - 1, axis=0)
-        return EggshellWeight(of_cells @ slope_r.T / columns, of_cells @ slope_z.T / heights)
+        return np.stack([of_cells @ slope_r.T / columns, of_cells @ slope_z.T / heights])
 
 
 def _rigid(grid: Grid) -> Floats:
@@ -86,21 +79,22 @@ def _rigid(grid: Grid) -> Floats:
     return state.ravel()
 
 
-def eggshell_force(field: MagneticField, weight: EggshellWeight) -> float:
+def eggshell_force(field: MagneticField, weight: Floats) -> float:
     """Force on the moving regions along +z (N)."""
     return -float(np.sum(_stress(field, weight)))
 
 
-def stress_size(field: MagneticField, weight: EggshellWeight) -> float:
+def stress_size(field: MagneticField, weight: Floats) -> float:
     """Integral of the size of the stress whose integral is the force (N): what may cancel."""
     return float(np.sum(np.abs(_stress(field, weight))))
 
 
-def _stress(field: MagneticField, weight: EggshellWeight) -> Floats:
+def _stress(field: MagneticField, weight: Floats) -> Floats:
     """Contribution of each quadrature point to minus the force (N)."""
     b_r, b_z = np.moveaxis(field.flux_density, -1, 0)
     # T = (B Bᵀ − B²/2) / µ0; ∇g vanishes in every part, so T is needed in air only
-    along = b_r * b_z * weight.slope_r + 0.5 * (b_z**2 - b_r**2) * weight.slope_z
+    slope_r, slope_z = weight
+    along = b_r * b_z * slope_r + 0.5 * (b_z**2 - b_r**2) * slope_z
     return np.asarray(along * field.discretisation.volumes / MU0)
 
 

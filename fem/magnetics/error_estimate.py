@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tactgen.fem.magnetics.axisymmetric_field import MagneticField, solve_field
-from tactgen.fem.magnetics.axisymmetric_force import Eggshell, EggshellWeight
+from tactgen.fem.magnetics.axisymmetric_force import Eggshell
 from tactgen.fem.magnetics.axisymmetric_space import Discretisation, discretise, lowered
 from tactgen.fem.solvers.newton import Factors
 from tactgen.geometry.arrays import Floats, Ints
@@ -37,7 +37,7 @@ class TwoOrders:
     coarse: Discretisation
     nested: Ints
     eggshell: Eggshell
-    weight: EggshellWeight
+    weight: Floats  #: As :meth:`Eggshell.weight` gives it
     fine_factors: Factors
     coarse_factors: Factors
 

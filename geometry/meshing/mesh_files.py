@@ -20,12 +20,8 @@ from tactgen.geometry.meshing.mesh import Mesh
 if TYPE_CHECKING:
     import meshio
 
-#: meshio's name of each kind of cell, and of its faces by their corners.
-_CELLS = {"tetra": "tetra", "tetra10": "tetra10", "hexahedron": "hexahedron"}
+#: meshio's name of a face by its corners; kinds of cells have the same names there.
 _FACES = {3: "triangle", 4: "quad"}
-
-#: Prefixes of the 0/1 cell arrays that carry names in a .vtu file.
-_REGION, _FACE = "region ", "face "
 
 
 def write_mesh(
@@ -40,7 +36,8 @@ def write_mesh(
     Raises InputError if the suffix is another one or the file cannot be written.
     """
     path = Path(path)
-    _check_suffix(path)
+    if path.suffix not in {".vtu", ".msh"}:
+        raise InputError(f"{path} does not end in .vtu or .msh; name the file so")
     fields = {name: np.ascontiguousarray(values) for name, values in (point_data or {}).items()}
     if path.suffix == ".vtu":
         content, options = _as_vtu(mesh, fields), {}
@@ -50,15 +47,10 @@ def write_mesh(
         content.write(temporary, **options)
 
 
-def _check_suffix(path: Path) -> None:
-    if path.suffix not in {".vtu", ".msh"}:
-        raise InputError(f"{path} does not end in .vtu or .msh; name the file so")
-
-
 def _blocks(mesh: Mesh) -> list[tuple[str, Ints]]:
     """Cells, then the triangles or quads of each named face."""
     faces = [(_FACES[corners.shape[1]], corners) for corners in mesh.faces.values()]
-    return [(_CELLS[mesh.kind], mesh.cells), *faces]
+    return [(mesh.kind, mesh.cells), *faces]
 
 
 def _as_vtu(mesh: Mesh, fields: dict[str, NDArray[np.number]]) -> meshio.Mesh:
@@ -74,9 +66,9 @@ def _as_vtu(mesh: Mesh, fields: dict[str, NDArray[np.number]]) -> meshio.Mesh:
         "region": [mesh.region_of_cell, *(np.full(n, -1, np.int64) for n in sizes[1:])]
     }
     for index, name in enumerate(mesh.regions):
-        data[_REGION + name] = marked(0, (mesh.region_of_cell == index).astype(np.uint8))
+        data[f"region {name}"] = marked(0, (mesh.region_of_cell == index).astype(np.uint8))
     for index, name in enumerate(mesh.faces):
-        data[_FACE + name] = marked(index + 1, np.ones(sizes[index + 1], np.uint8))
+        data[f"face {name}"] = marked(index + 1, np.ones(sizes[index + 1], np.uint8))
     return meshio.Mesh(mesh.points, blocks, point_data=fields, cell_data=data)
 
 

@@ -16,16 +16,13 @@ from typing import TypeAlias
 import numpy as np
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
-from tactgen.geometry.meshing.mesh import Mesh, unique_edges
+from tactgen.geometry.meshing.mesh import TET_FACES, Mesh, unique_edges
 
 #: Names of the six outer sides, in the order of axis and end.
 SIDES = ("x_low", "x_high", "y_low", "y_high", "z_low", "z_high")
 
 #: Points by which the sizes along an axis are summed: of the interval it is 1e-6.
 _SAMPLES = 2001
-
-#: Corners (opposite to 0, 1, 2, 3) of a tetrahedron's faces.
-_FACES = ([1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2])
 
 
 def box_tetrahedra(
@@ -68,7 +65,7 @@ def _corner(index: Ints, corner: Ints) -> Ints:
 
 def _sides(tets: Ints, sizes: tuple[int, int, int]) -> dict[str, Ints]:
     """Triangles on each outer side."""
-    triangles = np.concatenate([tets[:, face] for face in _FACES])
+    triangles = np.concatenate([tets[:, face] for face in TET_FACES])
     along = np.stack(np.unravel_index(triangles, sizes))
     faces = {}
     for name, (axis, end) in zip(SIDES, itertools.product(range(3), (0, 1)), strict=True):
@@ -243,13 +240,12 @@ def whole_mesh(mesh: Mesh) -> Mesh:
     cells, labels = [], []
     faces: dict[str, list[Ints]] = {}
     for image, turn, row in zip(mirrored.images, turns, names, strict=True):
-        odd = turn[0] != turn[1]
-        cells.append(_turned(image[mesh.cells], reflect=odd))
+        seen = reflected if turn[0] != turn[1] else np.asarray
+        cells.append(seen(image[mesh.cells]))
         labels.append(np.array([regions.index(name) for name in row])[mesh.region_of_cell])
         for name, triangles in mesh.faces.items():
             if name not in MIRRORS:
-                seen = _turned(image[triangles], reflect=odd)
-                faces.setdefault(_seen(name, turn[0]), []).append(seen)
+                faces.setdefault(_seen(name, turn[0]), []).append(seen(image[triangles]))
     return Mesh(
         points=mirrored.points,
         cells=np.concatenate(cells),
@@ -263,10 +259,6 @@ def whole_mesh(mesh: Mesh) -> Mesh:
 def reflected(nodes: Ints) -> Ints:
     """Cells or triangles (n, 3 | 4 | 10) as seen in a mirror, so that none is inside out."""
     return nodes[:, _REFLECTED[nodes.shape[1]]]
-
-
-def _turned(nodes: Ints, *, reflect: bool) -> Ints:
-    return reflected(nodes) if reflect else nodes
 
 
 def _seen(name: str, beyond: bool) -> str:

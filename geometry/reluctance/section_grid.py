@@ -47,28 +47,15 @@ _RADII, _REACH = 60e-3 / 1.15e-3, 3.0
 
 @dataclass(frozen=True)
 class Region:
-    """A ring of rectangular section, of one material.
+    """A ring of rectangular section, of one material."""
 
-    Parameters
-    ----------
-    name : str
-        What results call it.
-    radii, heights : (float, float)
-        Inner and outer radius, lower and upper end (m).
-    curve : MagnetisationCurve or None
-        Its material; None is vacuum's permeability (air, copper).
-    turns : float
-        Turns of a winding that fills the section evenly; 0 where there is none.
-    moves : bool
-        Whether it moves along z with the other moving regions.
-    """
-
-    name: str
-    radii: tuple[float, float]
-    heights: tuple[float, float]
+    name: str  #: What results call it
+    radii: tuple[float, float]  #: Inner and outer radius (m)
+    heights: tuple[float, float]  #: Lower and upper end (m)
+    #: Its material; None is vacuum's permeability (air, copper)
     curve: MagnetisationCurve | None = None
-    turns: float = 0.0
-    moves: bool = False
+    turns: float = 0.0  #: Turns of a winding that fills the section evenly; 0 where there is none
+    moves: bool = False  #: Whether it moves along z with the other moving regions
 
     @property
     def section(self) -> float:
@@ -85,19 +72,11 @@ class Region:
 
 @dataclass(frozen=True)
 class Grid:
-    """A tensor-product grid with its regions.
+    """A tensor-product grid with its regions, of which every edge lies on a line."""
 
-    Parameters
-    ----------
-    r, z : (nr + 1,), (nz + 1,) float
-        Lines (m), increasing; r from 0.  Every edge of a region lies on a line.
-    regions : tuple of Region
-        Where two overlap, the later one holds.
-    """
-
-    r: Floats
-    z: Floats
-    regions: tuple[Region, ...]
+    r: Floats  #: (nr + 1,) Lines (m), increasing from 0
+    z: Floats  #: (nz + 1,) Lines (m), increasing
+    regions: tuple[Region, ...]  #: Where two overlap, the later one holds
 
     @cached_property
     def labels(self) -> Ints:

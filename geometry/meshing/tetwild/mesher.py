@@ -44,35 +44,32 @@ class Mesher:
         self.meanwhile: Callable[[], object] | None = None
         self.spent = 0.0
         self._process: subprocess.Popen[bytes] | None = None
-        self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     def __enter__(self) -> Mesher:
         """Itself; nothing is started yet."""
+        self._folder = tempfile.TemporaryDirectory(prefix="tactgen-")
         return self
 
     def __exit__(self, *_: object) -> None:
         """End the process and remove its folder."""
         self._end()
-        if self._folder is not None:
-            self._folder.cleanup()
+        self._folder.cleanup()
 
-    def start(self) -> None:
+    def start(self) -> subprocess.Popen[bytes]:
         """Let the process load its libraries while the caller does something else."""
-        if self._process is not None:
-            return
-        require_package("pytetwild", "tetrahedra")
-        if self._folder is None:
-            self._folder = tempfile.TemporaryDirectory(prefix="tactgen-")
-        with (Path(self._folder.name) / "log").open("wb") as log:
-            # -P: the folder of the worker holds modules with everyday names; cwd: fTetWild
-            # leaves files there when it meets trouble
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", str(_WORKER)],
-                cwd=self._folder.name,
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=log,
-            )
+        if self._process is None:
+            require_package("pytetwild", "tetrahedra")
+            with (Path(self._folder.name) / "log").open("wb") as log:
+                # -P: the folder of the worker holds modules with everyday names; cwd: fTetWild
+                # leaves files there when it meets trouble
+                self._process = subprocess.Popen(
+                    [sys.executable, "-P", str(_WORKER)],
+                    cwd=self._folder.name,
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=log,
+                )
+        return self._process
 
     def mesh(self, arrays: dict[str, NDArray[Any]], time_limit: float) -> tuple[Floats, Ints]:
         """Points (n, 3) and corners (m, 4) of fTetWild's mesh of arrays for ``worker.py``.
@@ -81,34 +78,29 @@ class Mesher:
 
         Raises MeshError if the time is up or fTetWild fails.
         """
-        self.start()
-        assert self._process is not None
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        assert self._folder is not None
-        folder = Path(self._folder.name)
-        source, target = folder / "surface.npz", folder / "tets.npz"
+        process = self.start()
+        assert process.stdin is not None
+        assert process.stdout is not None
+        source, target = (Path(self._folder.name) / name for name in ("surface.npz", "tets.npz"))
         np.savez(source, allow_pickle=False, **arrays)
         try:
-            self._process.stdin.write(f"{source}\n{target}\n{time_limit}\n".encode())
-            self._process.stdin.flush()
+            process.stdin.write(f"{source}\n{target}\n{time_limit}\n".encode())
+            process.stdin.flush()
         except BrokenPipeError:
-            raise self._failed(time_limit) from None
+            raise self._failed(process, time_limit) from None
         work, self.meanwhile = self.meanwhile, None
         if work is not None:
             work()
-        took = self._process.stdout.readline()
+        took = process.stdout.readline()
         if not took:
-            raise self._failed(time_limit)
+            raise self._failed(process, time_limit)
         self.spent += float(took)
         with np.load(target) as result:
             return result["points"], result["tets"].astype(np.int64)
 
-    def _failed(self, time_limit: float) -> MeshError:
+    def _failed(self, process: subprocess.Popen[bytes], time_limit: float) -> MeshError:
         """Error message of a mesher process that died; the next mesh gets a new one."""
-        assert self._process is not None
-        assert self._folder is not None
-        code = self._process.wait()
+        code = process.wait()
         self._end()
         if code == -getattr(signal, "SIGXCPU", 0) != 0:
             self.spent += time_limit

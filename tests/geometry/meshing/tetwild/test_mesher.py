@@ -89,7 +89,6 @@ def test_a_block_that_meshes_nothing_starts_nothing(pretender):
     with Mesher() as mesher:
         pass
     assert mesher._process is None
-    assert mesher._folder is None
 
 
 def test_the_caller_does_something_while_a_mesh_is_made(pretender, tmp_path):
