@@ -94,36 +94,21 @@ def unit_registry() -> pint.UnitRegistry[Any]:
 
 @dataclass(frozen=True)
 class Unit:
-    """Kind of physical quantity: its SI unit, accepted texts and range.
+    """Kind of physical quantity: its SI unit, accepted texts and range."""
 
-    Parameters
-    ----------
-    si : str
-        SI unit, as pint reads it (``""`` for a pure number).
-    kind : str
-        The word used in messages, e.g. ``"length"``.
-    example : str
-        A value that would be accepted, used in messages.
-    above, at_least, below : float or None
-        Bounds that the quantity has by its nature, in SI units.
-    limits : (float, float) or None
-        Smallest and largest magnitude that can be meant here, in SI units, far beyond any
-        real device; a value of 0 is judged by the other bounds alone.
-    shown : str
-        Unit in which values are shown to people, one of `BY_HEART` or ``deg``.
-    sinusoid : bool
-        Whether it is the amplitude of a sinusoid: the unit may be followed by ``peak``, ``pp``
-        (peak to peak) or ``rms``, and the value is the peak.
-    """
-
-    si: str
-    kind: str
-    example: str
+    si: str  #: SI unit, as pint reads it (``""`` for a pure number)
+    kind: str  #: The word used in messages, e.g. ``"length"``
+    example: str  #: A value that would be accepted, used in messages
+    #: Bounds that the quantity has by its nature, in SI units
     above: float | None = None
     at_least: float | None = None
     below: float | None = None
+    #: Smallest and largest magnitude that can be meant here, in SI units, far beyond any real
+    #: device; a value of 0 is judged by the other bounds alone
     limits: tuple[float, float] | None = None
-    shown: str = ""
+    shown: str = ""  #: Unit in which values are shown to people, one of `BY_HEART` or ``deg``
+    #: Whether it is the amplitude of a sinusoid: the unit may be followed by ``peak``, ``pp`` (peak
+    #: to peak) or ``rms``, and the value is the peak
     sinusoid: bool = False
 
     @property

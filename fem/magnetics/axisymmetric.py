@@ -244,17 +244,18 @@ class FieldPath:
         self._places: list[Floats] = []
         self._solved: list[Start] = []  # potentials alone: the tables of a field are large
 
-    def fitted(self, device: Device, gap: float) -> TwoOrders | None:
-        """Device at a gap (m) on the grid; None if that does not reach."""
-        return fitted(self._home, device, gap)
-
-    def solved(self, model: TwoOrders, current: float, place: Floats) -> FieldPoint:
-        """Field point at a current (A) on a fitted grid.
+    def solved(
+        self, device: Device, current: float, gap: float, place: Floats
+    ) -> FieldPoint | None:
+        """Field point at a current (A) and gap (m); None if the grid does not reach.
 
         `place` (k,) is what varies, each about from −1 to 1: fields nearby in it make the start.
 
         Raises CoarseGridError if the grid is too coarse, SolverError where nothing converges.
         """
+        model = fitted(self._home, device, gap)
+        if model is None:
+            return None
         pair = solve_pair(model, current, self._start(place))
         del self._places[:-_HELD], self._solved[:-_HELD]
         self._places.append(np.asarray(place, dtype=float))
@@ -347,17 +348,16 @@ class FieldContinuation:
         """Solve on the latest grid of a fineness that reaches there, a new one if none does."""
         paths = self._paths[level]
         for path in reversed(paths):
-            model = path.fitted(device, gap)
-            if model is not None:
-                return path.solved(model, current, place)
+            found = path.solved(device, current, gap, place)
+            if found is not None:
+                return found
         del paths[: -_MOST + 1]
-        path = FieldPath(device, gap, refinement=self._refinements[level])
-        paths.append(path)
-        model = path.fitted(device, gap)
-        if model is None:
+        paths.append(FieldPath(device, gap, refinement=self._refinements[level]))
+        found = paths[-1].solved(device, current, gap, place)
+        if found is None:
             raise InputError(
                 f"the grid made for gap = {gap * 1e3:g} mm does not fit its own sizes: two of rod, "
                 "coil and sleeve differ by less than 0.1 nm somewhere; make them equal, or move "
                 "them apart"
             )
-        return path.solved(model, current, place)
+        return found

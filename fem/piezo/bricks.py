@@ -74,7 +74,7 @@ def _pattern(bricks: Bricks, there: Bools, tested: Bools) -> tuple[list[Ints], S
         for of_y, of_z in ((y.rows, z.rows), (y.columns, z.columns))
     )
     ends = list(zip(x.rows, x.columns, strict=True))
-    pairs = [np.flatnonzero(tested[i][rows] & there[j][columns]) for i, j in ends]
+    pairs: list[Ints] = [np.flatnonzero(tested[i][rows] & there[j][columns]) for i, j in ends]
     first = np.concatenate([i * size + rows[at] for (i, _), at in zip(ends, pairs, strict=True)])
     other = np.concatenate([j * size + columns[at] for (_, j), at in zip(ends, pairs, strict=True)])
     number = np.arange(first.size)
@@ -177,14 +177,9 @@ def assemble_bricks(
 ) -> SolidSystem:
     """Assemble one class of motion of the solid model of `device` on `bricks`.
 
-    Parameters
-    ----------
-    motion : {"bending_x", "bending_y", "torsion", "axial"}
-        Only the first takes part in what the ports do.
-    uniform_field : bool
-        Let the potential be linear through each layer, as beam theories have it.
-
-    The others are those of :func:`fem.piezo.solid.assemble`.
+    Only "bending_x" takes part in what the ports do.  A uniform field is that of a potential which
+    is linear through each layer, as beam theories have it.  The rest is as of
+    :func:`fem.piezo.solid.assemble`.
     """
     known = materials(device, bricks.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)

@@ -74,13 +74,7 @@ def section_motions(nodes: Floats, mass: Floats, displacement: Floats) -> Floats
 
 
 def strongest(motions: Floats, total: float) -> tuple[ModeClass, float]:
-    """Class that holds most of the energy `total`, and its share.
-
-    Parameters
-    ----------
-    motions : (6, slices) array
-        See :func:`section_motions`.
-    """
+    """Class that holds most of the energy `total`, and its share; `motions` are (6, slices)."""
     along_x, along_y, along_z, about_y, about_x, twist = (motions**2).sum(axis=1)
     energy: dict[ModeClass, float] = {
         "bending_x": along_x + about_y,

@@ -31,12 +31,7 @@ _MATRICES = ("stiffness", "mass", "tip")
 
 
 def write_ports(path: str | Path, reduced: ReducedSolid, *, made_from: str) -> None:
-    """Write a reduced solid, whole or not at all.
-
-    Parameters
-    ----------
-    made_from : str
-        What stands for device and mesh.
+    """Write a reduced solid, whole or not at all; `made_from` stands for device and mesh.
 
     Raises InputError if the file cannot be written.
     """

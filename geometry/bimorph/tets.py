@@ -88,8 +88,6 @@ _THINNEST = 2e-4
 class TetMeshing:
     """Mesh settings.
 
-    Attributes
-    ----------
     Raises InputError if a value is out of range.
     """
 

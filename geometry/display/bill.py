@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from tactgen.geometry.device.parameters import Device, Display
-from tactgen.geometry.device.parts import MM, Box, Part, Turned, closed_form_volumes
+from tactgen.geometry.device.parts import MM, Part, Turned, closed_form_volumes
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.display.clearances import spring_turns
 from tactgen.geometry.display.layout import Plate, as_built, display_parts
@@ -100,8 +100,8 @@ def _wire_volume(device: Device, display: Display) -> float:
 def _volume(body: Part | Plate) -> float:
     """Volume (m³) of a plate, or of a turned part without a cut."""
     if isinstance(body, Plate):
-        area, height = _area(body.body)
-        area -= sum(math.pi * radius**2 for _, _, radius in body.holes)
+        dx, dy, height = (b - a for a, b in zip(body.body.low, body.body.high, strict=True))
+        area = dx * dy - sum(math.pi * radius**2 for _, _, radius in body.holes)
         area -= sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in body.windows)
         return area * height / MM**3
     assert isinstance(body.body, Turned)
@@ -113,11 +113,6 @@ def _volume(body: Part | Plate) -> float:
         for (r1, z1), (r2, z2) in zip(corners, (*corners[1:], corners[0]), strict=True)
     )
     return math.pi / 3.0 * volume / MM**3
-
-
-def _area(box: Box) -> tuple[float, float]:
-    dx, dy, dz = (high - low for low, high in zip(box.low, box.high, strict=True))
-    return dx * dy, dz
 
 
 #: Vacuum's permittivity (F/m).

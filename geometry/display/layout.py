@@ -143,15 +143,15 @@ def display_parts(device: Device, display: Display) -> tuple[Placed, ...]:
     stood = tuple((_mm(x), _mm(y), _mm(level.rod_top)) for x, y in field)
     return (
         *(Placed(name, part, stood) for name, part in units.items()),
-        *_below_units(device, display, level),
+        *_below_units(device, display),
         *_boards(built, display, level),
         *_spacers(display, level),
     )
 
 
-def _below_units(device: Device, display: Display, level: Levels) -> tuple[Placed, ...]:
+def _below_units(device: Device, display: Display) -> tuple[Placed, ...]:
     field = axes(display)
-    places = tuple((_mm(x), _mm(y), 0.0) for x, y in field)
+    places = _upright(field)
     wire, mean = display.spring_wire, display.spring_diameter
     thickness = display.plate_thickness
     screw = 0.5 * display.screw_diameter

@@ -30,18 +30,12 @@ _WORKER = Path(__file__).with_name("worker.py")
 
 
 class Mesher:
-    """A process that meshes one surface after another; it ends with the ``with`` block.
-
-    Attributes
-    ----------
-    meanwhile : callable, optional
-        What the caller has to do anyway: called once, while the next surface is meshed.
-    spent : float
-        Processor time (s) that all meshes have taken so far, less those it died of.
-    """
+    """A process that meshes one surface after another; it ends with the ``with`` block."""
 
     def __init__(self) -> None:
+        #: What the caller has to do anyway: called once, while the next surface is meshed
         self.meanwhile: Callable[[], object] | None = None
+        #: Processor time (s) that all meshes have taken so far, less those it died of
         self.spent = 0.0
         self._process: subprocess.Popen[bytes] | None = None
 

@@ -21,7 +21,7 @@ def along():
     path = FieldPath(Device(), 0.2e-3, order=3, refinement=0.5)
     middle_first = sorted(range(7), key=lambda n: abs(n - 3))
     found = {
-        n: path.solved(path.fitted(device(THICKNESSES[n]), 0.2e-3), 0.13, PLACES[n : n + 1])
+        n: path.solved(device(THICKNESSES[n]), 0.13, 0.2e-3, PLACES[n : n + 1])
         for n in middle_first
     }
     return [found[n] for n in range(7)]
@@ -58,6 +58,6 @@ def test_neighbours_make_good_starts():
 def test_out_of_reach_is_told():
     """The flange cannot grow past the coil's outer edge on the same lines."""
     path = FieldPath(Device(), 0.2e-3, order=2, refinement=0.5)
-    assert path.fitted(Device(), 0.15e-3) is not None
+    assert path.solved(Device(), 0.0, 0.15e-3, np.zeros(1)) is not None
     thin = Device.model_validate({"rod": {"flange_radius": 0.85e-3}})
-    assert path.fitted(thin, 0.2e-3) is None
+    assert path.solved(thin, 0.0, 0.2e-3, np.zeros(1)) is None

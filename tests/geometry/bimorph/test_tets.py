@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph import tets
+from tactgen.geometry.bimorph.bricks import bimorph_bricks
 from tactgen.geometry.bimorph.tets import TetMeshing, squeezed, tetrahedralise
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.device.parts import closed_form_volumes
