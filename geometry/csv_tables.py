@@ -20,7 +20,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import read_text, written_whole
-from tactgen.geometry.units import Unit, quoted
+from tactgen.geometry.units import NUMBER, Unit, quoted
 
 #: Line number in the file, and the cells of that line.
 Row: TypeAlias = tuple[int, list[str]]
@@ -28,7 +28,7 @@ Row: TypeAlias = tuple[int, list[str]]
 T = TypeVar("T")
 
 #: A number as other programs write it; Python's float also takes 1_0, nan and other digits.
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,4})?", re.IGNORECASE | re.ASCII)
+_NUMBER = re.compile(NUMBER, re.IGNORECASE | re.ASCII)
 
 
 def csv_rows(path: str | Path, name: str, remedy: str) -> list[Row]:

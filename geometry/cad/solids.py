@@ -6,6 +6,7 @@ kernel takes more than a second to import, so every function imports it when cal
 
 from __future__ import annotations
 
+from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -174,16 +175,14 @@ def cut_open(solids: dict[str, cq.Solid], axes: tuple[int, ...]) -> dict[str, cq
 
 
 def _refuse_overlap(solids: dict[str, cq.Solid]) -> None:
-    names = list(solids)
-    for i, first in enumerate(names):
-        for second in names[i + 1 :]:
-            common = solids[first].intersect(solids[second])
-            volume = sum(solid.Volume() for solid in common.Solids())
-            if volume > _TOUCHING:
-                raise InputError(
-                    f"{first} and {second} overlap by {volume:.3g} mm^3; "
-                    "change the dimensions or positions that bring them together"
-                )
+    for first, second in combinations(solids, 2):
+        common = solids[first].intersect(solids[second])
+        volume = sum(solid.Volume() for solid in common.Solids())
+        if volume > _TOUCHING:
+            raise InputError(
+                f"{first} and {second} overlap by {volume:.3g} mm^3; "
+                "change the dimensions or positions that bring them together"
+            )
 
 
 def solids_assembly(solids: dict[str, cq.Solid]) -> cq.Assembly:

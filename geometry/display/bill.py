@@ -178,15 +178,9 @@ def coplanar_capacitance(display: Display) -> float:
     C' = eps0 (1 + eps_r) / 2 · K(k') / K(k), k = s / (s + 2 w): two strips of width w at a
     distance s on a half space (C. R. Paul, Analysis of Multiconductor Transmission Lines).
     """
+    from scipy.special import ellipk  # slow to import
+
     s, w = display.trace_spacing, display.trace_width
-    k = s / (s + 2.0 * w)
-    ratio = _quarter_period(math.sqrt(1.0 - k * k)) / _quarter_period(k)
+    square = (s / (s + 2.0 * w)) ** 2
+    ratio = ellipk(1.0 - square) / ellipk(square)
     return float(_EPS0 * 0.5 * (1.0 + display.board_permittivity) * ratio)
-
-
-def _quarter_period(modulus: float) -> float:
-    """Complete elliptic integral K by the arithmetic-geometric mean."""
-    a, b = 1.0, math.sqrt(1.0 - modulus * modulus)
-    while abs(a - b) > 1e-15 * a:
-        a, b = 0.5 * (a + b), math.sqrt(a * b)
-    return math.pi / (a + b)

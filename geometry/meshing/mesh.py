@@ -176,30 +176,16 @@ def smallest_dihedral_angles(corners: Floats) -> Floats:
     return np.asarray(np.degrees(np.arccos(np.clip(np.max(cosines, axis=0), -1.0, 1.0))))
 
 
-# Radon's rule, exact to degree 5.
-_A, _B = (6.0 - np.sqrt(15.0)) / 21.0, (6.0 + np.sqrt(15.0)) / 21.0
-_RADON = np.array(
-    [
-        *[[1 / 3, 1 / 3]],
-        *[[_A, _A], [1 - 2 * _A, _A], [_A, 1 - 2 * _A]],
-        *[[_B, _B], [1 - 2 * _B, _B], [_B, 1 - 2 * _B]],
-    ]
-)
-_RADON_WEIGHTS = np.array(
-    [9 / 80] + 3 * [(155 - np.sqrt(15)) / 2400] + 3 * [(155 + np.sqrt(15)) / 2400]
-)
-
-
 def triangle_areas(nodes: Floats) -> Floats:
-    """Areas (n,) of six-node triangles (n, 6, 3)."""
-    x, y = _RADON.T
-    z = 1.0 - x - y
-    zero = np.zeros_like(x)
-    d_x = [1 - 4 * z, 4 * x - 1, zero, 4 * (z - x), 4 * y, -4 * y]
-    d_y = [1 - 4 * z, zero, 4 * y - 1, -4 * x, 4 * x, 4 * (z - y)]
-    along_x = np.einsum("cni,ns->csi", nodes, np.array(d_x))
-    along_y = np.einsum("cni,ns->csi", nodes, np.array(d_y))
-    return np.asarray(np.linalg.norm(np.cross(along_x, along_y), axis=2) @ _RADON_WEIGHTS)
+    """Areas (n,) of six-node triangles (n, 6, 3), corners first, by a rule of degree 5."""
+    from skfem import ElementTriP2
+    from skfem.quadrature import get_quadrature
+
+    element = ElementTriP2()
+    at, weights = get_quadrature(element.refdom, 5)
+    slopes = np.stack([element.lbasis(at, i)[1] for i in range(6)])
+    along_x, along_y = np.einsum("cni,nds->dcsi", nodes, slopes)
+    return np.asarray(np.linalg.norm(np.cross(along_x, along_y), axis=2) @ weights)
 
 
 #: Largest relative difference between mesh and CAD: where cylinders are involved, …
