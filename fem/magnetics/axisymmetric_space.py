@@ -301,7 +301,9 @@ def discretise(
     degree = 2 * order + 3
     basis = Basis(mesh, ElementQuadP(order), intorder=degree, elements=np.array([0]))
     reference = _reference_cell(basis)
-    cell_dofs = basis.dofs.element_dofs.T[cells_in_order(grid, mesh)].astype(np.int64)
+    corner = mesh.p[:, mesh.t].min(axis=1)
+    order_of_cells = np.lexsort((corner[1], corner[0]))  # by r, then z
+    cell_dofs = basis.dofs.element_dofs.T[order_of_cells].astype(np.int64)
     free = np.setdiff1d(np.arange(basis.N), _held(basis, grid, closed))
     return Discretisation(
         grid=grid,
@@ -325,13 +327,6 @@ def _reference_cell(basis: Any) -> ReferenceCell:
     )
     weights = basis.dx[0] / np.prod(size)
     return ReferenceCell(places[0], places[1], weights, shape, slope_r, slope_z)
-
-
-def cells_in_order(grid: Grid, mesh: Any) -> Ints:
-    """Mesh's cells sorted by r, then z."""
-    low = mesh.p[:, mesh.t].min(axis=1)
-    columns, rows = np.searchsorted(grid.r, low[0]), np.searchsorted(grid.z, low[1])
-    return np.asarray(np.lexsort((rows, columns)))
 
 
 def _held(basis: Any, grid: Grid, closed: tuple[str, ...]) -> Ints:

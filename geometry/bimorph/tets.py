@@ -20,6 +20,7 @@ from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.device.parts import (
     BIMORPH,
     MM,
+    Box,
     Part,
     Standing,
     Tapered,
@@ -142,10 +143,9 @@ def tetrahedralise(
     time is up.
     """
     parts = layout(device, standing, regions)
-    named = _named_faces(device, standing, tuple(parts))
+    named = _named_faces(device, standing, parts)
     of_part = {name: name for name in parts}
     if device.bimorph.profiles:
-        named |= _faces_of_tapers(parts)
         parts, of_part = _in_blocks(parts)
         named = {name: _of_blocks(face, of_part) for name, face in named.items()}
     if 0 in options.mirrors:
@@ -200,18 +200,21 @@ def _merged(mesh: Mesh, of_part: dict[str, str]) -> Mesh:
 
 
 def _named_faces(
-    device: Device, standing: Standing, regions: tuple[str, ...]
+    device: Device, standing: Standing, parts: dict[str, Part]
 ) -> dict[str, NamedFace]:
-    """Where the named faces of the chosen regions are."""
-    b = device.bimorph
+    """Where the named faces of the chosen parts are."""
+    b, regions = device.bimorph, tuple(parts)
     if b.layers:
         return _faces_of_layers(b, regions)
-    inner, outer = b.shim_thickness / 2 * MM, b.thickness / 2 * MM
     named = {}
-    for region, side, sign in (("piezo_top", "top", 1.0), ("piezo_bottom", "bottom", -1.0)):
-        if region in regions:
-            named[f"electrode_{side}_outer"] = _face(0, sign * outer, (region,))
-            named[f"electrode_{side}_inner"] = _face(0, sign * inner, (region,))
+    for region, side, kinds in (
+        ("piezo_top", "top", {"outer": "high", "inner": "low"}),
+        ("piezo_bottom", "bottom", {"outer": "low", "inner": "high"}),
+    ):
+        if region in parts:
+            for kind, end in kinds.items():
+                planes = _across_x(parts[region], end)
+                named[f"electrode_{side}_{kind}"] = NamedFace(planes, (region,))
     layers = tuple(name for name in regions if name in BIMORPH)
     ceramic = ceramic_base(device, standing)
     if layers:
@@ -221,6 +224,17 @@ def _named_faces(
     if "rod" in regions:
         named["base"] = _face(2, rod_base(device) * MM, ("rod",))
     return named
+
+
+def _across_x(part: Part, end: str) -> tuple[Plane, ...]:
+    """Planes of a layer's face at its low or high end along x; of tapers one for each block."""
+    if isinstance(part.body, Tapered):
+        return tuple(
+            _through((getattr(low, end), low.z), (getattr(high, end), high.z))
+            for low, high in part.body.blocks
+        )
+    assert isinstance(part.body, Box)
+    return (Plane((1.0, 0.0, 0.0), getattr(part.body, end)[0]),)
 
 
 def _faces_of_layers(bimorph: Bimorph, regions: tuple[str, ...]) -> dict[str, NamedFace]:
@@ -242,24 +256,6 @@ def _face(axis: int, offset: float, regions: tuple[str, ...]) -> NamedFace:
     """Face of some regions on a plane across an axis (mm)."""
     normal = (float(axis == 0), float(axis == 1), float(axis == 2))
     return NamedFace((Plane(normal, offset),), regions)
-
-
-def _faces_of_tapers(parts: dict[str, Part]) -> dict[str, NamedFace]:
-    """Electrodes of layers that taper: a plane for each block."""
-    named = {}
-    for region, side, outer in (("piezo_top", "top", "high"), ("piezo_bottom", "bottom", "low")):
-        if region not in parts:
-            continue
-        body = parts[region].body
-        assert isinstance(body, Tapered)
-        inner = "low" if outer == "high" else "high"
-        for kind, face in (("outer", outer), ("inner", inner)):
-            planes = tuple(
-                _through((getattr(low, face), low.z), (getattr(high, face), high.z))
-                for low, high in body.blocks
-            )
-            named[f"electrode_{side}_{kind}"] = NamedFace(planes, (region,))
-    return named
 
 
 def _through(low: tuple[float, float], high: tuple[float, float]) -> Plane:

@@ -2,7 +2,6 @@
 
 import resource
 from dataclasses import fields, replace
-from math import factorial
 
 import meshio
 import numpy as np
@@ -12,9 +11,8 @@ from tactgen.geometry.bimorph import tets
 from tactgen.geometry.bimorph.bricks import bimorph_bricks
 from tactgen.geometry.bimorph.tets import TetMeshing, squeezed, tetrahedralise
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
-from tactgen.geometry.device.parts import closed_form_volumes
+from tactgen.geometry.device.parts import closed_form_volumes, layout
 from tactgen.geometry.errors import InputError, MeshError
-from tactgen.geometry.meshing import mesh as quadratic
 from tactgen.geometry.meshing.mesh import (
     TET_EDGES,
     Mesh,
@@ -370,18 +368,9 @@ def test_curved_triangles_have_the_area_of_the_cylinder():
     assert triangle_areas(np.array([first, second])).sum() == pytest.approx(0.12, rel=1e-4)
 
 
-def test_the_rule_over_triangles_is_exact_to_its_degree():
-    """∫ xᵃ yᵇ = a! b! / (a + b + 2)! over the unit triangle, for a + b up to 5, to rounding."""
-    x, y = quadratic._RADON.T
-    for a in range(6):
-        for b in range(6 - a):
-            exact = factorial(a) * factorial(b) / factorial(a + b + 2)
-            assert quadratic._RADON_WEIGHTS @ (x**a * y**b) == pytest.approx(exact, rel=1e-14)
-
-
 def test_named_faces_are_where_the_rods_parts_end():
     """Across the thickness the electrodes; along z the tip and, of the rod, its lower end (mm)."""
-    faces = tets._named_faces(GENERATOR, "rod", ON_ROD)
+    faces = tets._named_faces(GENERATOR, "rod", layout(GENERATOR, "rod", ON_ROD))
     b = GENERATOR.bimorph
     along_x, along_z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
     found = {
@@ -396,6 +385,6 @@ def test_named_faces_are_where_the_rods_parts_end():
         "base": (along_z, 1e3 * BOTTOM),
     }  # fmt: skip
     assert faces["base"].regions == ("rod",)
-    alone = tets._named_faces(Device(), "alone", ("piezo_top", "shim"))
+    alone = tets._named_faces(Device(), "alone", layout(Device(), "alone", ("piezo_top", "shim")))
     assert (alone["base"].planes[0].normal, alone["base"].planes[0].offset) == (along_z, 0.0)
     assert faces["tip"].regions == ("piezo_top", "piezo_bottom", "shim")
