@@ -283,17 +283,25 @@ def _prescribed_potential(bricks: Bricks, outer: Bools) -> Floats:
 
 
 def seen_functionals(bricks: Bricks, below_tip: float) -> Floats:
-    """(4 n, t): those of the tip, and mean u_x over the section so far below it, if any."""
-    tip = tip_functionals(bricks)
-    if not below_tip:
-        return tip
-    plain, _ = _through(bricks, float(bricks.z.breaks[-1]) - below_tip)
+    """(4 n, t): mean u_x over the tip face, and mean rotation from u_z = x ψ.
+
+    Then the mean u_x over the section so far below the tip (m), if any.
+    """
+    top = float(bricks.z.breaks[-1])
+    plain, levered = _through(bricks, top)
+    if not bricks.mirrored_x:  # about the middle of the face, which need not be at x = 0
+        levered = levered - (plain @ bricks.x.position) / (plain @ bricks.x.one) * plain
     across, _ = line_weights(bricks.y)
-    out = np.zeros((*bricks.shape, 4, 1))
-    area = (plain @ bricks.x.one) * (across @ bricks.y.one)
-    along = values_at(bricks.z, float(bricks.z.breaks[-1]) - below_tip)
-    out[..., 0, 0] = np.multiply.outer(np.outer(plain, across), along) / area
-    return np.hstack([tip, out.reshape(-1, 1)])
+    width = across @ bricks.y.one
+    out = np.zeros((*bricks.shape, 4, 3 if below_tip else 2))
+    out[:, :, -1, 0, 0] = np.outer(plain, across) / (plain @ bricks.x.one * width)
+    inertia = levered @ bricks.x.position
+    out[:, :, -1, 2, 1] = np.outer(levered, across) / (inertia * width)
+    if below_tip:
+        plain, _ = _through(bricks, top - below_tip)
+        area, along = plain @ bricks.x.one * width, values_at(bricks.z, top - below_tip)
+        out[..., 0, 2] = np.multiply.outer(np.outer(plain, across), along) / area
+    return out.reshape(-1, out.shape[-1])
 
 
 def _through(bricks: Bricks, z: float) -> Floats:
@@ -304,20 +312,6 @@ def _through(bricks: Bricks, z: float) -> Floats:
         if low < z <= high:
             found += line_weights(bricks.x, *slab.x)
     return found
-
-
-def tip_functionals(bricks: Bricks) -> Floats:
-    """(4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""
-    plain, levered = _through(bricks, float(bricks.z.breaks[-1]))
-    if not bricks.mirrored_x:  # about the middle of the face, which need not be at x = 0
-        levered = levered - (plain @ bricks.x.position) / (plain @ bricks.x.one) * plain
-    across, _ = line_weights(bricks.y)
-    out = np.zeros((*bricks.shape, 4, 2))
-    width = across @ bricks.y.one
-    out[:, :, -1, 0, 0] = np.outer(plain, across) / (plain @ bricks.x.one * width)
-    inertia = levered @ bricks.x.position
-    out[:, :, -1, 2, 1] = np.outer(levered, across) / (inertia * width)
-    return out.reshape(-1, 2)
 
 
 def whole_nodes(

@@ -171,16 +171,6 @@ def _extended(basis: Floats, block: Complex) -> Floats:
 _SIGNS = np.array([1.0, 1.0, 1.0, 1.0, -1.0, 1.0])
 
 
-def missing_products(states: Numbers, surplus: MotionEstimator) -> Numbers:
-    """Products r_iᵀ K_w⁻¹ r_j (2, m, m) of displacements, of potentials; m = 2 k + 6 + t.
-
-    Of K x and of M x of every unknown of a reduced solid, then of the t functionals that see it.
-    `states` (n, k + 3), complex if the solid has losses, are its unknowns per unknown of the
-    reduced one; `surplus` has functions that it lacks, with the losses that it has.
-    """
-    return np.stack(surplus.products(np.hstack([*surplus.residuals(states), surplus.seen])))
-
-
 #: Blocks of the Krylov basis that the first shift begins with, and that any shift has at most.
 _FIRST_BLOCKS, _BLOCKS = 3, 5
 #: Most shifts, each a complex factorisation.
@@ -203,8 +193,9 @@ class ReducedSolid:
     #: Largest estimate over the frequencies it was checked at, peaks and dips included
     error: float
     unknowns: int  #: Number of unknowns of the solid
-    #: (2, m, m) What functions that the solid lacks have in products, if these were given
-    #: (:func:`fem.piezo.krylov.missing_products`)
+    #: (2, m, m) Products r_iᵀ K_w⁻¹ r_j of displacements, of potentials, that functions which the
+    #: solid lacks have, if these were given, m = 2 k + 6 + t: of K x and of M x of every unknown,
+    #: then of the t functionals that see the solid
     missing: Numbers | None = None
 
     def multiport(self, frequencies: Floats) -> Multiport:
@@ -288,7 +279,10 @@ def reduce_to_ports(
         worst = int(np.argmax(estimate))
         full = len(chains[-1].blocks) == _BLOCKS
         if estimate[worst] <= tolerance or (full and len(chains) == _MOST_SHIFTS):
-            missing = None if surplus is None else missing_products(states, surplus)
+            missing = None
+            if surplus is not None:
+                residuals = np.hstack([*surplus.residuals(states), surplus.seen])
+                missing = np.stack(surplus.products(residuals))
             return replace(reduced, error=float(estimate[worst]), missing=missing)
         if full:
             chains.append(_Chain(system, max(float(checked[worst]), _LOWEST), _BLOCKS))

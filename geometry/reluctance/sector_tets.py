@@ -18,7 +18,6 @@ from tactgen.geometry.meshing.mesh import TET_EDGES, Mesh, find_rows, tet_volume
 from tactgen.geometry.meshing.structured_tets import reflected, swept_tetrahedra
 from tactgen.geometry.reluctance.section_grid import (
     Grid,
-    Region,
     actuator_regions,
     air_radius,
     graded_grid,
@@ -52,13 +51,6 @@ def sector_mesh(device: Device, gap: float, sector: Sector) -> Mesh:
     return swept_tetrahedra(grid.r, grid.z, angles, cell_labels(grid, gap), REGIONS)
 
 
-def region_name(part: Region) -> str:
-    """Region of `REGIONS` that a part of the half section belongs to."""
-    if part.turns:
-        return "coil"
-    return "rod" if part.moves else "sleeve"
-
-
 def without_slivers(lines: Floats) -> Floats:
     """Lines of which those that are nearly one are one."""
     apart = np.append(True, np.diff(lines) > _APART)
@@ -81,7 +73,8 @@ def cell_labels(grid: Grid, gap: float) -> Ints:
     within = (z > coil.heights[0]) & (z < coil.heights[1])
     labels[(r < coil.radii[1]) & within] = REGIONS.index("coil")
     for index, part in enumerate(grid.regions):
-        labels[grid.labels == index] = REGIONS.index(region_name(part))
+        name = "coil" if part.turns else "rod" if part.moves else "sleeve"
+        labels[grid.labels == index] = REGIONS.index(name)
     return labels
 
 

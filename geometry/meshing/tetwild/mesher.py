@@ -50,7 +50,7 @@ class Mesher:
         self._folder.cleanup()
 
     def start(self) -> subprocess.Popen[bytes]:
-        """Let the process load its libraries while the caller does something else."""
+        """Process, which loads its libraries while the caller does something else."""
         if self._process is None:
             require_package("pytetwild", "tetrahedra")
             with (Path(self._folder.name) / "log").open("wb") as log:
