@@ -230,7 +230,6 @@ class _Quarter:
             expand=expand,
             nodes=nodes,
             node_mass=node_mass,
-            potentials=int(unknowns.free[:, 3].sum()),
             volts_per_unit=unit,
             motion=motion,
             related=self.system,

@@ -45,7 +45,6 @@ class SolidSystem:
     expand: Expansion
     nodes: Floats  #: (n_nodes, 3) Where the nodes are (m)
     node_mass: Floats  #: (n_nodes,) Lumped mass (kg), for weighing modes
-    potentials: int  #: Number of free potential unknowns
     volts_per_unit: float  #: Size of the potential's unit (V); U is in volts all the same
     #: The motions that it can make.  In bending across the width the first two ports are the base's
     #: motions there; those that no port takes part in leave the last three rows empty

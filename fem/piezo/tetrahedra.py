@@ -150,7 +150,6 @@ class SkfemBody:
             expand=Expansion(unknowns, source, sign * scale),
             nodes=nodes,
             node_mass=nodal[source] / np.bincount(source)[source],
-            potentials=int(unknowns.free[:, 3].sum()),
             volts_per_unit=self.unit,
             motion=motion,
             related=None if motion == "all" else self.system,

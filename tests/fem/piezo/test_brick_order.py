@@ -13,7 +13,8 @@ def test_no_answer_depends_on_it():
     device = Device(bimorph=Bimorph(bare_below=1e-3, glue_thickness=20e-6))
     system = assemble_bricks(device, bimorph_bricks(device, LEVELS[0]), lossy=False)
     ordered, searched = system.held_factor, factorise(system.stiffness.inner)
-    assert ordered.negative_pivots == searched.negative_pivots == system.potentials
+    potentials = (system.mass.inner.diagonal() == 0.0).sum()
+    assert ordered.negative_pivots == searched.negative_pivots == potentials
     load = system.tip[:-3, 0]
     a, b = ordered.solve(load), searched.solve(load)
     # seven digits are lost on a balanced piezoelectric matrix
