@@ -13,7 +13,7 @@ import numpy as np
 from tactgen.tmm.beam.printed_formulas import MISPRINTS, from_dynamic_stiffness, matrix_a
 from tactgen.tmm.beam.transfer_matrix import multiport, sections
 from tactgen.validation.evidence.cases.audit import AT, audit
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 scene, _ = load_scene("paper")
 result = audit(scene)

@@ -11,7 +11,7 @@ import numpy as np
 
 import tactgen
 from tactgen.validation.catalogue.detection import STATED_VOLTAGES
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.design import Aim, design
 from tactgen.validation.studies.length_map import length_map
 

@@ -7,7 +7,7 @@
 
 # %%
 from tactgen.validation.models.difference import beam_to_solid, causes
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 scene, _ = load_scene("paper", ["support.kind=clamped", "load.kind=none"])
 steps = beam_to_solid(scene, print, level=0)

@@ -9,7 +9,7 @@
 import numpy as np
 
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.identify import identify
 from tactgen.validation.studies.measured_data import MeasuredCurve
 

@@ -47,8 +47,8 @@ def _commands() -> str:
 
 
 def _keys() -> str:
+    from tactgen.validation.scene.load import load_scene
     from tactgen.validation.scene.parameter_list import parameter_rows
-    from tactgen.validation.scene.scene import load_scene
 
     scene, _ = load_scene("paper")
     rows = [
@@ -77,7 +77,7 @@ def _models() -> str:
 
 def _scenes() -> str:
     from tactgen.validation.scene.files import built_in_scenes
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
 
     rows = [(f"`{name}`", load_scene(name)[0].description) for name in built_in_scenes()]
     return _table(("scene", "what it is"), rows)

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from tactgen.geometry.errors import InputError
     from tactgen.validation.engine.solve import solve
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
     from tactgen.validation.show.view import show
 
 __all__ = ["InputError", "__version__", "load_scene", "show", "solve"]
 
 _HOMES = {
     "InputError": "tactgen.geometry.errors",
-    "load_scene": "tactgen.validation.scene.scene",
+    "load_scene": "tactgen.validation.scene.load",
     "show": "tactgen.validation.show.view",
     "solve": "tactgen.validation.engine.solve",
 }

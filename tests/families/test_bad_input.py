@@ -8,7 +8,7 @@ import pytest
 
 from tactgen.validation.command_line import cli
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 COMMANDS = cli.commands()
 #: Arguments of a command before the scene and after it, where it must have some.

@@ -11,7 +11,9 @@ from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models import backbone as states
 from tactgen.validation.models.backbone import held_head, in_state
 from tactgen.validation.scene.inputs import values_read
-from tactgen.validation.scene.scene import Scene, load_scene, scene_keys
+from tactgen.validation.scene.keys import scene_keys
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.studies.whatif.point_answers import question
 
 #: What of a scene no stage reads: whose it is, and what is asked.

@@ -17,7 +17,7 @@ from tactgen.fem.magnetics.axisymmetric_force import Eggshell, stress_size
 from tactgen.geometry.device.parameters import Device, Steel
 from tactgen.geometry.reluctance.sector_tets import Sector
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 DEVICE = Device()
 MAGNETIC = ("force", "flux_linkage", "coenergy", "incremental_inductance")

@@ -13,7 +13,8 @@ import pytest
 
 from tactgen.geometry.units import Unit
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.scene.scene import Scene, scene_keys
+from tactgen.validation.scene.keys import scene_keys
+from tactgen.validation.scene.scene import Scene
 
 #: Seconds after which an invocation is taken for endless.
 ENDLESS = 120

@@ -4,9 +4,9 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.inputs import idle
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.parameter_list import parameter_rows
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.warnings import idle
 
 SCENES = (
     ("paper", ("models=tmm", "frequency=100")),

@@ -19,7 +19,7 @@ from tactgen.tmm.harmonic_balance.balance import NoConvergence, Orbit
 from tactgen.validation.models import backbone
 from tactgen.validation.models.display import spread
 from tactgen.validation.scene import files as frequencies
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show import browser, pictures
 from tactgen.validation.studies.whatif import executor
 from tactgen.validation.studies.whatif.pictures import study_picture

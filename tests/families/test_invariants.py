@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def lateral(model, *overrides, scene="j1"):

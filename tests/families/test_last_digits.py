@@ -9,7 +9,7 @@ import pytest
 
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.coverage import PROMISED
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 SCENES = (
     ("paper", ("models=lumped,tmm,beam", "frequency=10,870")),

@@ -10,7 +10,7 @@ from tactgen.geometry.device.parameters import Parameters
 from tactgen.validation.catalogue.models import MODELS, stage_reads
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.inputs import keys_read
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: A change of one key by text, as a user writes it, for each model and quantity.
 LATERAL = (

@@ -9,7 +9,7 @@ from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import make_plan, stages_for
 from tactgen.validation.scene.inputs import keys_read, stage_keys
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 SCENES = {
     name: load_scene(name)[0] for name in ("paper", "prototype", "generator", "reluctance", "j1")

@@ -8,7 +8,7 @@ import pytest
 
 from tactgen.validation.evidence import stress_driven as at_random
 from tactgen.validation.evidence.stress import Family, PartRequest, Point, run_parts
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def judge(pair, overrides):

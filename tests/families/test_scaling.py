@@ -5,7 +5,7 @@ import pytest
 from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.geometry.device.parameters import NOMINAL_GAP, Device
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 FACTOR = 1e-2
 LENGTHS = ("length", "width", "piezo_thickness", "shim_thickness")

@@ -12,7 +12,7 @@ from tactgen.validation.engine.comparison import compare
 from tactgen.validation.evidence.case import Check, judged
 from tactgen.validation.evidence.coverage import Judged
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.whatif.compare import Number, _beyond
 
 VALUES = st.floats(1e-12, 1e12) | st.floats(-1e12, -1e-12)

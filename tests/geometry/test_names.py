@@ -4,7 +4,7 @@ import pytest
 
 from tactgen.geometry.names import _MEANT, nearest
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.scene.scene import scene_keys
+from tactgen.validation.scene.keys import scene_keys
 
 KEYS = (
     "gap", "frequency", "bimorph.length", "bimorph.width", "rod.length", "coil.length",

@@ -11,7 +11,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.reluctance.section_grid import actuator_regions
 from tactgen.validation.evidence.random_devices import ACTUATOR
 from tactgen.validation.evidence.random_devices import overrides as random_overrides
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 VALUES = ("flux_linkage", "coenergy", "force")
 #: Triangles at the corners of iron (mm): between these lies what is left beyond the finer ones.

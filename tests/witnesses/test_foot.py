@@ -10,7 +10,7 @@ from tactgen.fem.piezo.system import materials
 from tactgen.geometry.device.parts import Turned, layout
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.random_devices import between
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: Solids by their name here, and in the device; a quarter has one of the two ceramics.
 SOLIDS = {"rod": "rod", "glue": "glue", "shim": "shim", "piezo": "piezo_top"}

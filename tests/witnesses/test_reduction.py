@@ -13,7 +13,7 @@ from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.evidence.random_devices import slender_bimorph
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 SWEEP = np.geomspace(10.0, 20000.0, 400)
 #: Points (Hz) at which the witness interpolates; what the second half adds is its error.

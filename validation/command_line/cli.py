@@ -109,7 +109,7 @@ class _Parser(argparse.ArgumentParser):
         ]  # fmt: skip
         key = unknown[1].replace("-", "_")
         if "set" in options:
-            from tactgen.validation.scene.scene import is_scene_key
+            from tactgen.validation.scene.keys import is_scene_key
 
             if is_scene_key(key):
                 return f' (did you mean "--set {key}=…"?)'

@@ -49,7 +49,7 @@ def axis_options(parser: argparse.ArgumentParser) -> None:
 
 def stated(options: argparse.Namespace, before: Statement | None = None) -> Statement:
     """Study definition from the options, or else from an earlier study."""
-    from tactgen.validation.scene.scene import scene_values
+    from tactgen.validation.scene.load import scene_values
     from tactgen.validation.studies.whatif.defaults import chosen, with_tolerances
     from tactgen.validation.studies.whatif.definition import Statement
 

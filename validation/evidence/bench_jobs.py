@@ -42,7 +42,8 @@ from tactgen.validation.evidence.peers.job import (
     solved,
 )
 from tactgen.validation.models.bimorph.natural_modes import coarse_modes, fine_modes, lowest_modes
-from tactgen.validation.scene.scene import Scene, load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 
 #: Natural frequencies that are compared.
 MODES = 4

@@ -30,7 +30,7 @@ _WARM = 2.0
 _SOLVE = """
 import json, sys, time
 asked = json.load(sys.stdin)
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.engine.solve import as_json, solve
 scene, _ = load_scene(asked["scene"], asked["overrides"])
 if asked["picture"]:

@@ -63,7 +63,8 @@ from tactgen.validation.evidence.random_devices import (
     sprung,
     unusual_bimorph,
 )
-from tactgen.validation.scene.scene import Scene, load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 
 #: Random devices of the shipped fit, their seed, and the share that is fitted to.
 DEVICES, SEED, FITTED = 6000, 1, 0.75

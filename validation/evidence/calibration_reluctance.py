@@ -28,7 +28,8 @@ from tactgen.validation.evidence.fit_record import (
     solve_normal,
 )
 from tactgen.validation.evidence.random_devices import accepted, any_actuator
-from tactgen.validation.scene.scene import Scene, load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 
 #: Random devices of the shipped fit, their seed, and the share that is fitted to.
 DEVICES, SEED, FITTED = 4000, 2, 0.75

@@ -33,7 +33,8 @@ from tactgen.validation.models.classes import make_model, map_of
 from tactgen.validation.models.model import Stages
 from tactgen.validation.models.small_signal import RodWithError, SmallSignal, rod_by_network
 from tactgen.validation.models.transient import scene_machine
-from tactgen.validation.scene.scene import Scene, load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 
 #: The reference's order, refinement of the grid, and how many times as far its walls are.
 _ORDER, _REFINEMENT, _FARTHER = 5, 1.5, 3.0

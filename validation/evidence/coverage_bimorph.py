@@ -40,7 +40,8 @@ from tactgen.validation.evidence.random_devices import (
     sprung,
     tapered_bimorph,
 )
-from tactgen.validation.scene.scene import Scene, load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 
 _STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 _HARMONIC = ("tip_displacement", "admittance")

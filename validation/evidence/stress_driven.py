@@ -26,7 +26,8 @@ from tactgen.validation.evidence.stress import (
     Stress,
 )
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.scene.scene import Scene, load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 
 #: A point of a sweep: its name for people, and the overrides of the scene there.
 SweepPoint = tuple[str, tuple[str, ...]]

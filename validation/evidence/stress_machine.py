@@ -20,7 +20,8 @@ from tactgen.validation.evidence.stress_driven import MACHINE, MACHINE_PAIR, fam
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.small_signal import CELLS_AT_REST
 from tactgen.validation.models.transient import scene_machine
-from tactgen.validation.scene.scene import Scene, load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 
 _STATEMENT = (
     "Responses by the transfer matrix and by beam elements agree within the bars of both, of a "

@@ -29,9 +29,9 @@ from tactgen.validation.models.model import Quantity
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.report.reluctance_data import NormalActuator, is_of_rest, needs_map
 from tactgen.validation.report.request import prepared, quantities_of
-from tactgen.validation.scene.inputs import idle
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.warnings import idle
 
 if TYPE_CHECKING:
     from tactgen.validation.models.difference import Step

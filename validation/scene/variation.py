@@ -9,7 +9,8 @@ from typing import Any
 
 from tactgen.geometry.device.parameters import Bimorph, Piezo, Rod, Shim, Sleeve
 from tactgen.validation.scene.files import assign
-from tactgen.validation.scene.scene import Scene, checked_scene
+from tactgen.validation.scene.load import checked_scene
+from tactgen.validation.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class ScenesNearby:
     def scene(self, changes: Mapping[str, Any]) -> Scene:
         """Scene with some values changed, as they would be written.
 
-        Raises InputError as :func:`validation.scene.scene.checked_scene`.
+        Raises InputError as :func:`validation.scene.load.checked_scene`.
         """
         return checked_scene(self.values(changes))
 

@@ -23,11 +23,12 @@ from tactgen.tmm.beam.parametric import check_length_free
 from tactgen.validation.engine.solve import check_on_contact
 from tactgen.validation.engine.warnings import load_warnings
 from tactgen.validation.scene.files import one_line
-from tactgen.validation.scene.inputs import idle
+from tactgen.validation.scene.keys import check_key, declaration
 from tactgen.validation.scene.parameter_list import ParameterRow, parameter_rows
-from tactgen.validation.scene.scene import Scene, check_key, declaration
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.tolerances import unit_of
 from tactgen.validation.scene.variation import SYMBOLS, value_of, with_values
+from tactgen.validation.scene.warnings import idle
 from tactgen.validation.studies.curve_fit import (
     CONFIDENCE,
     RANK,
@@ -306,7 +307,7 @@ def identify(
     The scene's `drive.voltage` is the (peak) amplitude that the data belong to; `fit` is read by
     :func:`fit_parameter`.  `noise` is ``relative`` or ``constant``, by default the one under which
     the data are likelier; not used where they state their uncertainty.  Without `origins`, as
-    :func:`validation.scene.scene.load_scene` returns them, no assumptions are looked for.
+    :func:`validation.scene.load.load_scene` returns them, no assumptions are looked for.
 
     Raises InputError if a parameter or the data cannot be used, in one sentence.
     """

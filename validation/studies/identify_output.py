@@ -23,8 +23,9 @@ from tactgen.geometry.formats import engineering, prefixed, signed
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.conditions import answer_head, conditions
 from tactgen.validation.scene.files import scene_name
+from tactgen.validation.scene.keys import read_as
+from tactgen.validation.scene.load import FILE_KEYS
 from tactgen.validation.scene.parameter_list import parameter_rows
-from tactgen.validation.scene.scene import FILE_KEYS, read_as
 from tactgen.validation.scene.variation import value_of
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, svg
 from tactgen.validation.studies.curve_fit import CurveModel

@@ -36,10 +36,11 @@ from tactgen.validation.catalogue.quantities import (
 from tactgen.validation.engine.derivatives import PLACES, extrapolated
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.conditions import beyond_voltage
-from tactgen.validation.scene.inputs import idle
+from tactgen.validation.scene.keys import declaration, number_keys, read_as
 from tactgen.validation.scene.parameter_list import ranges, show
-from tactgen.validation.scene.scene import Scene, declaration, number_keys, read_as
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import value_of
+from tactgen.validation.scene.warnings import idle
 from tactgen.validation.studies.length_map import actuator
 
 #: Frequencies at which loaded or free motion is a headline number (Hz), and one at which

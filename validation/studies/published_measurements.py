@@ -30,7 +30,9 @@ from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import STATES, State, bimorph_mass, five_port
 from tactgen.validation.models.small_signal import ScaledMap
-from tactgen.validation.scene.scene import Scene, declaration, load_scene
+from tactgen.validation.scene.keys import declaration
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.tolerances import unit_of
 from tactgen.validation.scene.variation import value_of, with_values
 

@@ -21,9 +21,12 @@ from tactgen.validation.engine.answers import modelling_at
 from tactgen.validation.engine.derivatives import NEAREST, Changed, Derivatives, derivatives, misfit
 from tactgen.validation.engine.solve import check_models, check_request
 from tactgen.validation.engine.warnings import check_held
-from tactgen.validation.scene.inputs import idle, keys_read
-from tactgen.validation.scene.scene import Scene, check_key, number_keys, read_as, scene_values
+from tactgen.validation.scene.inputs import keys_read
+from tactgen.validation.scene.keys import check_key, number_keys, read_as
+from tactgen.validation.scene.load import scene_values
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import ScenesNearby, value_of
+from tactgen.validation.scene.warnings import idle
 
 #: Groups and keys that say how a model is solved or compared, not what the device is.
 _NUMERICAL = ("mesh", "accuracy", "modes", "frequency", "limits")

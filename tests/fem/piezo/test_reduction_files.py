@@ -13,7 +13,7 @@ from tactgen.fem.piezo.solid import assemble
 from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.device.parameters import Bimorph, Device, Piezo
 from tactgen.geometry.errors import InputError
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.export import export
 
 MESHING = BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0))

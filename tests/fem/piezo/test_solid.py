@@ -18,7 +18,7 @@ from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.tmm.ports import multiport
 from tactgen.tmm.ports.elements import attach, base_stiffness
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 COARSE = BrickMeshing((2, 2, 2), smallest=0.5)
 

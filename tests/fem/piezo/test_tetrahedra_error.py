@@ -13,7 +13,7 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra, graded_planes
 from tactgen.geometry.meshing.tetwild.conform import TET_FACES
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 DEVICE = load_scene("j1")[0].device
 

@@ -10,8 +10,8 @@ from tactgen.geometry.device.parameters import Bimorph, Device, Support
 from tactgen.geometry.device.parts import layout
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import make_plan
-from tactgen.validation.scene.inputs import scene_warnings
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.warnings import scene_warnings
 
 STEP = ((0.0, 2.1e-3), (8e-3, 2.1e-3), (8e-3, 1e-3), (20e-3, 1e-3))
 TAPER = ((0.0, 0.26e-3), (20e-3, 0.13e-3))

@@ -10,8 +10,8 @@ from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.geometry.errors import InputError
-from tactgen.validation.scene.inputs import scene_warnings
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.warnings import scene_warnings
 
 # Newton's method to the last digits of tensors whose inversion loses three
 ROUNDING = 1e-9

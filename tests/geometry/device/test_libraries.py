@@ -9,7 +9,7 @@ from tactgen.geometry.device.material_library import SHIMS, SOFT_MAGNETS, STEELS
 from tactgen.geometry.device.parameters import Piezo, Shim, Steel, sources, spreads
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: E (GPa), Poisson ratio, density (g/cm³), range of E, and what the source is of.
 SHEETS = {

@@ -5,8 +5,8 @@ import pytest
 from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.plausibility import EXPECTED
 from tactgen.geometry.errors import InputError
-from tactgen.validation.scene.inputs import scene_warnings
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.warnings import scene_warnings
 
 
 def questions(*overrides):

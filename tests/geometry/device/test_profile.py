@@ -6,8 +6,8 @@ from tactgen.geometry.device import profile
 from tactgen.geometry.device.parameters import Bimorph
 from tactgen.geometry.device.profile import UNIFORM, Profile
 from tactgen.geometry.errors import InputError
-from tactgen.validation.scene.parameter_list import template
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.template import template
 
 STEPPED = "0 mm: 2.1 mm, 10 mm: 2.1 mm, 10 mm: 1.5 mm, 20 mm: 1 mm"
 POINTS = ((0.0, 2.1e-3), (10e-3, 2.1e-3), (10e-3, 1.5e-3), (20e-3, 1e-3))

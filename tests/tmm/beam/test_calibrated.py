@@ -12,7 +12,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import calibrated, transfer_matrix
 from tactgen.tmm.beam.laminate import laminate_section
 from tactgen.tmm.ports.multiport import BIMORPH
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def scene(*overrides):

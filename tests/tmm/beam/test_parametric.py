@@ -9,7 +9,7 @@ from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 VELOCITY = QUANTITIES["tip_velocity"].read
 

@@ -18,7 +18,7 @@ from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import held_head
 from tactgen.validation.models.transient import scene_machine
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 ANGLE = pi / 6.0
 FREQUENCIES = np.array([0.0, 100.0, 400.0, 430.0, 900.0])

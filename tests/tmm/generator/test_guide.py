@@ -11,7 +11,7 @@ from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.models.backbone import held_head
 from tactgen.validation.models.transient import scene_machine
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 MOTIONS = np.array([-3e-4, -1e-4, -2e-5, 0.0, 5e-5, 1e-4, 2e-4])
 

@@ -13,7 +13,7 @@ from tactgen.tmm.harmonic_balance.steady import Resolution
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport, respond
 from tactgen.validation.models.backbone import five_port, held_head
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 UP = ("support.kind=contact", "coil.current=0mA", "models=tmm")
 HELD = ("support.kind=contact", "coil.current=50mA", "coil.history=falling", "models=tmm")

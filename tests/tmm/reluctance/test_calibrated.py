@@ -13,7 +13,7 @@ from tactgen.tmm.reluctance.calibrated import (
     groups,
 )
 from tactgen.tmm.reluctance.network import network_samples
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 TURNS = GROUPS.index("ampere turns")
 

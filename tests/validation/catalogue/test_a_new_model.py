@@ -15,7 +15,7 @@ from tactgen.validation.models.classes import CLASSES
 from tactgen.validation.models.model import Model, Modes, Refined
 from tactgen.validation.report import page
 from tactgen.validation.report.sections.contents import sections as all_sections
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: First root of cos x cosh x = -1.
 _ROOT = 1.875104068711961

@@ -12,8 +12,8 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.comparison import compare
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.model import Estimate
-from tactgen.validation.scene.parameter_list import template
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.template import template
 
 ACCELERATION = QuantityRow(
     "tip_acceleration",

@@ -7,7 +7,7 @@ from tactgen.geometry.display.bill import bill_of_parts, total_mass, wiring
 from tactgen.geometry.display.clearances import clearances
 from tactgen.geometry.display.layout import levels
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def test_json_holds_what_the_library_says(capsys):

@@ -13,7 +13,7 @@ import pytest
 from tactgen.geometry.device.material_library import LIBRARY, SHIMS
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.export import export
 
 

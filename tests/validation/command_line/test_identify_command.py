@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.curve_fit import CurveModel
 
 

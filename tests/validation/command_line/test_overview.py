@@ -11,7 +11,7 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.overview import print_overview
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.files import built_in_scenes
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 PREFIXES = {"p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0, "k": 1e3}
 

@@ -11,7 +11,7 @@ import pytest
 from tactgen.geometry.store import store
 from tactgen.geometry.store.store import Damaged, read_entry
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: Scenes whose answers leave entries behind, by what they cost.
 LIGHT = [

@@ -11,7 +11,7 @@ from tactgen.tmm.beam.ceramic_stress import DrivenCeramic
 from tactgen.tmm.reluctance.network import largest_rms_current
 from tactgen.validation.catalogue.quantities import voltage_limits
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 FREE = ("load.kind=none", "frequency=440:452:13")
 

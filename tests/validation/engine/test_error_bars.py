@@ -12,7 +12,7 @@ from tactgen.validation.evidence.coverage import PROMISED, median_width
 from tactgen.validation.evidence.coverage_bimorph import AT, affordable_case, judged
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.solid import _BRICK_BARS, level_for
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: The paper's layers clamped, 10 mm long, by level 5, converged to a twentieth of the bars below.
 CLAMPED = {

@@ -7,7 +7,7 @@ import tactgen
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.validation.engine.answers import stated_as
-from tactgen.validation.scene.scene import checked_scene, load_scene
+from tactgen.validation.scene.load import checked_scene, load_scene
 
 #: Slender, so that shear and rotary inertia are small.
 SLENDER = {

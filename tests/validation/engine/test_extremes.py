@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.validation.engine.answers import quantity_from_json, quantity_json, representative
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.whatif.aims import parse_aim
 
 SWEEP = "frequency=100:1000:10"

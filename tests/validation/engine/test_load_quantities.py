@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.tmm.ports.loads import finger_impedance
 from tactgen.validation.engine.solve import make_plan, solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 F = np.array([10.0, 300.0, 900.0])
 

@@ -5,8 +5,9 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.inputs import scene_warnings, values_read
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.inputs import values_read
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.warnings import scene_warnings
 
 SPRING = ("load.kind=spring_damper", "load.stiffness=300N/m", "load.damping=0.5N*s/m")
 

@@ -8,7 +8,7 @@ import pytest
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import quantity_from_json, quantity_json
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 ASKED = ("static_tip_displacement", "capacitance_free", "short_circuit_frequencies")
 BENDER = (

@@ -8,7 +8,7 @@ from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.model import Stages
 from tactgen.validation.models.reluctance import field
 from tactgen.validation.scene.inputs import stage_key
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: Quantities of the normal actuator at one current and gap.
 MAGNETIC_POINT = tuple(n for n, info in QUANTITIES.items() if info.needs == ("magnetic_point",))

@@ -13,7 +13,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import as_json, solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.model import Stages
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: Solid and fields, small.
 SCENES = (
@@ -80,7 +80,7 @@ def test_answers_from_the_store_load_no_solver():
     for name, overrides in SCENES:
         answers(name, *overrides)
     script = (
-        "import json, sys; from tactgen.validation.scene.scene import load_scene; "
+        "import json, sys; from tactgen.validation.scene.load import load_scene; "
         "from tactgen.validation.engine.solve import solve; "
         "from tactgen.validation.catalogue.models import gives; "
         "from tactgen.validation.catalogue.quantities import QUANTITIES\n"

@@ -13,7 +13,7 @@ from tactgen.validation.engine.surrogate import (
     fit_surrogate,
 )
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.variation import with_values
 
 FREQUENCIES = "short_circuit_frequencies"

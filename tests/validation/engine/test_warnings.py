@@ -7,7 +7,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.warnings import held_warnings, number_warnings
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def quantity(name, model, value, error=0.0):

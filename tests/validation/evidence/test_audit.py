@@ -5,7 +5,7 @@ import pytest
 
 from tactgen.tmm.beam.printed_formulas import FORMULAS, MISPRINTS
 from tactgen.validation.evidence.cases.audit import AT, audit
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 @pytest.fixture(scope="module")

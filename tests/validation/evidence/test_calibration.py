@@ -13,7 +13,7 @@ from tactgen.validation.evidence.calibration_bimorph import observe, statics
 from tactgen.validation.evidence.coverage import PROMISED, run_parts
 from tactgen.validation.evidence.fit_record import evidence
 from tactgen.validation.evidence.random_devices import clamped_bimorph
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def test_evidence_counts():

@@ -13,7 +13,7 @@ from tactgen.validation.evidence import stress_driven as sweep
 from tactgen.validation.evidence import stress_machine as machine
 from tactgen.validation.evidence.stress import PartRequest
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def test_beam_elements_are_right_or_say_how_many_they_would_need():

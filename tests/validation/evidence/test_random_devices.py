@@ -11,7 +11,7 @@ from tactgen.validation.evidence import coverage_bimorph as solid
 from tactgen.validation.evidence.coverage import relative
 from tactgen.validation.evidence.coverage_bimorph import Case
 from tactgen.validation.evidence.random_devices import any_scene, solid_bimorph
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def test_no_bimorph_is_too_stout_too_slender_or_too_wide():

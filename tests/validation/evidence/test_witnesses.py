@@ -9,7 +9,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence import bench_jobs as jobs
 from tactgen.validation.evidence import peers
 from tactgen.validation.evidence.random_devices import slender_bimorph
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: Order of the witness's bricks.
 ORDER = 3

@@ -11,7 +11,7 @@ from tactgen.geometry.meshing.tetwild.conform import conform
 from tactgen.geometry.meshing.tetwild.mesher import sizing_at_points, sizing_for
 from tactgen.geometry.store.values import fingerprint
 from tactgen.validation.models.bimorph.adaptive_meshes import adapted_pair
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def uniform_box(n=6):

@@ -20,7 +20,7 @@ from tactgen.validation.evidence.coverage_bimorph import affordable_case, judged
 from tactgen.validation.models.bimorph.solid import cells_of, mesh_pair
 from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.model import Stages
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 SHORT = (
     "bimorph.length=6mm", "support.kind=clamped", "load.kind=none", "accuracy=2e-2", "modes=2",

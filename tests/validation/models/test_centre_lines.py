@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 ENDS = [
     ("support.kind=clamped", "load.kind=none"),

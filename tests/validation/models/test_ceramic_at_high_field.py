@@ -12,7 +12,7 @@ from tactgen.validation.models.backbone import check_one_field
 from tactgen.validation.models.held_bimorph import run_held
 from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.conditions import conditions
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 GROWTH = "piezo.field_growth_d31=2 mm/kV"
 

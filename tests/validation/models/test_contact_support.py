@@ -11,7 +11,7 @@ from tactgen.tmm.beam.sections import section_across
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.contact import contact_of, moving_rod
 from tactgen.validation.engine.solve import make_plan, solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 UP = ("support.kind=contact", "coil.current=0mA")
 

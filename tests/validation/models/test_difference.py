@@ -25,7 +25,7 @@ from tactgen.validation.models.difference import (
     solid_values,
     without,
 )
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 CLAMPED = ["support.kind=clamped", "load.kind=none"]
 

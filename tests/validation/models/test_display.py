@@ -11,7 +11,7 @@ from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.backbone import five_port
 from tactgen.validation.models.display import display_ports, first_frequency
 from tactgen.validation.models.model import Modes, Refined
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 CROSSTALK = tuple(q for q in quantities_of("display") if q.startswith("crosstalk"))
 SPREAD = ("unit_frequencies", "frequency_spread", "screw_turns", "tuned_spread", "tuning_range")

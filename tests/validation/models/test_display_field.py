@@ -8,7 +8,7 @@ from tactgen.fem.magnetics import array_3d as array
 from tactgen.fem.magnetics import array_3d as nine
 from tactgen.fem.magnetics.array_3d import NineForces
 from tactgen.validation.models import display as field
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: Pull per square of current, of the unit's own and of one neighbour's beside and on the diagonal.
 OWN, BESIDE, DIAGONAL = 5.0, -0.3, -0.06

@@ -9,7 +9,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.sections import Section
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: A block of 4 x 4 x 8 mm on the tip of the neutral 20 mm bimorph.
 BLOCK = (

@@ -12,7 +12,7 @@ from tactgen.tmm.ports.elements import chain_of
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.held_bimorph import held_system, oscillations, run_held
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.simulate import read_film
 
 #: Own bimorph of an engineer: clamped, with a heavy tip, in series.

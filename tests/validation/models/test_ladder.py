@@ -10,7 +10,7 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.comparison import choose, ladder
 from tactgen.validation.engine.solve import record, recorded, solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 STATIC = ("static_tip_displacement",)
 

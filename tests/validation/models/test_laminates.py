@@ -10,8 +10,9 @@ from tactgen.tmm.beam import transfer_matrix
 from tactgen.validation.engine.warnings import request_warnings
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.inputs import stage_key
+from tactgen.validation.scene.keys import number_keys
+from tactgen.validation.scene.load import checked_scene, load_scene
 from tactgen.validation.scene.parameter_list import ranges
-from tactgen.validation.scene.scene import checked_scene, load_scene, number_keys
 
 STATIC = ("static_tip_displacement", "capacitance_free", "capacitance_blocked")
 NUMBERS = (*STATIC, "short_circuit_frequencies", "open_circuit_frequencies")

@@ -14,7 +14,7 @@ from tactgen.validation.models.backbone import (
     loaded_deflection,
     voltage_for,
 )
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def loaded(state):

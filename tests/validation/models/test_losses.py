@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: A bimorph with a bare tab and glue between its layers, which every model of the solid on
 #: bricks takes, too; little loss in the ceramic, so that that of the others shows.

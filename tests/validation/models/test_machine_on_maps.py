@@ -14,7 +14,7 @@ from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.reluctance.field import AxisymmetricModel
 from tactgen.validation.models.small_signal import HalvedMap
 from tactgen.validation.scene import scene as scenes
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 HELD = ("load.kind=none", "frequency=100,500", "coil.current=50mA", "coil.history=falling")
 #: How much more pull and flux than the network the field of these tests has.

@@ -6,7 +6,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.warnings import request_warnings
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: The paper's springs, with an inertia that counts: c, d, θ, and what holds the base laterally.
 SPRING = (

@@ -15,7 +15,7 @@ from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import RESOLUTION, five_port, held_head
 from tactgen.validation.models.transient import scene_modes
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 CLAMPED = ("support.kind=clamped", "load.kind=none")
 #: A row of many parts, loaded, in which places lie in an extension, a taper and a tab.

@@ -15,7 +15,7 @@ from tactgen.validation.models.bimorph.natural_modes import (
     gain_factor,
 )
 from tactgen.validation.models.model import SAFETY, Modes
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def test_where_others_are_lower_more_modes_are_asked_until_one_bends_in_x():

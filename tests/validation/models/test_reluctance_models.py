@@ -7,7 +7,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import make_plan
 from tactgen.validation.models.reluctance.field import _fine_enough
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 GRIDS = ((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0))
 

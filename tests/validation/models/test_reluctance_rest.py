@@ -14,7 +14,7 @@ from tactgen.tmm.reluctance.switching import switching
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.switching import resting_state
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 NAMES = ("rod_position", "finger_force", "contact_force", "resting_positions")
 

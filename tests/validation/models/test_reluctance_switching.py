@@ -13,7 +13,7 @@ from tactgen.tmm.reluctance.network import network_samples
 from tactgen.validation.engine.solve import as_json, solve
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.reluctance.switching import MagneticPoint, switching_currents
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: A linear actuator: λ = C i/(g + G0), F = C i²/(2 (g + G0)²); its map is off by this factor.
 C, G0, OFF = 2e-6, 0.1e-3, 1.05

@@ -23,7 +23,7 @@ from tactgen.tmm.ports.multiport import (
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import RESOLUTION, five_port, held_head
 from tactgen.validation.models.transient import phases, run_scene, scene_machine
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 #: Below the peak, where the moment softens the support a little.
 FREQUENCY, VOLTAGE = 380.0, 0.3

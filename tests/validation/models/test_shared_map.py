@@ -16,7 +16,7 @@ from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.model import Stages
 from tactgen.validation.models.reluctance.field import MAP_ORDER
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 SETS = ["models=axisymmetric", "accuracy=10%"]
 

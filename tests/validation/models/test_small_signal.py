@@ -14,7 +14,7 @@ from tactgen.validation.catalogue.quantities import quantities_of
 from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.small_signal import machine_of
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 UP = ("support.kind=contact", "coil.current=0mA", "frequency=10,100,446,800,1000")
 HELD = ("support.kind=contact", "coil.current=50mA", "coil.history=falling", *UP[2:])

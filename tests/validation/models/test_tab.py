@@ -19,7 +19,7 @@ from tactgen.validation.models.difference import (
     clamped,
     row_values,
 )
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def scene(*overrides):

@@ -9,7 +9,7 @@ from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import in_series, respond, round_off
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.cases import exact_beam as reference
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 OF_TIP = ("tip_displacement", "tip_rotation", "input_current")
 

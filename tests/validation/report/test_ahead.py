@@ -8,7 +8,7 @@ import pytest
 
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.contents import work_ahead
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def study(name, *, quick=False):

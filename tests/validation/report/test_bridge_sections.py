@@ -10,7 +10,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.report.page import templates
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.bimorph import bridge_section
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def text(scene, *overrides):

@@ -7,7 +7,7 @@ from tactgen.validation.engine.comparison import compare
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.difference import HEADLINE, causes, chain
 from tactgen.validation.models.model import Modelling, Quantity
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def given(name, model, value, bar=0.0, modelling=None):

@@ -10,7 +10,7 @@ from tactgen.validation.report.page import templates
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.sections.display import _numbers, display_section
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.display import swing, travelling_wave
 from tactgen.validation.show.view import Look, view
 

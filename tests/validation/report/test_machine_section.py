@@ -15,7 +15,7 @@ from tactgen.validation.report.request import check_report
 from tactgen.validation.report.sections import large_motion
 from tactgen.validation.report.sections.contents import sections
 from tactgen.validation.report.sections.generator import MOTIONS, POSITIONS, SUPPORT, _maps_asked
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 FEW = ("models=tmm,network", "frequency=10,100,439,1000")
 ALONE = "quantities=static_tip_displacement"

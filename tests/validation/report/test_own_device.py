@@ -6,7 +6,7 @@ from html import unescape
 import pytest
 
 from tactgen.validation.report.page import write_report
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 OWN = [
     "description=my device", "models=lumped,tmm", "bimorph.length=18mm",

@@ -17,7 +17,7 @@ from tactgen.validation.report import page as report_page
 from tactgen.validation.report import provenance as again
 from tactgen.validation.report import provenance as files
 from tactgen.validation.report.provenance import SUMS, seal
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 ASKED = (
     "models=lumped", "frequency=10 Hz,20 Hz",

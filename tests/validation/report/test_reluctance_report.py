@@ -16,7 +16,7 @@ from tactgen.validation.report.page import write_report
 from tactgen.validation.report.reluctance_data import NormalActuator
 from tactgen.validation.report.report_data import Study
 from tactgen.validation.report.sections.reluctance import _deviations
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.export import scene_solids
 
 NORMAL = ["magnetic_models", "magnetic_field", "characteristics"]
@@ -211,7 +211,7 @@ from tactgen.validation.show import figures
 figures.lay_out = lambda _: None  # slow, of no concern here, as drawing is
 FigureCanvasSVG.print_svg = lambda _, file, **__: file.write("<svg></svg>")
 from tactgen.validation.report.sections.contents import sections
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 for name, models in (("prototype", "lumped,tmm"), ("reluctance", "network")):
     child = os.fork()
     if child:

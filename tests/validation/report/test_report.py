@@ -16,7 +16,7 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph.solid import cells_of, mesh_pair
 from tactgen.validation.report.page import _with_pages, print_report, write_report
 from tactgen.validation.report.sections.bimorph_figures import response_values
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.browser import anchor_pages, find_browser
 from tactgen.validation.studies import parameter_uncertainty as propagation
 

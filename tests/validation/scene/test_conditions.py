@@ -5,7 +5,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.conditions import conditions
 from tactgen.validation.scene.files import NEUTRAL, built_in_texts
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 
 def scene_of(tmp_path, text, *overrides):

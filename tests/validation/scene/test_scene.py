@@ -9,9 +9,10 @@ from tactgen.geometry.device.magnetisation import TEAM20
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.files import NEUTRAL, built_in_scenes, parse_frequencies
-from tactgen.validation.scene.inputs import idle, scene_warnings
-from tactgen.validation.scene.parameter_list import parameter_rows, template
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.parameter_list import parameter_rows
+from tactgen.validation.scene.template import template
+from tactgen.validation.scene.warnings import idle, scene_warnings
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import stage_reads
 from tactgen.validation.scene.inputs import stage_key
+from tactgen.validation.scene.load import checked_scene, load_scene, scene_values
 from tactgen.validation.scene.parameter_list import parameter_rows, ranges
-from tactgen.validation.scene.scene import checked_scene, load_scene, scene_values
 
 
 def test_a_file_and_an_override_state_them(tmp_path):

@@ -3,7 +3,7 @@
 import pytest
 
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.gather import gather
 
 

@@ -10,7 +10,7 @@ from tactgen.fem.piezo import reduction_files as kept_reductions
 from tactgen.geometry.errors import InputError
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.export import export, write_port_files
 from tactgen.validation.show.field_files import STEPS, moving_state, write_fields
 from tactgen.validation.show.gather import gather

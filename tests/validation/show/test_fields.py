@@ -10,7 +10,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.field import at_phase, von_mises
 from tactgen.validation.show.gather import _coupling, default_models, gather, gather_from
 from tactgen.validation.show.solid_fields import Sampler, points_of_regions

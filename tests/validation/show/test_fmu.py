@@ -14,7 +14,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.step import Stepper
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.transient import scene_machine
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.fmu import write_fmu
 
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")

@@ -6,7 +6,7 @@ from scipy.interpolate import BarycentricInterpolator
 
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show import lengths
 from tactgen.validation.show.gather import gather
 from tactgen.validation.show.lengths import _turned_like, carrier, length_range

@@ -13,7 +13,7 @@ from scipy.interpolate import BarycentricInterpolator
 
 from tactgen.geometry.formats import with_error
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.browser import find_browser, run_browser
 from tactgen.validation.show.field import SHADES, at_phase, enlargement, shades_of
 from tactgen.validation.show.gather import gather

@@ -11,7 +11,7 @@ from PIL import Image
 from tactgen.tmm.generator.transient.waveform import Sources, Step
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.transient import run_scene
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show import run as run_motion
 from tactgen.validation.show.browser import find_browser, run_browser
 from tactgen.validation.show.gather import body_of

@@ -14,7 +14,7 @@ from PIL import Image
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show import pictures, stills
 from tactgen.validation.show.display import drawn_parts
 from tactgen.validation.show.export import normal_actuator_solids, scene_solids

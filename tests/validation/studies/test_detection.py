@@ -10,7 +10,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, LITERATURE_BOUND, threshold_of
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import as_json, solve
-from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.scene.load import load_scene, scene_values
 from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdicts
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import run_study

@@ -10,7 +10,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import FILE_KEYS, load_scene
+from tactgen.validation.scene.load import FILE_KEYS, load_scene
 from tactgen.validation.scene.variation import value_of, with_values
 from tactgen.validation.studies.curve_fit import CurveModel
 from tactgen.validation.studies.identify import fit_parameter, identify

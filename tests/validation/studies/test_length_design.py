@@ -8,7 +8,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports import loads as finger
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.variation import value_of, with_values
 from tactgen.validation.studies.design import (
     PAPER_LENGTHS,

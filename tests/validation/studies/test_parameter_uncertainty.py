@@ -8,7 +8,7 @@ from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import PRINTED
 from tactgen.geometry.units import Unit
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.variation import with_values
 from tactgen.validation.studies import parameter_uncertainty as study
 from tactgen.validation.studies.parameter_uncertainty import (

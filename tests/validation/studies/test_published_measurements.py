@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.transient import phases, run_scene
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies import published_measurements as beside
 from tactgen.validation.studies.published_measurements import Figure, Published, Unknown
 

@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.geometry.device.parameters import Coil, Device
 from tactgen.geometry.device.parts import total_height
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies import reconstruction as stated
 from tactgen.validation.studies.reconstruction import (
     _crossing,

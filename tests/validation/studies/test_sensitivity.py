@@ -11,7 +11,7 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine import derivatives as engine
 from tactgen.validation.engine.derivatives import derivatives, extrapolated
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies import sensitivity
 from tactgen.validation.studies.length_map import actuator, tip_slopes
 from tactgen.validation.studies.sensitivity import all_columns, changed_scenes, readable_keys

@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.geometry.units import VOLTAGE
     from tactgen.validation.models.backbone import backbone, check_one_field, held_head
     from tactgen.validation.scene.conditions import conditions
-    from tactgen.validation.scene.inputs import scene_warnings
+    from tactgen.validation.scene.warnings import scene_warnings
 
     scene, origins = lateral_scene(options.scene, options.overrides, "backbone")
     voltages = [abs(scene.drive.voltage)]

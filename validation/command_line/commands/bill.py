@@ -29,7 +29,7 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
     from tactgen.geometry.display.clearances import check_display
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
 
     scene, _ = load_scene(options.scene, options.overrides)
     check_display(scene.device, scene.display)

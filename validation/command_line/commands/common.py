@@ -89,11 +89,11 @@ def lateral_scene(
 ) -> tuple[Scene, dict[str, str]]:
     """Load the scene of a command that is about the lateral actuator, and where values come from.
 
-    Raises InputError as :func:`validation.scene.scene.load_scene`; or if no model of the lateral
+    Raises InputError as :func:`validation.scene.load.load_scene`; or if no model of the lateral
     actuator is asked for.
     """
     from tactgen.validation.catalogue.models import models_of
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
 
     scene, origins = load_scene(name, list(overrides))
     if not set(scene.models) & set(models_of("bimorph")):

@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _search(options: argparse.Namespace) -> int:
     """Search the values of any keys."""
-    from tactgen.validation.scene.scene import scene_values
+    from tactgen.validation.scene.load import scene_values
     from tactgen.validation.studies.whatif.aim_evaluation import named_quantities, parse_aims
     from tactgen.validation.studies.whatif.defaults import chosen
     from tactgen.validation.studies.whatif.definition import Statement
@@ -122,7 +122,7 @@ def _length_design(options: argparse.Namespace) -> int:
     from tactgen.geometry.files import write_text
     from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
     from tactgen.validation.engine.warnings import field_warnings
-    from tactgen.validation.scene.inputs import scene_warnings
+    from tactgen.validation.scene.warnings import scene_warnings
     from tactgen.validation.studies import design_output as output
     from tactgen.validation.studies.design import CURVES, dependences, design
     from tactgen.validation.studies.length_map import length_map

@@ -52,7 +52,7 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
     from tactgen.validation.show.export import export
 
     scene, _ = load_scene(options.scene, options.overrides)

@@ -83,7 +83,7 @@ def _listing() -> tuple[str, str]:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.scene.inputs import scene_warnings
+    from tactgen.validation.scene.warnings import scene_warnings
     from tactgen.validation.show.export import check_place
     from tactgen.validation.studies import identify_output as output
     from tactgen.validation.studies.identify import DEFAULT_FIT, identify

@@ -62,7 +62,7 @@ def _chosen(name: str | None) -> list[Piezo | Shim]:
     from tactgen.geometry.names import nearest
     from tactgen.geometry.units import quoted
     from tactgen.validation.scene.files import built_in_scenes
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
 
     ceramics, shims = tuple(library.LIBRARY), (library.PAPERS, *library.SHIMS)
     if name is None:

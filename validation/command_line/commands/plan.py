@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--zip combines axes, and none is stated; add --vary, or remove it")
     check_seed(options.seed, samples=0)
     from tactgen.validation.engine.solve import make_plan, plan_json, stage_prospects
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
 
     scene, origins = load_scene(options.scene, [*options.overrides, *asked_overrides(options)])
     scene, choice = under_contract(scene, origins)

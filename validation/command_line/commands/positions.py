@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.engine.solve import solve
     from tactgen.validation.models.reluctance.model import MagneticModel, rod_loop
     from tactgen.validation.scene.conditions import answer_head, conditions
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
     from tactgen.validation.show.export import check_place
 
     for option, path, suffix in (("plot", options.plot, ".svg"), ("csv", options.csv, ".csv")):

@@ -48,8 +48,8 @@ def run(options: argparse.Namespace) -> int:
     if options.reproduce is not None:
         return _reproduce(options)
     from tactgen.validation.report.page import print_report, write_report
-    from tactgen.validation.scene.inputs import scene_warnings
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
+    from tactgen.validation.scene.warnings import scene_warnings
     from tactgen.validation.show.browser import need_browser
 
     asked = overrides_of("model", "models", options.model, "tmm")

@@ -78,9 +78,9 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.catalogue.models import models_of
     from tactgen.validation.engine.warnings import request_warnings
     from tactgen.validation.scene.conditions import conditions
-    from tactgen.validation.scene.inputs import scene_warnings
+    from tactgen.validation.scene.load import load_scene
     from tactgen.validation.scene.parameter_list import ranges
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.warnings import scene_warnings
     from tactgen.validation.studies.parameter_uncertainty import left_out, parameter_uncertainty
     from tactgen.validation.studies.sensitivity import all_columns, changed_scenes, thinned
 

@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.models.held_bimorph import run_held
     from tactgen.validation.models.transient import run_scene
     from tactgen.validation.scene.conditions import conditions
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
     from tactgen.validation.studies import simulate as output
     from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed
 

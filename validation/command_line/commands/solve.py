@@ -46,8 +46,8 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.engine.answers import screen_lines, stated_as
     from tactgen.validation.engine.solve import as_json, check_request, solve
     from tactgen.validation.scene.conditions import conditions
-    from tactgen.validation.scene.inputs import scene_warnings
-    from tactgen.validation.scene.scene import ON_COMMAND_LINE, load_scene
+    from tactgen.validation.scene.load import ON_COMMAND_LINE, load_scene
+    from tactgen.validation.scene.warnings import scene_warnings
 
     scene, origins = load_scene(options.scene, [*options.overrides, *asked_overrides(options)])
     warn(scene_warnings(scene, origins))

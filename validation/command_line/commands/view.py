@@ -69,8 +69,8 @@ def run(options: argparse.Namespace) -> int:
     options.scene = PAPER if options.scene is None else options.scene
     _refuse_unused(options)
     from tactgen.validation.scene.conditions import beyond_voltage
-    from tactgen.validation.scene.inputs import scene_warnings
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
+    from tactgen.validation.scene.warnings import scene_warnings
     from tactgen.validation.show.view import Look, harmonic_frequencies, view
 
     asked = [] if options.frequency is None else [f"frequency={options.frequency}"]
@@ -145,7 +145,7 @@ def _lengths(options: argparse.Namespace) -> tuple[float, float] | None:
     """Ends (m) of the slider: lengths that the scene may have."""
     if options.lengths is None:
         return None
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
 
     ends = options.lengths.split(":")
     if len(ends) != 2:

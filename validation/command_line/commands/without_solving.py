@@ -30,7 +30,7 @@ def add_init(commands: Commands) -> None:
 
 
 def _init(options: argparse.Namespace) -> int:
-    from tactgen.validation.scene.parameter_list import write_template
+    from tactgen.validation.scene.template import write_template
 
     print(write_template(Path(options.file)))
     return 0
@@ -107,7 +107,7 @@ def _completion(options: argparse.Namespace) -> int:
     from tactgen.validation.catalogue.models import MODELS
     from tactgen.validation.catalogue.quantities import QUANTITIES
     from tactgen.validation.scene.files import built_in_scenes
-    from tactgen.validation.scene.scene import scene_keys
+    from tactgen.validation.scene.keys import scene_keys
 
     parsers: dict[str, argparse.ArgumentParser] = options.commands.choices
     scenes = " ".join(built_in_scenes())

@@ -17,7 +17,8 @@ from tactgen.tmm.reluctance.flux_ladder import Ladder
 from tactgen.tmm.reluctance.flux_ladder import solve as solve_ladder
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.mesh_levels import cached, counted, degree
-from tactgen.validation.scene.scene import declaration, load_scene, scene_keys
+from tactgen.validation.scene.keys import declaration, scene_keys
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.tolerances import unit_of
 from tactgen.validation.scene.variation import value_of, with_values
 

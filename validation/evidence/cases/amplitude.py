@@ -26,7 +26,7 @@ from tactgen.validation.models.backbone import (
     voltage_for,
 )
 from tactgen.validation.models.model import Estimate
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.published_measurements import PLACE
 
 

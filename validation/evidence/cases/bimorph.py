@@ -15,7 +15,7 @@ from tactgen.validation.evidence.case import Case, Check, Null, case, middle
 from tactgen.validation.evidence.mesh_levels import cached, level
 from tactgen.validation.models.difference import Step, beam_to_solid
 from tactgen.validation.models.model import Estimate
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.published_measurements import (
     FIG_15,
     FIG_17,

@@ -18,7 +18,7 @@ from tactgen.geometry.device.material_library import CERAMICS, LIBRARY
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.case import Case, Check, Null, case, middle
 from tactgen.validation.models.model import Estimate
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.published_measurements import Figure, Published, Unknown, Values
 
 _SAMPLES = 1024

@@ -18,7 +18,8 @@ from tactgen.validation.evidence.mesh_levels import cached
 from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.display import display_ports, with_device
 from tactgen.validation.models.model import Stages
-from tactgen.validation.scene.scene import Scene, load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import with_values
 
 #: Scatter of the length so small that its square does not matter, and the step of a slope.

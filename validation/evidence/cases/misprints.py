@@ -17,7 +17,7 @@ from tactgen.validation.evidence.cases.elastic import THIN, cantilever_plate, fr
 from tactgen.validation.evidence.cases.laminates import pvdf_deflection
 from tactgen.validation.evidence.cases.oscillators import period_of_vm156
 from tactgen.validation.evidence.cases.resonators import CUBE
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 # --- the paper's Appendix A --------------------------------------------------------------------
 

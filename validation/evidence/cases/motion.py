@@ -30,7 +30,8 @@ from tactgen.validation.models.transient import (
     phases,
     run_scene,
 )
-from tactgen.validation.scene.scene import Scene, load_scene
+from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 
 _ONE, _UNIT = np.ones(1), np.eye(1)
 #: Section 2 of the paper: the drives of Fig 16.

@@ -28,7 +28,7 @@ from tactgen.validation.evidence.mesh_levels import cached, intervals, size
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.model import Estimate
 from tactgen.validation.models.small_signal import rod_of
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 
 _AXISYMMETRIC = "model axisymmetric: quadrilaterals of order 4 to 6 in the half section"
 _EDGE = "second-order edge elements and second-order scalar potential on swept tetrahedra"

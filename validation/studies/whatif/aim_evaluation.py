@@ -15,7 +15,7 @@ from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.scene.load import checked_scene
 from tactgen.validation.scene.variation import value_of
 from tactgen.validation.studies.whatif.aims import THRESHOLD, Aim, at_threshold, of_key, parse_aim
 from tactgen.validation.studies.whatif.axes import shown_point

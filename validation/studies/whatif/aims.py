@@ -27,7 +27,7 @@ from tactgen.geometry.units import quoted, unit_registry
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.scene.scene import declaration, is_scene_key, scene_keys
+from tactgen.validation.scene.keys import declaration, is_scene_key, scene_keys
 from tactgen.validation.scene.tolerances import unit_of
 
 #: A scene key with a dot, a layer's size among them.

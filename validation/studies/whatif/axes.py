@@ -23,7 +23,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, WholeNumber, quoted
 from tactgen.validation.scene.files import parse_frequencies, sentence
-from tactgen.validation.scene.scene import check_key, declaration
+from tactgen.validation.scene.keys import check_key, declaration
 from tactgen.validation.scene.tolerances import unit_of
 
 #: Most values of one axis, and most points of one study.

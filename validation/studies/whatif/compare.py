@@ -17,8 +17,9 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering, percent, prefixed, share, with_error
 from tactgen.validation.engine.answers import COLUMNS, NOT_KNOWN, bracketed, quantity_rows
+from tactgen.validation.scene.load import checked_scene, load_scene, scene_values
 from tactgen.validation.scene.parameter_list import parameter_rows
-from tactgen.validation.scene.scene import Scene, checked_scene, load_scene, scene_values
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.figures import BLUE, ORANGE, panels, plain_numbers, svg
 from tactgen.validation.show.page import inline, plain_page, table
 from tactgen.validation.studies.whatif.axes import scene_field, shown_value

@@ -17,8 +17,10 @@ from tactgen.validation.catalogue.models import MODELS, all_given, gives
 from tactgen.validation.catalogue.quantities import OF_CIRCUIT, QUANTITIES, quantities_of
 from tactgen.validation.engine.comparison import Choice, choose
 from tactgen.validation.scene.files import choices
+from tactgen.validation.scene.keys import check_key
+from tactgen.validation.scene.load import checked_scene
 from tactgen.validation.scene.parameter_list import ranges
-from tactgen.validation.scene.scene import Scene, check_key, checked_scene
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import ScenesNearby
 from tactgen.validation.studies.whatif.axes import as_stated, scene_field
 from tactgen.validation.studies.whatif.definition import Statement

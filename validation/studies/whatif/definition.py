@@ -17,7 +17,7 @@ from tactgen.geometry.files import write_text
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.conditions import conditions
 from tactgen.validation.scene.files import NEUTRAL, OF_THE_COIL
-from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.scene.load import checked_scene
 from tactgen.validation.scene.variation import ScenesNearby
 from tactgen.validation.studies.whatif.axes import MOST, Axis, as_stated, parse_axes
 

@@ -29,7 +29,8 @@ from tactgen.validation.engine.surrogate import (
 )
 from tactgen.validation.engine.warnings import number_warnings, request_warnings
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.scene.scene import Scene, read_as
+from tactgen.validation.scene.keys import read_as
+from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import ScenesNearby
 from tactgen.validation.studies.whatif.axes import as_stated, scene_field
 from tactgen.validation.studies.whatif.point_answers import reason

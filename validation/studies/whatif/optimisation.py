@@ -22,7 +22,7 @@ from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import check_models
-from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.scene.load import checked_scene
 from tactgen.validation.scene.variation import value_of
 from tactgen.validation.studies.whatif.aim_evaluation import Judged, judged, margin_in_words
 from tactgen.validation.studies.whatif.aims import Aim

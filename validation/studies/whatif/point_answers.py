@@ -16,7 +16,8 @@ from tactgen.validation.engine.solve import Solution, make_plan, solve
 from tactgen.validation.models.classes import model_class
 from tactgen.validation.scene.files import one_line
 from tactgen.validation.scene.inputs import values_read
-from tactgen.validation.scene.scene import Scene, checked_scene
+from tactgen.validation.scene.load import checked_scene
+from tactgen.validation.scene.scene import Scene
 
 #: Of this process, by model: the last solution, whose stages the next question may take over.
 _earlier: dict[str, Solution] = {}

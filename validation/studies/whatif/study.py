@@ -15,9 +15,9 @@ from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import check_models, make_plan, stage_prospects, total
 from tactgen.validation.engine.surrogate import Ranges, Surrogate
 from tactgen.validation.scene.files import choices
-from tactgen.validation.scene.inputs import idle
-from tactgen.validation.scene.scene import checked_scene
+from tactgen.validation.scene.load import checked_scene
 from tactgen.validation.scene.variation import ScenesNearby
+from tactgen.validation.scene.warnings import idle
 from tactgen.validation.studies.whatif.axes import as_stated, shown_point
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.executor import execute

@@ -105,7 +105,7 @@ def test_lumped_model_of_segments_is_that_of_the_beam():
 def test_error_bar_of_a_taper_covers_it(model):
     """The bar from half as many segments covers the distance to four times as many."""
     from tactgen.validation.engine.solve import solve
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
 
     settings = [
         "bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.1 mm", "support.kind=clamped",
@@ -144,7 +144,7 @@ RUNNING_OUT = ("bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.001 mm",
 def test_natural_frequencies_agree_with_beam_elements(settings):
     """Two models of one theory: all modes and the coupling factor agree within their bars."""
     from tactgen.validation.engine.solve import solve
-    from tactgen.validation.scene.scene import load_scene
+    from tactgen.validation.scene.load import load_scene
 
     scene, _ = load_scene("paper", list(settings))
     names = ("short_circuit_frequencies", "open_circuit_frequencies", "coupling_factor")

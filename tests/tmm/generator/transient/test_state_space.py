@@ -7,7 +7,7 @@ from tactgen.tmm.generator.small_signal import axial_poles
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.small_signal import rod_of
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show import export as machine_state_space
 from tactgen.validation.show.export import scene_state_space
 

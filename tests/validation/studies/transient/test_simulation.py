@@ -37,7 +37,7 @@ from tactgen.validation.models.transient import (
     scene_machine,
     scene_modes,
 )
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.run import PHASES, run_page
 from tactgen.validation.studies.simulate import TITLE, read_film, write_run
 

@@ -10,7 +10,7 @@ from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.models.model import Quantity
-from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.scene.load import scene_values
 from tactgen.validation.studies.whatif.aim_evaluation import (
     Judged,
     Verdict,

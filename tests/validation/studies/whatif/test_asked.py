@@ -10,7 +10,7 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import representative
 from tactgen.validation.engine.solve import check_models, check_on_contact, solve
 from tactgen.validation.scene.files import built_in_scenes
-from tactgen.validation.scene.scene import checked_scene, load_scene, scene_values
+from tactgen.validation.scene.load import checked_scene, load_scene, scene_values
 from tactgen.validation.studies.whatif.defaults import chosen
 from tactgen.validation.studies.whatif.definition import Statement
 

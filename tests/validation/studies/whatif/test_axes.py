@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.scene.load import scene_values
 from tactgen.validation.studies.whatif.axes import parse_axes
 from tactgen.validation.studies.whatif.defaults import with_tolerances
 from tactgen.validation.studies.whatif.definition import Statement

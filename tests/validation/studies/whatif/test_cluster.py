@@ -10,7 +10,7 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
-from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.scene.load import scene_values
 from tactgen.validation.studies.whatif import executor, point_answers
 from tactgen.validation.studies.whatif.definition import Statement, read_statement
 from tactgen.validation.studies.whatif.study import run_study

@@ -11,7 +11,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import COLUMNS
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show import export, pictures
 from tactgen.validation.studies.whatif import compare
 from tactgen.validation.studies.whatif.compare import Comparison, Key, Number, Side, read_sides

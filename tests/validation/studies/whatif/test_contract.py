@@ -11,7 +11,7 @@ from tactgen.validation.command_line.commands import whatif
 from tactgen.validation.engine import comparison as ladders
 from tactgen.validation.engine.comparison import FidelityLevel, choose
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.scene.load import load_scene, scene_values
 from tactgen.validation.studies.whatif.defaults import judged_points, under_contract
 from tactgen.validation.studies.whatif.definition import Statement, read_statement
 

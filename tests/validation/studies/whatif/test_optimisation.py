@@ -11,7 +11,7 @@ from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.validation.command_line import cli
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.scene.scene import load_scene
+from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.whatif import optimisation as points
 from tactgen.validation.studies.whatif.optimisation import Range
 

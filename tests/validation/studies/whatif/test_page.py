@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.validation.engine.answers import representative
-from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.scene.load import scene_values
 from tactgen.validation.studies.whatif import output_files as text_table
 from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdicts
 from tactgen.validation.studies.whatif.definition import Statement

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.scene.load import scene_values
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.output_files import (
     STATISTICS,

@@ -10,7 +10,7 @@ import pytest
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.scene.scene import load_scene, scene_values
+from tactgen.validation.scene.load import load_scene, scene_values
 from tactgen.validation.studies.whatif import executor
 from tactgen.validation.studies.whatif import point_answers as questions
 from tactgen.validation.studies.whatif.definition import Statement, read_statement

@@ -8,7 +8,7 @@ import pytest
 from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph import solid
-from tactgen.validation.scene.scene import scene_values
+from tactgen.validation.scene.load import scene_values
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import plan_study, run_study
 
