@@ -17,7 +17,6 @@ from __future__ import annotations
 
 from tactgen.fem.piezo.bricks import assemble_bricks
 from tactgen.fem.piezo.system import SolidSystem, materials, volts_per_unit
-from tactgen.fem.piezo.tetrahedra import SkfemBody
 from tactgen.geometry.bimorph.bricks import Bricks
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Device
@@ -41,6 +40,8 @@ def assemble(
     """
     if isinstance(mesh, Bricks):
         return assemble_bricks(device, mesh, lossy=lossy, ceramic=ceramic)
+    from tactgen.fem.piezo.tetrahedra import SkfemBody  # of scikit-fem, which bricks do without
+
     known = materials(device, mesh.regions, ceramic or device.piezo.ceramic(), lossy=lossy)
     unit = volts_per_unit(known)
     body = SkfemBody(mesh, known, unit, device.measurement.below_tip)

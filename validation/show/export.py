@@ -15,19 +15,16 @@ from tactgen.geometry.device.parameters import Device, Measurement
 from tactgen.geometry.display.clearances import check_display
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import written_whole
-from tactgen.tmm.generator.transient.machine import MachineStateSpace, machine_state_space
 from tactgen.validation.catalogue.models import models_of
 from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.models.classes import map_of
-from tactgen.validation.models.held_bimorph import check_base_held
 from tactgen.validation.models.model import Stages
-from tactgen.validation.models.small_signal import rod_of
-from tactgen.validation.models.transient import check_in_time, scene_modes
 from tactgen.validation.scene.inputs import stage_key
 from tactgen.validation.scene.scene import Scene
 
 if TYPE_CHECKING:
     from tactgen.fem.piezo.port_model import PortModel
+    from tactgen.tmm.generator.transient.machine import MachineStateSpace
 
 
 def write_port_files(scene: Scene, files: dict[str, Path]) -> None:
@@ -89,6 +86,10 @@ def scene_state_space(scene: Scene) -> MachineStateSpace:
 
     Raises InputError if the rod rests nowhere.
     """
+    from tactgen.tmm.generator.transient.machine import machine_state_space
+    from tactgen.validation.models.small_signal import rod_of
+    from tactgen.validation.models.transient import check_in_time, scene_modes
+
     check_machine(scene, "machine")
     check_in_time(scene, "state space")
     rod = rod_of(scene, map_of(scene))
@@ -154,6 +155,8 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
     if "mesh" in targets and scene.support.kind != "rod":
         _refuse_without_lateral(scene, "to divide into a mesh")
     if "state_space" in targets:
+        from tactgen.validation.models.held_bimorph import check_base_held
+
         check_base_held(scene, "a state space for time simulation")
         if max(scene.frequency) <= 0.0:
             raise InputError(
