@@ -116,7 +116,7 @@ class ModalModel:
     charge: Floats
     #: Charge per voltage where nothing moves (F); 0 of motions across the width, which make none
     capacitance: float
-    #: (6, slices, k + 2) Motions of sections, see :func:`fem.piezo.symmetry.section_motions`
+    #: (6, slices, k + 2) Motions of sections, see :func:`section_motions`
     motions: Floats
     energy: Floats  #: (k + 2, k + 2) Nodal mass, for the share of a class in the energy
     motion: Motion  #: The motions that the solid can make
