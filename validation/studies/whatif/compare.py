@@ -16,7 +16,13 @@ import numpy as np
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering, percent, prefixed, share, with_error
-from tactgen.validation.engine.answers import COLUMNS, NOT_KNOWN, bracketed, quantity_rows
+from tactgen.validation.engine.answers import (
+    COLUMNS,
+    NOT_KNOWN,
+    bracketed,
+    quantity_rows,
+    representative,
+)
 from tactgen.validation.scene.load import checked_scene, load_scene, scene_values
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene
@@ -111,6 +117,11 @@ def _scene(
     numbers, missing = _numbered(
         ((), ["" if cell is None else str(cell) for cell in row]) for row in rows
     )
+    for q in solution.quantities:
+        if q.extreme is not None:
+            peak = Key((), f"{q.name}, {representative(q).what}", q.model, "", "")
+            errors = q.extreme_error, q.extreme_modelling_error
+            numbers[peak] = Number(q.extreme.value, errors[0], q.unit, errors[1])
     return Side(name, _inputs(scene, origins), numbers, missing, scene)
 
 
