@@ -41,7 +41,7 @@ BY_HEART = {
     "kohm": ("ohm", 3), "Mohm": ("ohm", 6), "m/s^2": ("m/s**2", 0), "F": ("F", 0), "uF": ("F", -6),
     "nF": ("F", -9), "pF": ("F", -12), "H": ("H", 0), "mH": ("H", -3), "T": ("T", 0),
     "A/m": ("A/m", 0), "kV/mm": ("V/m", 6), "mm/kV": ("m/V", -6),
-    "C/m^2": ("C/m**2", 0),
+    "C/m^2": ("C/m**2", 0), "V*m/N": ("V*m/N", 0),
 }  # fmt: skip
 
 #: Units that data sheets mean otherwise than they are defined: no picometre is squared.

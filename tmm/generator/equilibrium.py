@@ -402,7 +402,7 @@ def on_contact(ends: Ends, device: Device, beam: Beam, place: RestingPlace) -> E
     law, tilt = stops_of(device).holding(place.lift), resting_tilt(device, place)
     base = _on_board(ends.base, device, place)
     if not tilt:
-        return replace(ends, base=base, across=base)
+        return replace(ends, base=base, across=ends.base)
     contact, guide = rocking_stiffness(device, law, place.contact_force, tilt)
     across = replace(
         base,

@@ -151,8 +151,3 @@ STATED_VOLTAGES: tuple[StatedVoltage, ...] = (
     StatedVoltage((250.0, 250.0), (3.0, 3.0), _MEAN),
     StatedVoltage((250.0, 1000.0), (2.5, 4.0), f"{_MEAN}; varies over this range"),
 )
-
-#: The highest mean of a single subject that the text states.
-HIGHEST_SUBJECT = StatedVoltage(
-    (75.0, 75.0), (22.0, 22.0), "paper section 6, Fig 17 right: largest of all subjects"
-)

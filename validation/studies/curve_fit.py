@@ -286,8 +286,11 @@ class Fit:
         if start.size > 1:
             return start
         near = start * np.geomspace(1.0 / _ALONE_RATIO, _ALONE_RATIO, _BETWEEN)
-        costs = [np.sum(self.residuals(np.array([value])) ** 2) for value in near]
-        return np.array([near[int(np.argmin(costs))]])
+        near = near[(np.abs(near) >= np.abs(self.low)) & (np.abs(near) <= np.abs(self.high))]
+        costs = np.array([np.sum(self.residuals(np.array([value])) ** 2) for value in near])
+        if not np.isfinite(costs).any():
+            return start
+        return near[[int(np.nanargmin(costs))]]
 
     def at_bounds(self, values: Floats, free: list[int]) -> dict[int, str]:
         """Free values at a bound that the data push them against."""
@@ -311,7 +314,9 @@ class Fit:
         ends, opened = [], []
         for edge, bound, direction in (("low", self.low, -1.0), ("high", self.high, 1.0)):
             room = abs(float(np.log(best[index] / bound[index])))
-            distance = self._crossing(best, index, direction, rise, min(step, room), room)
+            distance = None  # at the bound there is no room
+            if room > 0.0:
+                distance = self._crossing(best, index, direction, rise, min(step, room), room)
             if distance is None:
                 opened.append(edge)
                 ends.append(float(bound[index]))

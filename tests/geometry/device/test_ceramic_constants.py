@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tactgen.geometry.device import ceramic_constants
 from tactgen.geometry.device.ceramic_constants import Forms, completed, read_constants
 from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0
@@ -196,3 +197,9 @@ def test_what_a_model_does_not_read_does_not_refuse():
     load_scene("j1", [*film, "piezo.constants=d33 -30 pC/N; d15 0 pC/N", "models=solid"])
     with pytest.raises(InputError, match=r"k31 = 2.15 must be below 1"):
         load_scene("j1", ["piezo.d31=90 pC/N", "piezo.eps33=12", "models=tmm"])
+
+
+@pytest.mark.parametrize("name", ceramic_constants._KINDS)
+def test_every_constant_reads_back_as_it_is_shown(name):
+    unit = ceramic_constants._KINDS[name].unit
+    assert unit.parse(unit.show(0.25)) == pytest.approx(0.25, rel=1e-12)

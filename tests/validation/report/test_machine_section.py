@@ -91,6 +91,17 @@ def test_a_quick_report_says_what_it_leaves_out(up):
     assert "tactgen backbone" in text
 
 
+@pytest.mark.parametrize("tilted", [False, True])
+def test_rod_and_coil_in_small_motions_are_told(up, tilted):
+    """An upright head, whose motions do not meet, and one that its spring tilts."""
+    aside = up.scene.spring.model_copy(update={"eccentricity": 0.2e-3 if tilted else 0.0})
+    of = Study(up.scene.model_copy(update={"spring": aside}), {}, lambda _: None, quick=True)
+    template, shown = templates().get_template("motions.html"), MOTIONS.context(of)
+    text = page_text(template.render(scene=of.scene, **shown))
+    assert not re.search(r"\bnan\b|\bNone\b|Undefined|\binf\b", text)
+    assert ("The head is upright" in text) is not tilted
+
+
 @pytest.fixture(scope="module")
 def narrow():
     """A scene whose curves cost little: a narrow band far below the peak, and its states."""

@@ -153,6 +153,14 @@ def test_one_length_is_found_where_a_sharp_peak_has_left_its_place():
     assert found.estimates[0].value == pytest.approx(13e-3, rel=1e-6)
 
 
+def test_nothing_beyond_the_bounds_is_tried():
+    """Just below the lower one the place of measurement leaves the bimorph."""
+    scene, _ = load_scene("prototype", ["measurement.below_tip=13.9 mm"])
+    curve = synthetic(level=0.0, phase=False, scene=scene)
+    found = identify(scene, curve, ("bimorph.length=14.1mm:14mm..20mm",))
+    assert found.estimates[0].value == pytest.approx(14e-3, rel=1e-2)
+
+
 def test_weights_are_inverse_variances():
     """Noise four times as large where the weight is 1/16: the level is that at the mean weight.
 

@@ -14,7 +14,12 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.generator.contact import contact_of, moving_rod, stops_of
-from tactgen.tmm.generator.equilibrium import RestingPlace, axial_forces, resting_places
+from tactgen.tmm.generator.equilibrium import (
+    RestingPlace,
+    axial_forces,
+    resting_places,
+    resting_tilt,
+)
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import (
     PULL_IN_CURRENT,
@@ -178,6 +183,7 @@ def _motions(study: Study) -> Context | None:
     return {
         "of": scene,
         "linear": linear.fine,
+        "tilt": resting_tilt(scene.device, scene.rest[0]) if scene.rest else 0.0,
         "compared": [_on_map(scene, name) for name in _maps_asked(scene)],
         "poles": {
             supply: measured_poles(_with(scene, supply=supply), linear).listed

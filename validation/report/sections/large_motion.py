@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -31,9 +31,6 @@ from tactgen.validation.scene.variation import is_papers_generator
 from tactgen.validation.show.figures import BLUE, DARK, panels, plain_numbers, shades, svg
 from tactgen.validation.show.page import inline
 from tactgen.validation.show.run import fragment
-
-if TYPE_CHECKING:
-    pass
 
 
 def backbone_plot(found: Backbone) -> str:

@@ -87,7 +87,9 @@ def judged(
 
     If no single model does, the most detailed of each actuator together.
     """
-    known = {m: {q.name: q for q in a.quantities} for m, a in answers.items()}
+    known = {m: {q.name: q for q in a.quantities} for m, a in answers.items() if a.status == "ok"}
+    if not known:
+        return []
     together: dict[str, Any] = {}
     for model in ranked(known):
         together |= known[model]
@@ -144,13 +146,20 @@ def _felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
 def _keys_at(
     statement: Statement, point: Mapping[str, Any], aims: Sequence[Aim]
 ) -> dict[str, Quantity]:
-    """Scene keys that aims name, with their values at a point."""
+    """Scene keys that aims name, with their values at a point.
+
+    Raises InputError for one that has no value of its own in the scene.
+    """
     named = {key for aim in aims for key in aim.keys}
-    scene = checked_scene(statement.scene_at(dict(point))) if named - set(point) else None
-    return {
-        key: of_key(key, float(value_of(scene, key) if scene and key not in point else point[key]))
-        for key in named
-    }
+    values = {key: point[key] for key in named & set(point)}
+    if others := named - set(point):
+        asked = {"models": list(statement.models), "quantities": ["all"]}
+        scene = checked_scene({**statement.scene_at(dict(point)), **asked})
+        values |= {key: value_of(scene, key) for key in others}
+    for key, value in values.items():
+        if value is None:
+            raise InputError(f"an aim names {key}, which follows from other keys here; set {key}")
+    return {key: of_key(key, float(value)) for key, value in values.items()}
 
 
 def pareto(

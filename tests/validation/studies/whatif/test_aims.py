@@ -258,6 +258,19 @@ def test_keys_of_a_scene_are_values_of_a_point():
     assert [aim.unit for aim in aims] == ["m**2", "1"]
 
 
+def test_aims_with_keys_leave_out_what_is_no_scene(capsys):
+    """Refused points are not judged, and tensors of models that are not asked do not matter."""
+    aim = ["--aim", "maximise static_tip_displacement / bimorph.length", "--model", "lumped"]
+    for key, values in (("bimorph.bare_above", "1mm,18mm"), ("piezo.d31", "-180pm/V,-600pm/V")):
+        assert main(["whatif", "prototype", "--vary", f"{key}={values}", *aim]) == 0
+        assert "best by lumped" in capsys.readouterr().out
+    one = ["whatif", "prototype", "--vary", "bimorph.length=1um,20mm", "--model", "lumped"]
+    assert main([*one, "--aim", "minimise bimorph.width"]) == 0
+    assert "length = 0.001 mm" not in capsys.readouterr().out
+    assert main([*one, "--aim", "minimise shim.transverse_modulus"]) == 2
+    assert "set shim.transverse_modulus" in capsys.readouterr().err
+
+
 def test_what_a_verdict_says():
     """In words and as plain values; an interval of the yield only of drawn devices."""
     condition = parse_aim("first(short_circuit_frequencies) > 0.5 kHz")
