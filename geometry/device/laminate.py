@@ -301,6 +301,8 @@ def read_layers(value: Any, info: ValidationInfo) -> Laminate:
 
     Raises ValueError with a sentence that names the remedy.
     """
+    if isinstance(value, str) and not value.strip():
+        raise ValueError(f"is empty; {_REMEDY}, or {NONE} for piezo, shim and piezo")
     found: Laminate = read_list(value, Laminate, Layer, lambda text: _layer(text, info), _REMEDY)
     if len(found) > _MOST:
         raise ValueError(f"has {len(found)} layers; give at most {_MOST}")

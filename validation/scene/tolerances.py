@@ -13,6 +13,7 @@ from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
 
+from tactgen.geometry.device.laminate import single_sizes
 from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.device.parameter_group import Parameters
 from tactgen.geometry.errors import InputError
@@ -161,8 +162,10 @@ def _split(
         layers = "; ".join(layers)
     if isinstance(layers, str):
         del plain["layers"]
-        # a size that a key states has none of the text
-        plain = {**_sizes_apart(layers), **plain}
+        # a size that a key states, alone or with others, has none of the text
+        stated_alone = {single for name in plain for single in single_sizes(name)}
+        apart = _sizes_apart(layers)
+        plain = {**{k: v for k, v in apart.items() if k not in stated_alone}, **plain}
     for name, value in tuple(plain.items()):
         key = f"{prefix}{name}"
         try:

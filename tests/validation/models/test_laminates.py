@@ -304,6 +304,11 @@ def test_a_size_that_cannot_be_is_refused(layers, override, words):
         load_scene("prototype", [f"bimorph.layers={layers}", f"bimorph.{override}"])
 
 
+def test_an_empty_list_is_no_bimorph_of_three_layers():
+    with pytest.raises(InputError, match=r"bimorph\.layers = .* is empty; write"):
+        scene("")
+
+
 def test_what_a_list_cannot_be_combined_with_is_refused():
     """A rod, unequal layers in series, lengths without a layer."""
     series = {"wiring": "series"}

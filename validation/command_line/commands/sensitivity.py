@@ -139,17 +139,22 @@ def _models(options: argparse.Namespace, scene: Scene, names: Sequence[str]) -> 
 def _quantities(options: argparse.Namespace, scene: Scene) -> tuple[str, ...]:
     """Quantities of the request: without --quantity the headline numbers of the models."""
     from tactgen.validation.catalogue.models import gives, models_of
-    from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
+    from tactgen.validation.catalogue.quantities import OF_CIRCUIT, QUANTITIES, quantities_of
 
     if options.quantity:
         return scene.quantities
+    # what a circuit is there for, in place of the motion under a voltage that nothing gives
+    other = [name for name in _LATERAL if not name.endswith("tip_displacement")]
+    lateral: tuple[str, ...] = _LATERAL
+    if scene.circuit.kind in OF_CIRCUIT:
+        lateral = (*other, *OF_CIRCUIT[scene.circuit.kind])
     normal = tuple(
         name for name in quantities_of("reluctance")
         if QUANTITIES[name].headline and "magnetic_point" in QUANTITIES[name].needs
     )  # fmt: skip
     if not options.model:
-        return _LATERAL if set(scene.models) & set(models_of("bimorph")) else normal
-    return tuple(q for q in (*_LATERAL, *normal) if any(gives(m, q) for m in options.model))
+        return lateral if set(scene.models) & set(models_of("bimorph")) else normal
+    return tuple(q for q in (*lateral, *normal) if any(gives(m, q) for m in options.model))
 
 
 def _as_json(

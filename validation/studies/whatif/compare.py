@@ -392,8 +392,9 @@ def write_page(folder: Path, of: Comparison) -> Path:
     rows = [d.cells for d in of.answers]
     parts.append(table(ANSWERS, rows) if rows else f"<p>{NOTHING_SHARED}.</p>")
     parts.append(
-        "<p>A change is covered if it is no larger than both error bars together. The bars are "
-        "numerical: how far a number is from the same model solved exactly.</p>"
+        "<p>A change is covered if it is no larger than both error bars together. These are "
+        "numerical, how far a number is from the same model solved exactly; in brackets stands the "
+        "modelling error, how far it may be from the most detailed model.</p>"
     )
     picture = _curves(of.sides)
     if picture:

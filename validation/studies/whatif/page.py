@@ -50,8 +50,9 @@ def write_page(folder: Path, study: Study, found: Sequence[Verdict] | None = Non
     parts += ["<h2>Points</h2>", table(heads, rows)]
     shown = f"{left_out}. " if left_out else ""
     parts.append(
-        f"<p>{shown}The bars are numerical: how far a number is from the same model solved "
-        "exactly. All numbers are in study.csv and study.nc.</p>"
+        f"<p>{shown}Bars are numerical: how far a number is from the same model solved exactly. In "
+        "brackets stands how far it may be from the most detailed model. All numbers are in "
+        "study.csv and study.nc.</p>"
     )
     return write_text(folder / FILE, plain_page(f"What if: {stated.scene}", parts))
 
