@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Bools, Floats
 from tactgen.validation.catalogue.quantities import QUANTITIES, QuantityRow
 from tactgen.validation.engine.readout import read
 from tactgen.validation.models.bimorph.model import BimorphModel
@@ -23,7 +23,9 @@ _SWEEP = 8
 #: Trial frequencies over the band, at least.
 _TRIALS = 400
 #: Rounds of the search, frequencies of a round, and how much narrower the next one is.
-_ROUNDS, _OF_A_ROUND, _NARROWER = 3, 65, 32.0
+_ROUNDS, _OF_A_ROUND, _NARROWER = 4, 65, 32.0
+#: Tops that are followed in after the first round, the highest.
+_FOLLOWED = 8
 #: How far two models' resonances may be apart, relative: half the width of a coarse grid's step.
 _AROUND = 0.2
 
@@ -74,13 +76,18 @@ def _top(
     else:
         centre, reach = np.array([around]), np.array([_AROUND * around])
     best = float(centre[0]) if centre.size else None
-    for _ in range(_ROUNDS if centre.size else 0):
+    for number in range(_ROUNDS):
+        if not centre.size:
+            break
         near = centre[:, None] + reach[:, None] * np.linspace(-1.0, 1.0, _OF_A_ROUND)
         near = np.clip(near, asked[0], asked[-1])
         levels = level(near)
-        centre = near[np.arange(centre.size), levels.argmax(axis=1)]
-        reach = reach / _NARROWER
-        best = float(centre[levels.max(axis=1).argmax()])
+        best = float(near.flat[levels.argmax()])
+        # at first all tops, as those of short and open electrodes may lie close together
+        tops = _is_top(levels) if number == 0 else levels == levels.max(axis=1, keepdims=True)
+        highest = np.argsort(levels[tops])[: -_FOLLOWED - 1 : -1]
+        centre = near[tops][highest]
+        reach = (np.broadcast_to(reach[:, None], near.shape)[tops] / _NARROWER)[highest]
     return best
 
 
@@ -90,7 +97,13 @@ def _tops(asked: Floats, level: Callable[[Floats], Floats]) -> tuple[Floats, Flo
     places = np.arange(parts * (asked.size - 1) + 1) / parts
     trials = np.interp(places, np.arange(asked.size), asked)
     found = level(trials)
-    rises = np.concatenate([[True], found[1:] > found[:-1]])
-    falls = np.concatenate([found[:-1] >= found[1:], [True]])
-    tops = np.flatnonzero(rises & falls & np.isfinite(found))
-    return trials[tops], np.gradient(trials)[tops]
+    tops = _is_top(found)
+    return trials[tops], 2.0 * np.gradient(trials)[tops]
+
+
+def _is_top(levels: Floats) -> Bools:
+    """Whether each of levels (..., n) is no lower than its neighbours, and finite."""
+    ends = np.full((*levels.shape[:-1], 1), True)
+    rises = np.concatenate([ends, levels[..., 1:] > levels[..., :-1]], axis=-1)
+    falls = np.concatenate([levels[..., :-1] >= levels[..., 1:], ends], axis=-1)
+    return np.asarray(rises & falls & np.isfinite(levels))

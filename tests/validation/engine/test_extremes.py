@@ -32,6 +32,19 @@ def test_peak_equals_the_largest_value_of_a_dense_sweep(name, quality):
     assert peak.value >= 1.01 * np.abs(answer(name, "tmm", override).value).max()
 
 
+def test_the_higher_of_two_peaks_between_two_frequencies():
+    """A harvester's best power at its shorted resonance and, 0.7 % above, at its open one."""
+    layers = "PZT-5A 0.26 mm to 25 mm +x; brass 0.2 mm; PZT-5A 0.26 mm to 25 mm +x"
+    stated = ["bimorph.length=60 mm", "bimorph.width=10 mm", f"bimorph.layers={layers}",
+              "support.kind=clamped", "load.kind=mass", "load.mass=2 g", "circuit.kind=load",
+              "circuit.resistance=35 kohm", "drive.base_acceleration=0.05 g"]  # fmt: skip
+    coarse, fine = (
+        answer("optimum_power", "tmm", *stated, f"frequency={grid}").extreme
+        for grid in ("1:1000:20", "22.5:23.1:61")
+    )
+    assert coarse.value == pytest.approx(fine.value, rel=1e-6)
+
+
 def test_voltage_limit_is_the_least_over_the_band():
     """At that voltage the stress at resonance is the ceramic's strength."""
     weak = "limits.ceramic_strength=1MPa"
