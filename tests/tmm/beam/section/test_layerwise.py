@@ -14,7 +14,11 @@ from tactgen.tmm.beam.layerwise import layerwise_beam, layerwise_change
 from tactgen.tmm.beam.sections import section
 from tactgen.validation.scene.load import load_scene
 
-LISTS = ("", "brass 0.2 mm; glue 0.02 mm; PZT-5A 0.3 mm +x", "PZT-5A 0.1 mm +x; PZT-5A 0.3 mm -x")
+LISTS = (
+    "none",
+    "brass 0.2 mm; glue 0.02 mm; PZT-5A 0.3 mm +x",
+    "PZT-5A 0.1 mm +x; PZT-5A 0.3 mm -x",
+)
 
 
 @pytest.mark.parametrize("layers", LISTS)
