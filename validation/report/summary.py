@@ -152,9 +152,14 @@ def _doubts(study: Study) -> Iterator[str]:
     for row in study.compared:
         for cell in row.cells:
             if cell.verdict == "differs":
+                other = row.most_detailed.model
+                same = MODELS[cell.model].theory == MODELS[other].theory
                 yield (
-                    f"The models {cell.model} and {row.most_detailed.model} solve the same "
-                    f"equations, but their errors do not cover the difference in {row.info.label}."
+                    f"The models {cell.model} and {other} solve the same equations, but their "
+                    f"errors do not cover the difference in {row.info.label}."
+                    if same
+                    else f"The difference of {cell.model} from {other} in {row.info.label} is "
+                    "larger than its modelling error."
                 )
     for actuator, detailed in (("bimorph", "solid"), ("reluctance", "axisymmetric")):
         estimated = [
