@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 from functools import partial
@@ -210,6 +211,21 @@ def cantilever_plate() -> Floats:
     return 2.0 * np.pi * natural_frequencies(box, 6) / THIN
 
 
+def _mindlin(m: int, n: int) -> float:
+    """Frequency (Hz) of the simply supported plate with m and n half waves.
+
+    The lower root of (S k² − M ω²)(D k² + S − J ω²) = (S k)², κ = 5/(6 − ν) in the shear stiffness.
+    """
+    h, nu, square = 0.05, 0.3, (m**2 + n**2) * (math.pi / 10.0) ** 2
+    bending = 200e9 * h**3 / (12.0 * (1.0 - nu**2))
+    shear = 5.0 / (6.0 - nu) * 200e9 / (2.0 * (1.0 + nu)) * h
+    mass, turning = 8000.0 * h, 8000.0 * h**3 / 12.0
+    b = shear * square * turning + mass * (bending * square + shear)
+    c = shear * bending * square**2
+    omega = math.sqrt(2.0 * c / (b + math.sqrt(b**2 - 4.0 * mass * turning * c)))
+    return omega / (2.0 * math.pi)
+
+
 #: Pressure (Pa), loss factor and frequency (Hz) of test 13H.
 _PRESSURE, _LOSS, _DRIVEN_AT = 100.0, 0.04, 2.377
 
@@ -224,18 +240,25 @@ def _peak() -> float:
     return abs(harmonic(quarter, _DRIVEN_AT).mean("x", x=0.0, y=5.0, z=5.0))
 
 
+def _thin_peak() -> float:
+    """Thin plate's: the sum over its modes of odd m and n half waves."""
+    omega2, total = (2.0 * math.pi * _DRIVEN_AT) ** 2, 0j
+    for m, n in itertools.product(range(1, 60, 2), repeat=2):
+        own = (THIN * math.pi**2 * (m**2 + n**2)) ** 2 * (1.0 + 1j * _LOSS)
+        sign = (-1) ** ((m + n) // 2 - 1)
+        force = 16.0 * _PRESSURE / (math.pi**2 * m * n * _DENSITY * _HEIGHT)
+        total += sign * force / (own - omega2)
+    return abs(total)
+
+
 PLATES: tuple[Case, ...] = (
     case(
         "P13H", "Thin plate, simply supported (NAFEMS test 13H)",
         "10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, hard simple supports.",
         [
             Check(f"Frequency {at} is Mindlin's with {m} and {n} half waves.",
-                   value, "Hz", nth(_supported, at - 1))
-            for at, m, n, value in (
-                (1, 1, 1, 2.3765149527861325), (2, 1, 2, 5.940507660978295),
-                (4, 2, 2, 9.503565312581669), (5, 1, 3, 11.878417942201748),
-                (7, 2, 3, 15.43991868554664),
-            )
+                   _mindlin(m, n), "Hz", nth(_supported, at - 1))
+            for at, m, n in ((1, 1, 1), (2, 1, 2), (4, 2, 2), (5, 1, 3), (7, 2, 3))
         ],
         model=_BRICKS + ", 2 x 2 of degree 8, one of degree 3 through the thickness",
         source="R. D. Mindlin's plate in closed form, κ = 5/(6 − ν); thin-plate theory, as NAFEMS "
@@ -248,7 +271,7 @@ PLATES: tuple[Case, ...] = (
         "P13HD", "Thin plate, simply supported, driven in resonance (NAFEMS test 13H)",
         "The plate of case P13H, 10 x 10 x 0.05 m, E = 200 GPa, ν = 0.3, 8000 kg/m³, 2 % of "
         "critical damping, 100 Pa on one face at 2.377 Hz: amplitude of its middle.",
-        [Check("The middle's amplitude is that of the sum.", 0.04543189005679072, "m", _peak)],
+        [Check("The middle's amplitude is that of the sum.", _thin_peak(), "m", _peak)],
         model=_BRICKS + ", a quarter, one of degree 6, of degree 2 through the thickness",
         source="sum over the thin plate's modes; NAFEMS R0016, test 13H, prints 45.42 mm",
         tolerance=5e-4,

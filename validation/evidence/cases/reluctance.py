@@ -43,16 +43,21 @@ def _coils_force_by_stress() -> float:
     return eggshell_force(field, Eggshell(field.discretisation).weight(field.discretisation))
 
 
+#: Force (N) between the two coils by the derivative of their mutual inductance.
+_COILS_FORCE = math.prod(coils.CURRENTS) * coils.between_windings(
+    coils.LOW, coils.HIGH, coils.mutual_inductance_slope
+)
+
 _COILS = case(
     "COI", "Two coaxial ring coils in air",
     "Mutual inductance and axial force of two coils of rectangular section on one axis, no iron.",
     [
         Check("Two coaxial ring coils in air have Maxwell's mutual inductance.",
-              1.6463772056050563e-4, "H",
+              coils.between_windings(coils.LOW, coils.HIGH, coils.mutual_inductance), "H",
               lambda: float(coils.solved().incremental_inductance[0, 1])),
         Check("The axial force between them, by virtual work, is the derivative of that.",
-              -3.829353438769843e-2, "N", lambda: virtual_work_force(coils.solved())),
-        Check("So is the force by the stress in the air.", -3.829353438769843e-2, "N",
+              _COILS_FORCE, "N", lambda: virtual_work_force(coils.solved())),
+        Check("So is the force by the stress in the air.", _COILS_FORCE, "N",
               _coils_force_by_stress),
     ],
     model=_AXISYMMETRIC,
