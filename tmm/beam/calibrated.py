@@ -120,7 +120,7 @@ class SectionFactors:
     errors: Floats  #: (7,) Relative errors of :data:`ERRORS`
     #: How many of the first five modes surely bend along the length, none across the width
     lengthwise: int
-    damping_error: float  #: Relative error of the loss factor in motion, see :data:`DAMPING`
+    damping_error: float  #: Relative error of the loss factor of one section, see :data:`DAMPING`
     beyond: tuple[str, ...]  #: Groups outside the range of the fit, which their limit stands for
 
     def of_beam(self, frequency: Floats) -> Floats:
@@ -309,7 +309,7 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
         root=float(root), root_coupling=float(root_coupling), root_length=near,
         knots=theory.frequencies, ratios=np.exp(theory.ratios + np.pad(further, (0, 2), "edge")),
         errors=widened * errors,
-        lengthwise=lengthwise_modes(simple), damping_error=min(damping, _LOST),
+        lengthwise=lengthwise_modes(simple), damping_error=damping,
         beyond=beyond,
     )  # fmt: skip
 
@@ -474,6 +474,25 @@ def _part(device: Device, piece: Piece) -> Device:
             for n in listed_at(piece, listed)
         )
     return device.model_copy(update={"bimorph": own.model_copy(update={"layers": layers})})
+
+
+def loss_error(row: Sequence[Element], factors: SectionFactors) -> float:
+    """Relative error of the loss factor in motion of a row with losses.
+
+    Beside that of one section: the error of the compliance, if the energy that it stands for were
+    in the piece whose loss factor is the farthest from the mean.  Energy is as under a force on
+    the tip.
+    """
+    stored, lost, factor = 0.0, 0.0, []
+    above = sum(length for _, length in row)
+    for element, length in row:
+        assert isinstance(element, Section)
+        flexible, above = (above**3 - (above - length) ** 3) / element.EI, above - length
+        stored, lost = stored + flexible.real, lost - flexible.imag
+        factor.append(-flexible.imag / flexible.real)
+    mean = lost / stored
+    apart = max(abs(of / mean - 1.0) for of in factor) if mean else 0.0
+    return min(factors.damping_error + float(factors.errors[0]) * apart, _LOST)
 
 
 def _stiffened(device: Device, step: float) -> Device:

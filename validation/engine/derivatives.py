@@ -14,7 +14,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.errors import InputError
-from tactgen.validation.engine.solve import solve
+from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.variation import value_of
@@ -56,10 +56,12 @@ def derivatives(
 ) -> list[Derivatives]:
     """Quantities by a model, each with its derivatives by `keys`.
 
+    Behind one that has a largest or least value between its frequencies that value follows.
+
     Raises InputError if the model cannot take the scene, or one next to it.
     """
     base = solve(scene, (model,), quantities, announce)
-    start = [base.get(name, model) for name in quantities]
+    start = _with_extremes(base, model, quantities)
     slopes: list[dict[str, Numbers]] = [{} for _ in start]
     bars: list[dict[str, Floats]] = [{} for _ in start]
     exact = not any(np.any(q.error > _EXACT * np.abs(q.value)) for q in start)
@@ -68,30 +70,32 @@ def derivatives(
         announce(f"{model}: derivative {number + 1} of {len(keys)}, {key}")
         value = float(value_of(scene, key))
         distance = within(changed, key, value, far * abs(value))
+        scenes = (changed(key, value + place * distance) for place in PLACES)
         near = [
-            solve(
-                changed(key, value + place * distance),
-                (model,),
-                quantities,
-                reuse=base,
-                modelling=False,
+            _with_extremes(
+                solve(there, (model,), quantities, reuse=base, modelling=False), model, quantities
             )
-            for place in PLACES
+            for there in scenes
         ]
         for n, q in enumerate(start):
-            others = [solution.get(q.name, model) for solution in near]
-            if any(other.value.shape != q.value.shape for other in others):
+            others = [found[n].value if n < len(found) else np.empty(0) for found in near]
+            if any(other.shape != q.value.shape for other in others):
                 raise InputError(
                     f"--key {key} changes how many values {q.name} has by {model} next to the "
                     "scene; leave the key out, or the quantity"
                 )
-            values = np.array([q.value, *(other.value for other in others)])
+            values = np.array([q.value, *others])
             slopes[n][key], bars[n][key] = extrapolated(values, q.error, distance)
     method = (
         f"central differences at up to {100 * far:g} and {50 * far:g} %, extrapolated; the bar "
         "holds the truncation, the scatter of the values and the relative error of the value"
     )
     return [Derivatives(q, s, b, method) for q, s, b in zip(start, slopes, bars, strict=True)]
+
+
+def _with_extremes(found: Solution, model: str, names: Sequence[str]) -> list[Quantity]:
+    quantities = [found.get(name, model) for name in names]
+    return [of for q in quantities for of in ((q, q.alone_at_extreme) if q.extreme else (q,))]
 
 
 def extrapolated(values: Numbers, error: Floats, distance: float) -> tuple[Numbers, Floats]:

@@ -235,6 +235,8 @@ PARTS: dict[str, PartRow] = {
                        "coverage_bimorph.judge_surrogate"),
     "calibrated": PartRow(40, "modelling errors of the transfer matrix against bricks",
                           "coverage_bimorph.judge_calibrated"),
+    "harvester": PartRow(16, "modelling errors of a harvester's peaks against bricks",
+                         "coverage_bimorph.judge_harvester"),
     "network": PartRow(60, "modelling errors of the network against the magnetic field",
                        "coverage_actuator.judge_network"),
     "axisymmetric": PartRow(20, "the magnetic field against a finer grid, higher order and farther "

@@ -39,6 +39,7 @@ from tactgen.validation.evidence.random_devices import (
     solid_bimorph,
     sprung,
     tapered_bimorph,
+    unusual_bimorph,
 )
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.scene import Scene
@@ -263,6 +264,41 @@ def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
         )  # fmt: skip
         judged_here = relative(" ".join(overrides), name, value, error, right[:count])
         answers += [one for one in judged_here if np.isfinite(one.bar)]
+    return answers
+
+
+#: Peaks of a harvester; resistance per impedance of its capacitance; losses of its elastic layers.
+_OF_HARVESTER = ("tip_displacement", "electrode_voltage", "circuit_power")
+_RESISTANCE, _LOSSES = (0.03, 30.0), (0.0, 0.002, 0.01, 0.03)
+
+
+def judge_harvester(rng: np.random.Generator) -> list[Judged]:
+    """Modelling errors of what a harvester of patches or with a bare end gives at resonance."""
+    fresh = np.random.default_rng(int(rng.integers(2**62)))
+    what = str(fresh.choice(["patch", "tip extension"]))
+    plain = (clamped_laminate if what == "patch" else clamped_bimorph)(fresh)
+    overrides = [*unusual_bimorph(fresh, plain, what), f"shim.loss_factor={fresh.choice(_LOSSES)}"]
+    scene, _ = load_scene("prototype", overrides)
+    mass = laminate(scene.device).m * scene.bimorph.length * between(fresh, *_TIP_MASS)
+    overrides = [*(one for one in overrides if not one.startswith("load.")), "load.kind=mass",
+                 f"load.mass={1e6 * mass:.5g}mg"]  # fmt: skip
+    scene, _ = load_scene("prototype", overrides)
+    modes, capacitance = solve(scene, ["tmm"], [_SHORT, "capacitance_free"]).quantities
+    first = float(modes.value[0])
+    impedance = 1.0 / (2.0 * np.pi * first * float(capacitance.value))
+    scene, _ = load_scene("prototype", [
+        *overrides, "drive.voltage=0V", "drive.base_acceleration=0.05g", "circuit.kind=load",
+        f"circuit.resistance={impedance * between(fresh, *_RESISTANCE):.5g}ohm",
+        f"frequency={0.7 * first:.6g}:{1.4 * first:.6g}:21", "mesh.level=2",
+    ])  # fmt: skip
+    found = solve(scene, ["tmm", "solid"], _OF_HARVESTER)
+    answers = []
+    for name in _OF_HARVESTER:
+        beam, peak = found.get(name, "tmm"), found.get(name, "solid").extreme
+        assert beam.extreme is not None
+        assert peak is not None
+        bar = beam.extreme_modelling_error
+        answers += relative(" ".join(overrides), name, beam.extreme.value, bar, peak.value)
     return answers
 
 

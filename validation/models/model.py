@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
@@ -101,6 +101,20 @@ class Quantity(Estimate):
         if self.extreme is None or self._of_most_detailed:
             return 0.0
         return abs(self.extreme.value - self.extreme.expected) + self.extreme.expected_error
+
+    @property
+    def alone_at_extreme(self) -> Quantity:
+        """Largest or least value of a sweep as a number of its own."""
+        assert self.extreme is not None
+        value, modelling = self.extreme.value, self.modelling
+        if modelling is not None:
+            modelling = replace(
+                modelling, expected=self.extreme.expected, error=self.extreme.expected_error
+            )
+        return replace(
+            self, value=np.asarray(value), error=np.asarray(self.extreme.error), frequency=None,
+            modelling=modelling,
+        )  # fmt: skip
 
     @property
     def _of_most_detailed(self) -> bool:

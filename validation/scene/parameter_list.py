@@ -72,7 +72,7 @@ def _rows(
             continue
         source = source_of.get(name, "")
         changed = default is None or getattr(default, name) != value
-        if key in origins and (changed or not source or not _is_built_in(origins[key])):
+        if key in origins and (changed or not source or not is_built_in(origins[key])):
             source = origins[key]
         if isinstance(value, Laminate):
             words = {of.removeprefix(prefix): stated.words for of, stated in tolerances.items()}
@@ -83,7 +83,7 @@ def _rows(
         yield ParameterRow(key, text, info.description or "", source, written)
 
 
-def _is_built_in(origin: str) -> bool:
+def is_built_in(origin: str) -> bool:
     """Whether a built-in scene states a value, and neither a file nor the command line."""
     return origin.startswith("scene ") and not origin.startswith("scene file ")
 

@@ -21,6 +21,7 @@ from tactgen.validation.engine.answers import modelling_at
 from tactgen.validation.engine.derivatives import NEAREST, Changed, Derivatives, derivatives, misfit
 from tactgen.validation.engine.solve import check_models, check_request
 from tactgen.validation.engine.warnings import check_held
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.inputs import keys_read
 from tactgen.validation.scene.keys import check_key, number_keys, read_as
 from tactgen.validation.scene.load import scene_values
@@ -41,6 +42,7 @@ class SensitivityColumn:
     quantity: str
     unit: str
     frequency: float | None  #: In Hz, for quantities that depend on it
+    extreme: str  #: "largest" or "least" over the band, for what is that
     value: float
     derivatives: dict[str, float]  #: dq/dp in SI units by scene key
     #: d ln q / d ln p by scene key, and its error
@@ -57,7 +59,7 @@ class SensitivityColumn:
         """Heading for people, a word per line."""
         name = self.quantity.replace("_", "\n")
         if self.frequency is not None:
-            return f"{name}\n{self.frequency:g} Hz"
+            return f"{name}\n{self.extreme} {self.frequency:.4g} Hz".replace("\n ", "\n")
         return name.replace("frequencies", "frequency 1")
 
     @property
@@ -114,7 +116,7 @@ def all_columns(
 def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
     """One column for each frequency; of other lists the first value."""
     q = result.quantity
-    values = np.atleast_1d(q.value)
+    values, peak = np.atleast_1d(q.value), q.frequency is None and q.extreme is not None
     if not np.isfinite(values).any():
         raise InputError(
             f"{q.name} has no value by {q.model} in this scene; check piezo.d31, drive.voltage and "
@@ -142,7 +144,8 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
             SensitivityColumn(
                 quantity=q.name,
                 unit=QUANTITIES[q.name].unit,
-                frequency=None if q.frequency is None else float(q.frequency[i]),
+                frequency=_frequency(q, i),
+                extreme=("least" if QUANTITIES[q.name].is_limit else "largest") if peak else "",
                 value=value,
                 derivatives=slopes,
                 logarithmic={key: slope * scales[key] for key, slope in slopes.items()},
@@ -154,6 +157,13 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
             )
         )
     return columns
+
+
+def _frequency(q: Quantity, i: int) -> float | None:
+    """Frequency (Hz) of a value, or at which it is largest or least."""
+    if q.frequency is not None:
+        return float(q.frequency[i])
+    return q.extreme.frequency if q.extreme is not None else None
 
 
 def readable_keys(
@@ -217,15 +227,20 @@ def _reads(scene: Scene, model: str, key: str) -> bool:
 
 
 def thinned(columns: Sequence[SensitivityColumn]) -> list[SensitivityColumn]:
-    """As many columns as people can read: of each quantity a few of its frequencies."""
+    """As many columns as people can read: of each quantity its extreme and a few frequencies."""
     if len(columns) <= _SHOWN:
         return list(columns)
     names = dict.fromkeys(c.quantity for c in columns)
     groups = [[c for c in columns if c.quantity == name] for name in names]
     single = sum(len(group) == 1 for group in groups)
     each = max(1, (_SHOWN - single) // max(1, len(groups) - single))
-    return [
-        group[i]
-        for group in groups
-        for i in np.unique(np.linspace(0, len(group) - 1, min(len(group), each)).astype(int))
-    ]
+    return [column for group in groups for column in _a_few(group, each)]
+
+
+def _a_few(columns: Sequence[SensitivityColumn], count: int) -> list[SensitivityColumn]:
+    """So many of one quantity's columns, its extreme last."""
+    extreme = [c for c in columns if c.extreme]
+    others = [c for c in columns if not c.extreme]
+    wanted = min(len(others), count - len(extreme))
+    places = np.unique(np.linspace(0, len(others) - 1, wanted).astype(int))
+    return [*(others[i] for i in places), *extreme]

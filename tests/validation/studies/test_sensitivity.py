@@ -71,6 +71,28 @@ def test_exact_laws_within_the_bars():
     assert abs(densities + 0.5) <= mode.bars["piezo.density"] + mode.bars["shim.density"]
 
 
+def test_peaks_of_a_sweep_have_sensitivities_of_their_own():
+    """Mean power goes as the base's acceleration squared, the frequency stays; as two peaks say."""
+    sets = ["support.kind=clamped", "load.kind=none", "drive.voltage=0 V", "circuit.kind=load",
+            "circuit.resistance=20 kohm", "frequency=1700:2600:9"]  # fmt: skip
+    keys, moved = ["drive.base_acceleration", "bimorph.length"], "bimorph.length={} mm"
+    *at, peak = columns(
+        "prototype", "circuit_power", *sets, "drive.base_acceleration=1 g", keys=keys
+    )
+    assert (peak.extreme, {column.extreme for column in at}) == ("largest", {""})
+    assert peak.label.endswith(f"largest {peak.frequency:.4g} Hz")
+    assert peak.value > max(column.value for column in at)
+    assert peak.logarithmic[keys[0]] == pytest.approx(2.0, abs=1e-6)
+    length = load_scene("prototype")[0].bimorph.length
+    less, more = (
+        solve(load_scene("prototype", [*sets, "drive.base_acceleration=1 g",
+              moved.format(1e3 * length * by)])[0], ("tmm",), ("circuit_power",)).quantities[0]
+        for by in (0.999, 1.001)
+    )  # fmt: skip
+    slope = np.log(more.extreme.value / less.extreme.value) / np.log(1.001 / 0.999)
+    assert peak.logarithmic[keys[1]] == pytest.approx(slope, rel=1e-4)  # its truncation: 1e-6
+
+
 def test_threshold_voltage_falls_as_the_displacement_rises():
     """Columns only where the threshold is stated, up to 1 kHz."""
     keys = ["bimorph.length", "piezo.d31"]
@@ -118,7 +140,9 @@ def test_a_key_that_changes_how_many_values_there_are_is_refused(monkeypatch):
     scene, _ = load_scene("paper", [])
 
     def solved(count):
-        answer = SimpleNamespace(name="f", value=np.ones(count), error=np.zeros(count))
+        answer = SimpleNamespace(
+            name="f", value=np.ones(count), error=np.zeros(count), extreme=None
+        )
         return SimpleNamespace(get=lambda *_: answer)
 
     counts = iter([2, 2, 2, 2, 3])
@@ -203,10 +227,10 @@ def test_tables_for_people_and_json(capsys):
     assert max(map(len, out.splitlines())) < 160
     assert "1000 Hz" in out
     assert "modelling" in out
-    assert "8 of 21 columns are shown" in err
+    assert "8 of 22 columns are shown" in err
     assert main([*arguments, "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    assert len(found["sensitivities"]) == 21
+    assert len(found["sensitivities"]) == 22
     assert all(column["modelling_error"] > 0.0 for column in found["sensitivities"])
     last, key = found["sensitivities"][-1], "piezo.density"
     assert last["derivatives"][key] * 7900.0 / last["value"] == pytest.approx(

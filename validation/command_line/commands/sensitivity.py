@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from tactgen.validation.studies.sensitivity import SensitivityColumn
 
 
-#: Of responses, unless --frequency says otherwise (Hz).
+#: Of responses, unless --frequency or the user's own scene says otherwise (Hz).
 _FREQUENCIES = "10,100,250"
 #: Headline numbers of the lateral actuator.
 _LATERAL = (
@@ -56,7 +56,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--frequency",
         metavar="LIST|START:STOP:N[:log]",
-        help="frequencies in Hz (default 10,100,250)",
+        help="frequencies in Hz (default: the scene's, of built-in scenes 10,100,250)",
     )
     parser.add_argument(
         "--key",
@@ -79,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.engine.warnings import request_warnings
     from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.load import load_scene
-    from tactgen.validation.scene.parameter_list import ranges
+    from tactgen.validation.scene.parameter_list import is_built_in, ranges
     from tactgen.validation.scene.warnings import scene_warnings
     from tactgen.validation.studies.parameter_uncertainty import left_out, parameter_uncertainty
     from tactgen.validation.studies.sensitivity import all_columns, changed_scenes, thinned
@@ -90,7 +90,8 @@ def run(options: argparse.Namespace) -> int:
     models = _models(options, scene, names)
     overrides += ["quantities=" + ",".join(names), "models=" + ",".join(models)]
     lateral = bool(set(models) & set(models_of("bimorph")))
-    if options.frequency is None and lateral:
+    own = "frequency" in origins and not is_built_in(origins["frequency"])
+    if options.frequency is None and lateral and not own:
         overrides.append(f"frequency={_FREQUENCIES}")
     scene, _ = load_scene(options.scene, overrides)
     if options.sobol and not lateral:
@@ -179,6 +180,7 @@ def _as_json(
                 "model": column.model,
                 "unit": column.unit,
                 "frequency": column.frequency,
+                "extreme": column.extreme,
                 "value": column.value,
                 "modelling_error": plain(column.modelling_error),
                 "derivatives": column.derivatives,

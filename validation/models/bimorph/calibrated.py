@@ -80,6 +80,8 @@ class CalibratedModel(TmmModel):
         if not self._against_solid:
             return found
         others = _disturbed(found.fine, self.factors)
+        if lossy:
+            others.append(self._damped(found.fine))
         if frequencies.any():
             others.append(self._faster(solved, frequencies))
         return Refined(found.fine, tuple((other, 1.0) for other in others), self._origin)
@@ -93,6 +95,13 @@ class CalibratedModel(TmmModel):
     def _of(self, row: list[Element], frequencies: Floats) -> Multiport:
         below = self.scene.measurement.below_tip
         return calibrated.multiport(row, self.factors, frequencies, below)
+
+    def _damped(self, port: Multiport) -> Multiport:
+        """D(Ω) of as much more damping of the motion as its error allows."""
+        error = calibrated.loss_error(self._row(lossy=True), self.factors)
+        moving = np.arange(len(port.ports)) != port.index(ELECTRICAL)
+        more = 1j * error * port.stiffness.imag * (moving[:, None] & moving)
+        return replace(port, stiffness=port.stiffness + more)
 
     def _faster(self, solved: Callable[..., Multiport], frequencies: Floats) -> Multiport:
         """D(Ω) of natural frequencies that are off by their error; nan where that is not known."""
@@ -162,7 +171,7 @@ def _disturbed(port: Multiport, factors: SectionFactors) -> list[Multiport]:
     """D(Ω) as far off as the calibration may be, in one property each.
 
     All that moves stiffer, its motion per voltage unchanged; more motion per voltage; more
-    capacitance; more damping.
+    capacitance.
     """
     errors, volt = factors.errors, port.index(ELECTRICAL)
     moving = np.arange(len(port.ports)) != volt
@@ -172,10 +181,6 @@ def _disturbed(port: Multiport, factors: SectionFactors) -> list[Multiport]:
         (between, errors[1]),
         (~(moving[:, None] | moving), errors[2]),
     )
-    found = [
+    return [
         replace(port, stiffness=port.stiffness * (1.0 + error * share)) for share, error in shares
     ]
-    if port.stiffness.imag.any():
-        damped = 1j * factors.damping_error * port.stiffness.imag * (moving[:, None] & moving)
-        found.append(replace(port, stiffness=port.stiffness + damped))
-    return found

@@ -17,7 +17,14 @@ from tactgen.validation.engine.answers import Answer
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.load import checked_scene
 from tactgen.validation.scene.variation import value_of
-from tactgen.validation.studies.whatif.aims import THRESHOLD, Aim, at_threshold, of_key, parse_aim
+from tactgen.validation.studies.whatif.aims import (
+    THRESHOLD,
+    Aim,
+    Peak,
+    at_threshold,
+    of_key,
+    parse_aim,
+)
 from tactgen.validation.studies.whatif.axes import shown_point
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import Study
@@ -35,11 +42,15 @@ class Judged:
     margins: tuple[tuple[float, float], ...]
     #: Modelling error of each margin; nan where it is not known, empty where it was not asked for
     modelling: tuple[float, ...] = ()
+    peaks: tuple[Peak | None, ...] = ()  #: Where what each aim asks for is largest over the band
 
     @property
     def values(self) -> dict[str, Any]:
         """Margins, bars and modelling errors as JSON values; nan where one is not known."""
-        found = {"margins": [m for m, _ in self.margins], "bars": [bar for _, bar in self.margins]}
+        found: dict[str, Any] = {
+            "margins": [m for m, _ in self.margins], "bars": [bar for _, bar in self.margins],
+            "peaks": [peak and peak._asdict() for peak in self.peaks],
+        }  # fmt: skip
         return {**found, "modelling_errors": list(self.modelling)} if self.modelling else found
 
     def near(self, n: int) -> bool:
@@ -104,7 +115,8 @@ def judged(
         margins = tuple(aim.margin_with_bar(needed) for aim in aims)
         if all(math.isfinite(margin) for margin, _ in margins):
             modelling = tuple(aim.modelling_error(needed) for aim in aims)
-            found.append(Judged(number, models, margins, modelling))
+            peaks = tuple(aim.peak(needed) for aim in aims)
+            found.append(Judged(number, models, margins, modelling, peaks))
     return found
 
 
@@ -242,6 +254,10 @@ def _line(study: Study, found: Verdict, one: Judged) -> str:
     return f"{shown_point(study.points[one.number])}: {margins}"
 
 
+#: What is said of a peak that the band cuts off.
+_AT_END = ", an end of the band"
+
+
 def margin_in_words(aim: Aim, one: Judged, n: int) -> str:
     """Value of a goal or margin of a condition, the n-th, with both errors."""
     (margin, bar), unit = one.margins[n], aim.unit if takes_prefix(aim) else "1"
@@ -254,7 +270,11 @@ def margin_in_words(aim: Aim, one: Judged, n: int) -> str:
         text = f"margin {text}"
     modelling = one.modelling[n] if one.modelling else 0.0
     beside = "?" if math.isnan(modelling) else f"± {engineering(modelling, unit, 2)}"
-    return f"{text} ({beside})" if modelling else text
+    text = f"{text} ({beside})" if modelling else text
+    peak = one.peaks[n] if one.peaks else None
+    if peak is None:
+        return text
+    return f"{text} at {engineering(peak.frequency, 'Hz', 4)}{_AT_END if peak.at_end else ''}"
 
 
 def takes_prefix(aim: Aim) -> bool:

@@ -16,7 +16,7 @@ import operator
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -72,6 +72,13 @@ _FUNCTIONS: dict[str, Callable[[Any], Any]] = {
     "abs": abs,
     "sqrt": lambda v: v**0.5,
 }
+
+
+class Peak(NamedTuple):
+    """Frequency (Hz) of a largest or least value, and whether the band ends there."""
+
+    frequency: float
+    at_end: bool
 
 
 @dataclass(frozen=True)
@@ -136,6 +143,15 @@ class Aim:
         nan where the modelling error of a quantity is not known.
         """
         return self._moved(known, lambda q: (q.modelling_error, q.extreme_modelling_error))
+
+    def peak(self, known: dict[str, Quantity]) -> Peak | None:
+        """Where the first largest or least value over the band that it names was found."""
+        for name in self.quantities:
+            q = known[name]
+            if q.extreme is not None and f"{_searched(name)}({name})" in self.text:
+                at = q.extreme.frequency
+                return Peak(at, at in (min(q.frequency or ()), max(q.frequency or ())))
+        return None
 
     def _moved(
         self, known: dict[str, Quantity], by: Callable[[Quantity], tuple[Any, float]]
@@ -232,11 +248,15 @@ def _node(tree: ast.expr, names: dict[str, None]) -> Node:
 
 def _over_band(function: str, q: Quantity, value: Any) -> Any:
     """Function of one quantity; its searched extreme where the function asks for that one."""
-    row = QUANTITIES[q.name]
-    searched = "" if row.peak_of else "min_over" if row.is_limit else "max_over"
-    if function == searched and q.extreme is not None:
+    if function == _searched(q.name) and q.extreme is not None:
         return q.extreme.value * value.units
     return _FUNCTIONS[function](value)
+
+
+def _searched(name: str) -> str:
+    """Function that asks for a quantity's searched extreme, "" if none does."""
+    row = QUANTITIES[name]
+    return "" if row.peak_of else "min_over" if row.is_limit else "max_over"
 
 
 def _unit(name: str) -> Any:

@@ -293,6 +293,6 @@ def test_what_a_verdict_says():
     assert (said["judged"], said["met"], said["undecided"]) == (7, 1, 1)
     assert said["yield_interval_95"] == list(ends)
     at = {"gap": pytest.approx(6e-4)}
-    assert said["best"] == [{"at": at, "margins": [60.0], "bars": [0.5]}]
+    assert said["best"] == [{"at": at, "margins": [60.0], "bars": [0.5], "peaks": []}]
     study.statement.samples = 0
     assert as_values(study, verdict)["yield_interval_95"] is None
