@@ -27,7 +27,7 @@ from tactgen.geometry.bimorph.segments import (
 from tactgen.geometry.device.materials import EPS0, lossy_coupling, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
+from tactgen.tmm.ports.excitation import PortState
 from tactgen.tmm.ports.multiport import BIMORPH, MEASURED, Multiport
 
 
@@ -186,30 +186,29 @@ def _supported(
     return k[inside], m[inside], free
 
 
-def driven_line(
-    matrices: BeamMatrices, ends: Ends, frequency: float, voltage: complex
-) -> CentreLine:
-    """Motion at a voltage (V) across each layer."""
-    omega2, at = (2.0 * np.pi * frequency) ** 2, np.array([frequency])
-    dynamic = matrices.stiffness - omega2 * matrices.mass
-    w0, psi0, *at_tip = matrices.ports
-    dynamic[np.ix_(at_tip, at_tip)] += tip_matrix(ends.tip, at)[0]
-    if ends.base is not None:
-        for dof, stiffness in zip((w0, psi0), base_stiffness(ends.base, at), strict=True):
-            dynamic[dof, dof] += stiffness[0]
-    held = matrices.ports[: 2 if ends.base is None else 0]
-    free = np.setdiff1d(np.arange(dynamic.shape[0]), held)
+def driven_line(matrices: BeamMatrices, state: PortState) -> CentreLine:
+    """Motion, relative to the ground, between ends that move as given."""
+    dynamic = matrices.stiffness - (2.0 * np.pi * state.frequency) ** 2 * matrices.mass
+    *ends, voltage = state.ports
     motion = np.zeros(dynamic.shape[0], dtype=complex)
-    motion[free] = np.linalg.solve(dynamic[np.ix_(free, free)], matrices.coupling[free] * voltage)
-    charge = complex(matrices.coupling @ motion + matrices.capacitance * voltage)
-    return _line(matrices, motion, charge, voltage, frequency)
+    motion[list(matrices.ports)] = ends
+    inner = np.setdiff1d(np.arange(motion.size), matrices.ports)
+    right = matrices.coupling[inner] * voltage - dynamic[inner] @ motion
+    motion[inner] = np.linalg.solve(dynamic[np.ix_(inner, inner)], right)
+    z, w, psi = _stations(matrices)
+    return state.line(z, motion[w], motion[psi])
 
 
 def _line(
     matrices: BeamMatrices, motion: Numbers, charge: complex, voltage: complex, frequency: float
 ) -> CentreLine:
-    z, w, psi = (np.array(column) for column in zip(*matrices.stations, strict=True))
+    z, w, psi = _stations(matrices)
     return CentreLine(z, motion[w], motion[psi], charge, voltage, frequency)
+
+
+def _stations(matrices: BeamMatrices) -> tuple[Floats, Ints, Ints]:
+    z, w, psi = (np.array(column) for column in zip(*matrices.stations, strict=True))
+    return z, w, psi
 
 
 def thinnest(piece: Piece, device: Device) -> float:

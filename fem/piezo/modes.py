@@ -12,7 +12,7 @@ from tactgen.fem.piezo.system import SolidSystem
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
-from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
+from tactgen.tmm.ports.excitation import PortState
 
 #: Residual of a mode against its inverse eigenvalue; the frequency's error is its square.
 _RESIDUAL = 1e-9
@@ -160,37 +160,23 @@ def mode_state(
     return replace(state, kind=kind)
 
 
-def driven_state(system: SolidSystem, ends: Ends, frequency: float, voltage: complex) -> SolidState:
-    """Motion at a frequency (Hz) and voltage (V) across each layer, with support and load.
+def driven_state(system: SolidSystem, state: PortState) -> SolidState:
+    """Motion, relative to the ground, of a solid whose ports move as given.
 
-    The system is lossy for harmonic states; a lossless one at 0 Hz gives a real static state. Base
-    motion, tip force and tip moment are unknowns beside the voltage: with X the states per unit of
-    each, base reactions and the support's forces cancel, and force and moment are minus the load's
-    stiffness times the tip's motion.
+    The system is lossy for harmonic states, lossless at 0 Hz.  Force and moment on the tip are what
+    moves it so beside the base's motion and the voltage.
     """
-    omega2 = (2.0 * np.pi * frequency) ** 2
-    n, at = system.inner, np.array([frequency])
+    omega2, n = (2.0 * np.pi * state.frequency) ** 2, system.inner
     ports = system.stiffness.border - omega2 * system.mass.border
     # columns: w_base, ψ_base, U, F_tip, M_tip
     x = np.zeros((system.size, 5), dtype=np.result_type(ports, system.stiffness.inner.dtype))
     x[n:, :3] = np.eye(3)
     x[:n] = -system.dynamic_factor(omega2).solve(np.hstack([ports, -system.tip[:n]]))
-    reaction = (system.stiffness @ x - omega2 * (system.mass @ x))[n:]
-    reaction[:, 3:] -= system.tip[n:]  # what acts on the tip there is no reaction
-    seen = system.tip.T @ x
-    rows = np.vstack([reaction[:2], tip_matrix(ends.tip, at)[0] @ seen]).astype(complex)
-    rows[2:, 3:] += np.eye(2)
-    free = [0, 1, 3, 4] if ends.base is not None else [3, 4]
-    if ends.base is not None:
-        for row, stiffness in enumerate(base_stiffness(ends.base, at)):
-            rows[row, row] += stiffness[0]
-    else:
-        rows = rows[2:]
-    amplitude = np.zeros(5, dtype=complex)
-    amplitude[2] = voltage
-    amplitude[free] = np.linalg.solve(rows[:, free], -rows[:, 2] * voltage)
-    y = x @ amplitude
-    return _state(system, frequency, y, complex(-reaction[2] @ amplitude))
+    moved, given = system.tip.T @ x, state.ports[[0, 1, 4]]
+    forces = np.linalg.solve(moved[:, 3:], state.ports[2:4] - moved[:, :3] @ given)
+    found = _state(system, state.frequency, x @ np.append(given, forces), state.charge)
+    values = found.values - state.ground * np.eye(1, 4)
+    return replace(found, values=values, tip=found.tip - state.ground)
 
 
 def _state(system: SolidSystem, frequency: float, y: Numbers, charge: complex) -> SolidState:

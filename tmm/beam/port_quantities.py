@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
+from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.geometry.bimorph.segments import CentreLine
 from tactgen.tmm.beam.modes import Row, bending_frequencies
@@ -18,7 +18,7 @@ from tactgen.tmm.beam.parametric import Actuator, Values, terminated, tip_respon
 from tactgen.tmm.beam.scattering import Element, element_stiffness
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
-from tactgen.tmm.ports.excitation import ELECTRICAL
+from tactgen.tmm.ports.excitation import ELECTRICAL, PortState
 from tactgen.tmm.ports.multiport import hold, symmetric_form
 from tactgen.tmm.ports.readout import Readout
 
@@ -130,35 +130,23 @@ def mode_lines(row: Row, ends: Ends, count: int, *, open_circuit: bool) -> list[
     return [_mode(parts, ends.lossless, float(f), open_circuit=open_circuit) for f in frequencies]
 
 
-def driven_line(row: Row, ends: Ends, frequency: float, voltage: complex) -> CentreLine:
-    """Motion at a voltage (V) across each layer."""
-    parts = cut(row)
-    matrix, coupling, capacitance = _assembled(parts, ends, frequency)
-    free = _free(matrix.shape[0], ends)
-    motion = np.zeros(matrix.shape[0], dtype=complex)
-    scale = 1.0 / np.sqrt(np.abs(np.diag(matrix)[free]))
-    balanced = matrix[np.ix_(free, free)] * scale[:, None] * scale
-    motion[free] = scale * np.linalg.solve(balanced, scale * (-coupling[free] * voltage))
-    charge = -coupling @ motion + capacitance * voltage
-    return CentreLine(_z(parts), motion[::2], motion[1::2], complex(charge), voltage, frequency)
+def line_between(row: Row, state: PortState, *, inertia: bool = True) -> CentreLine:
+    """Line, relative to the ground, between ends that move as given.
 
-
-def static_line(row: Row, ports: Numbers, charge: complex, frequency: float) -> CentreLine:
-    """Static line between ends that move as given: the lumped model's shape.
-
-    `ports` (5,) are w_base, ψ_base, w_tip, ψ_tip (m, rad) and the voltage across each layer (V).
+    Without `inertia` it is the static one: the lumped model's shape.
     """
     parts = cut(row)
-    matrix, coupling, _ = _assembled(parts, Ends(Springs(0.0, 0.0)), 0.0)
-    motion = np.zeros(matrix.shape[0], dtype=np.asarray(ports).dtype)
-    motion[[0, 1, -2, -1]] = ports[:4]
+    matrix, coupling, _ = _assembled(parts, Ends(Springs(0.0, 0.0)), inertia * state.frequency)
+    *ends, voltage = state.ports
+    motion = np.zeros(matrix.shape[0], dtype=np.asarray(state.ports).dtype)
+    motion[[0, 1, -2, -1]] = ends
     inner = slice(2, -2)
-    right = -(matrix[inner] @ motion) - coupling[inner] * ports[4]
+    right = -(matrix[inner] @ motion) - coupling[inner] * voltage
     scale = 1.0 / np.sqrt(np.abs(np.diag(matrix)[inner]))
     balanced = matrix[inner, inner] * scale[:, None] * scale
     found = scale * np.linalg.solve(balanced, scale * right)
     motion[inner] = found if np.iscomplexobj(motion) else found.real
-    return CentreLine(_z(parts), motion[::2], motion[1::2], charge, complex(ports[4]), frequency)
+    return state.line(_z(parts), motion[::2], motion[1::2])
 
 
 def _mode(parts: Row, ends: Ends, frequency: float, *, open_circuit: bool) -> CentreLine:

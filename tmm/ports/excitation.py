@@ -12,11 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from tactgen.geometry.arrays import Complex, Floats
+from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
+from tactgen.geometry.bimorph.segments import CentreLine
 from tactgen.geometry.device.parameters import Circuit, Drive
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import LATERAL, Multiport, Response, respond
@@ -168,6 +170,35 @@ def _short_circuited(
     # what acts from outside on a held port does not strain the actuator
     effort = {name: value - given[:, port.index(name)] for name, value in found.effort.items()}
     return Response(found.motion, effort)
+
+
+class PortState(NamedTuple):
+    """Motion of the bimorph's ports at one frequency, from which follows that of all inside."""
+
+    frequency: float  #: Hz
+    #: (5,) w_base, ψ_base, w_tip, ψ_tip (m, rad) in space, and the voltage across each layer (V)
+    ports: Numbers
+    charge: complex  #: That flows from the circuit into the electrodes (C)
+    ground: complex = 0.0  #: Displacement along x (m) of what the support stands on
+
+    def line(self, z: Floats, w: Numbers, psi: Numbers) -> CentreLine:
+        """Centre line that moves so, relative to the ground."""
+        voltage = complex(self.ports[4])
+        return CentreLine(z, w - self.ground, psi, self.charge, voltage, self.frequency)
+
+
+def port_states(port: Multiport, ends: Ends, excitation: Excitation) -> list[PortState]:
+    """States under an excitation, arguments as of :func:`excited`; voltages of the whole."""
+    found = excited(port, ends, excitation)
+    still, omega2 = np.zeros(port.frequencies.size), (2.0 * np.pi * port.frequencies) ** 2
+    ground: Floats = np.zeros_like(omega2)
+    if excitation.acceleration:
+        ground = -excitation.acceleration / omega2
+    names = ("w_base", "psi_base", _TIP, "psi_tip", ELECTRICAL)
+    moved = np.stack([found.motion.get(name, still) for name in names], axis=-1)
+    moved[:, [0, 2]] += ground[:, None]
+    columns = port.frequencies.tolist(), moved, found.effort[ELECTRICAL], ground
+    return [PortState(f, of, complex(q), complex(g)) for f, of, q, g in zip(*columns, strict=True)]
 
 
 @dataclass(frozen=True)

@@ -87,7 +87,7 @@ class FieldResult:
     model: str
     mesh: Mesh  #: Points (n, 3) in m, each of one region
     states: tuple[State, ...]  #: With fields at the points
-    voltage: float  #: Drive of driven states, peak (V)
+    drive: str  #: What drives the driven states, in words
     theory: str  #: Of the model, as its row names it
     lines: Floats | None = None  #: (m, 2, 3) Segments of flux lines (m)
     #: Regions that move as rigid bodies: of these only the displacement is known
@@ -259,7 +259,6 @@ def words_of(result: FieldResult, state: State) -> Words:
     """Caption of a state; every number is the quantity's."""
     name = state.name[:1].upper() + state.name[1:]
     modelling = f" · modelling error {state.modelling}" if state.modelling else ""
-    driven = f"at {engineering(result.voltage, 'V', 3)} peak"
     if state.kind == "mode":
         coupling = "" if math.isnan(state.coupling) else f" · k = {state.coupling:.3g}"
         short = state.name.split(",")[0]
@@ -271,11 +270,13 @@ def words_of(result: FieldResult, state: State) -> Words:
         return Words("field", pull, state.name, name, "")
     tip = f"{result.place} {engineering(abs(state.tip), 'm', 4)}"
     if state.kind == "static":
-        still = driven.removesuffix(" peak")
+        still = result.drive.removesuffix(" peak")
         return Words("static", tip, still + modelling, "Static", still)
     degrees = math.degrees(math.atan2(state.tip.imag, state.tip.real))
     number = f"{tip}, {degrees:.0f}°".replace("-", "−")
-    return Words(state.name, number, driven + modelling, f"Driven at {state.name}", driven)
+    return Words(
+        state.name, number, result.drive + modelling, f"Driven at {state.name}", result.drive
+    )
 
 
 #: Matplotlib's maps: perceptually even for sizes, ColorBrewer's red and blue for what swings.

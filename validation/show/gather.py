@@ -6,7 +6,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import engineering
+from tactgen.tmm.ports.excitation import Excitation, PortState, excitation_of, port_states
+from tactgen.tmm.ports.multiport import Multiport, wired
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import (
     OPEN_CIRCUIT_FREQUENCIES,
@@ -17,10 +21,10 @@ from tactgen.validation.catalogue.quantities import (
 from tactgen.validation.engine.answers import NONE, modelling_at
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
-from tactgen.validation.models.bimorph.model import BeamTheoryModel
+from tactgen.validation.models.bimorph.model import BeamTheoryModel, BimorphModel
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.models.transient import Simulation, scene_beam
-from tactgen.validation.scene.conditions import beyond_voltage, conditions
+from tactgen.validation.scene.conditions import beyond_voltage, conditions, driven_in_words
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import Circuit, FieldResult, State
 from tactgen.validation.show.moving import MovingBody, RowFields, moving_body
@@ -95,6 +99,7 @@ def gather_from(
     The models of the solution are asked, so that nothing is solved twice.
     """
     model, scene = solution.models[name], solution.scene
+    assert isinstance(model, BimorphModel)
     announce(f"fields of {name}")
     fields: SolidFields | RowFields
     if isinstance(model, TwoMeshModel):
@@ -102,24 +107,63 @@ def gather_from(
     else:
         assert isinstance(model, BeamTheoryModel)
         fields = RowFields(model)
-    layer = 0.5 if scene.bimorph.wiring == "series" else 1.0
-    voltage = layer * scene.drive.voltage
     states = _modes(solution, name, fields)
     if frequencies is None:
         bending = (s for s in states if s.motion == "bending_x" and s.circuit == "short")
         first = next((s.frequency for s in bending), None)
         frequencies = () if first is None else (0.5 * first, first)
-    at_rest, *others = _modelling(scene, name, frequencies)
-    states.append(_state("static", "static", 0.0, fields.static(voltage), layer, at_rest))
-    for frequency, modelling in zip(frequencies, others, strict=True):
-        announce(f"fields of {name} at {frequency:.5g} Hz")
-        found = fields.harmonic(frequency, voltage)
-        called = f"{frequency:.5g} Hz"
-        states.append(_state(called, "harmonic", frequency, found, layer, modelling))
+    announce(f"motion of {name} at rest and at {len(frequencies)} frequencies")
+    for state, modelling in _port_states(solution, name, frequencies):
+        announce(f"fields of {name} at {state.frequency:.5g} Hz")
+        states.append(_driven(state, fields.driven(state), modelling))
     return FieldResult(
-        scene.name, name, fields.mesh, tuple(states), scene.drive.voltage, MODELS[name].theory,
+        scene.name, name, fields.mesh, tuple(states), _drive(scene), MODELS[name].theory,
         conditions=conditions(scene), place=scene.measurement.place,
     )  # fmt: skip
+
+
+def _drive(scene: Scene) -> str:
+    """What drives, in words: a voltage at the electrodes by its amplitude alone."""
+    if beyond_voltage(scene):
+        return driven_in_words(scene.drive, scene.circuit)
+    return f"at {engineering(scene.drive.voltage, 'V', 3)} peak"
+
+
+def _port_states(
+    solution: Solution, name: str, frequencies: Sequence[float]
+) -> list[tuple[PortState, str]]:
+    """States at rest, if something acts there that the support bears, and at frequencies (Hz).
+
+    Each with the modelling error of the tip's motion in words.
+    """
+    scene = solution.scene
+    excitation = excitation_of(scene.circuit, scene.drive)
+    acts = excitation.source or excitation.force
+    still = [STATIC_TIP_DISPLACEMENT.name] if acts and not scene.ends.rigid_motions else []
+    rows = [*still, *([TIP_DISPLACEMENT.name] if frequencies else [])]
+    if not rows:
+        return []
+    asked = scene.model_copy(update={"frequency": tuple(frequencies) or scene.frequency})
+    found = solve(asked, (name,), rows, reuse=solution)
+    model, states = found.models[name], []
+    assert isinstance(model, BimorphModel)
+    if still:
+        states += _states(asked, model.static().fine, asked.ends.lossless, excitation.at_rest)
+    if frequencies:
+        states += _states(asked, model.ports().fine, asked.ends, excitation)
+    words = [
+        modelling_at(q, place).removeprefix(NONE)
+        for q in found.quantities for place in (np.ndindex(q.value.shape))
+    ]  # fmt: skip
+    return list(zip(states, words, strict=True))
+
+
+def _states(scene: Scene, port: Multiport, ends: Ends, excitation: Excitation) -> list[PortState]:
+    """States with the voltage across each layer."""
+    wiring, of_layer = scene.bimorph.wiring, np.ones(5)
+    of_layer[4] = 0.5 if wiring == "series" else 1.0
+    found = port_states(wired(port, wiring), ends, excitation)
+    return [state._replace(ports=of_layer * state.ports) for state in found]
 
 
 def _modes(solution: Solution, name: str, fields: SolidFields | RowFields) -> list[State]:
@@ -163,36 +207,23 @@ def _coupling(by_circuit: dict[Circuit, Quantity], circuit: Circuit, number: int
     return float(np.sqrt(1.0 - (low / high) ** 2))
 
 
-def _modelling(scene: Scene, name: str, frequencies: Sequence[float]) -> list[str]:
-    """Modelling error of the tip's motion at rest and at frequencies (Hz), in words."""
-    nothing = [""] * (1 + len(frequencies))
-    if MODELS[name].detailed or beyond_voltage(scene):
-        return nothing
-    rows = [STATIC_TIP_DISPLACEMENT.name, *([TIP_DISPLACEMENT.name] if frequencies else [])]
-    try:
-        asked = scene.model_copy(update={"frequency": tuple(frequencies) or scene.frequency})
-        still, *moving = solve(asked, (name,), rows).quantities
-    except InputError:  # such as a base that nothing holds at rest
-        return nothing
-    found = [modelling_at(still, ())]
-    found += [modelling_at(q, i) for q in moving for i in range(len(frequencies))]
-    return [text.removeprefix(NONE) for text in found]
-
-
-def _state(
-    name: str, kind: str, frequency: float, found: Found, layer: float, modelling: str
-) -> State:
-    """Driven state; in series the terminals see half the charge of both layers."""
+def _driven(state: PortState, found: Found, modelling: str) -> State:
+    """Driven state; at rest all is real."""
     values, tip, charge = found
+    name, kind = f"{state.frequency:.5g} Hz", "harmonic"
+    if not state.frequency:
+        name = kind = "static"
+        values = {name: np.real(of) for name, of in values.items()}
+        tip, charge = tip.real, charge.real
     return State(
         name=name,
         kind="static" if kind == "static" else "harmonic",
         circuit="driven",
-        frequency=frequency,
+        frequency=state.frequency,
         error=float("nan"),
         fields=values,
         tip=tip,
-        charge=layer * charge,
+        charge=charge,
         modelling=modelling,
     )
 

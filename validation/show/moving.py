@@ -19,6 +19,7 @@ from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.device.parts import MM, Ring, moving_rings
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.tmm.generator.transient.machine import BimorphModes
+from tactgen.tmm.ports.excitation import PortState
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import MODE_SIZE, Array, FieldResult, State
@@ -200,15 +201,9 @@ class RowFields:
             out.append(self._found(line, MODE_SIZE / size))
         return out
 
-    def static(self, voltage: float) -> Found:
-        """Lossless fields at rest under a voltage (V) across each layer."""
-        fields, tip, charge = self._found(self._model.driven_line(0.0, voltage, lossy=False))
-        real = {name: np.real(values) for name, values in fields.items()}
-        return real, tip.real, charge.real
-
-    def harmonic(self, frequency: float, voltage: float) -> Found:
-        """Fields with losses at a frequency (Hz) and voltage (V) across each layer."""
-        return self._found(self._model.driven_line(frequency, voltage, lossy=True))
+    def driven(self, state: PortState) -> Found:
+        """Fields under ports that move so, at rest lossless."""
+        return self._found(self._model.driven_line(state))
 
     def _found(self, line: CentreLine, factor: float = 1.0) -> Found:
         values = factor * self._shape.values(line)

@@ -20,6 +20,7 @@ from tactgen.geometry.bimorph.bricks import Bricks, lobatto_points
 from tactgen.geometry.bimorph.segments import block_cells
 from tactgen.geometry.meshing.mesh import TET_EDGES, CellKind, Mesh
 from tactgen.geometry.meshing.structured_tets import whole_mesh
+from tactgen.tmm.ports.excitation import PortState
 from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
 from tactgen.validation.show.field import MODE_SIZE, Array
 
@@ -194,19 +195,13 @@ class SolidFields:
             self._without_ports[system.motion] = natural_modes(system, ends, number)
         return self._without_ports[system.motion][:number]
 
-    def static(self, voltage: float) -> Found:
-        """Lossless fields at rest under a voltage (V) across each layer."""
-        ends = self._model.scene.ends.lossless
-        state = driven_state(self._system, ends, 0.0, voltage)
-        real = SolidState(0.0, state.values.real, state.tip.real, state.charge.real)
-        return self._fields(real, lossy=False)
-
-    def harmonic(self, frequency: float, voltage: float) -> Found:
-        """Fields with losses at a frequency (Hz) and voltage (V) across each layer."""
-        scene = self._model.scene
+    def driven(self, state: PortState) -> Found:
+        """Fields under ports that move so, at rest lossless."""
+        if not state.frequency:
+            return self._fields(driven_state(self._system, state), lossy=False)
         if self._lossy is None:
-            self._lossy = assemble(scene.device, self._model.meshes()[0], lossy=True)
-        return self._fields(driven_state(self._lossy, scene.ends, frequency, voltage), lossy=True)
+            self._lossy = assemble(self._model.scene.device, self._model.meshes()[0], lossy=True)
+        return self._fields(driven_state(self._lossy, state), lossy=True)
 
     def _fields(self, state: SolidState, *, lossy: bool) -> Found:
         scene, mesh = self._model.scene, self.mesh

@@ -6,13 +6,15 @@ from itertools import product
 import numpy as np
 import pytest
 
-from tactgen.fem.piezo.modes import driven_state, natural_modes
+from tactgen.fem.piezo.modes import natural_modes
+from tactgen.fem.piezo.ports import static_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import whole_mesh
-from tactgen.tmm.ports.multiport import reciprocity_error
+from tactgen.tmm.ports.elements import attach
+from tactgen.tmm.ports.multiport import reciprocity_error, respond
 from tactgen.validation.engine.comparison import compare
 from tactgen.validation.engine.solve import evaluate, make_plan, solve
 from tactgen.validation.evidence.coverage import PROMISED, median_width
@@ -138,9 +140,10 @@ def test_tapers_agree_with_mapped_hexahedra():
     scene, _ = load_scene("j1", [*TAPERS, "models=cad", "modes=1"])
     found = [solve(scene, ("cad",), names).get(name, "cad") for name in names]
     system = _tapered_hexahedra(scene)
-    state = driven_state(system, Ends(), 0.0, 1.0)
+    state = respond(attach(static_multiport(system), Ends()), {"voltage": 1.0})
     mode = natural_modes(system, Ends(), 1)[0]
-    values = (state.tip.real, state.charge.real, mode.frequency)
+    moved, charge = state.motion["w_tip"][0], state.effort["voltage"][0]
+    values = (moved.real, charge.real, mode.frequency)
     for q, value, moves in zip(found, values, (2e-4, 3e-4, 2e-4), strict=True):
         own, error = float(np.ravel(q.value)[0]), float(np.ravel(q.error)[0])
         assert abs(own - value) <= error + moves * abs(value), q.name

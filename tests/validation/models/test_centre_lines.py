@@ -3,11 +3,17 @@
 import numpy as np
 import pytest
 
+from tactgen.tmm.ports.excitation import excitation_of, port_states
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene
 
 ENDS = [
     ("support.kind=clamped", "load.kind=none"),
+    (
+        "support.kind=clamped", "load.kind=mass", "load.mass=20 mg", "load.offset=1 mm",
+        "circuit.kind=load", "circuit.resistance=10 kohm", "drive.base_acceleration=2 g",
+        "drive.tip_force=1 mN",
+    ),
     (
         "support.kind=spring", "support.rotational_inertia=1e-9 kg*m^2",
         "load.kind=spring_damper", "load.stiffness=300 N/m", "load.damping=0.02 N*s/m",
@@ -15,12 +21,12 @@ ENDS = [
 ]  # fmt: skip
 
 
-@pytest.fixture(scope="module", params=ENDS, ids=["clamped", "a spring"])
+@pytest.fixture(scope="module", params=ENDS, ids=["clamped", "a harvester", "a spring"])
 def models(request):
     """Return both models of the paper's bimorph, held and loaded in two ways."""
-    scene, _ = load_scene("paper", [*request.param, "modes=2"])
-    found = solve(scene, ("tmm", "beam"), ("static_tip_displacement",), modelling=False)
-    return found.models["tmm"], found.models["beam"]
+    scene, _ = load_scene("paper", [*request.param, "modes=2", "frequency=300, 2500"])
+    names = ("static_tip_displacement", "tip_displacement", "electrode_voltage", "tip_acceleration")
+    return solve(scene, ("tmm", "beam"), names, modelling=False)
 
 
 def assert_alike(exact, found):
@@ -40,13 +46,29 @@ def assert_alike(exact, found):
 @pytest.mark.parametrize("open_circuit", [False, True])
 def test_modes(models, open_circuit):
     """Frequency, shape, and the charge or voltage of unit tip displacement."""
-    lines = [model.mode_lines(open_circuit=open_circuit) for model in models]
+    lines = [model.mode_lines(open_circuit=open_circuit) for model in models.models.values()]
     assert [len(each) for each in lines] == [2, 2]
     for exact, found in zip(*lines, strict=True):
         assert_alike(exact, found)
 
 
-@pytest.mark.parametrize("frequency", [0.0, 2500.0])
-def test_driven_motion(models, frequency):
-    """With losses, at rest and above the first resonance."""
-    assert_alike(*(model.driven_line(frequency, 2.0, lossy=True) for model in models))
+@pytest.mark.parametrize("number", [0, 1])
+def test_driven_motion(models, number):
+    """With losses, below and above the first resonance: as the quantities say, base and tip."""
+    scene = models.scene
+    excitation = excitation_of(scene.circuit, scene.drive)
+    lines = []
+    for name, model in models.models.items():
+        state = port_states(model.ports().fine, scene.ends, excitation)[number]
+        line = model.driven_line(state)
+        for quantity, value in (
+            ("tip_displacement", line.w[-1]),
+            ("electrode_voltage", line.voltage),
+        ):
+            assert value == pytest.approx(models.get(quantity, name).value[number], rel=1e-9)
+        acceleration = -((2.0 * np.pi * state.frequency) ** 2) * (line.w[-1] + state.ground)
+        assert acceleration == pytest.approx(models.get("tip_acceleration", name).value[number])
+        if scene.ends.base is None:
+            assert abs(line.w[0]) < 1e-12 * abs(line.w[-1])
+        lines.append(line)
+    assert_alike(*lines)

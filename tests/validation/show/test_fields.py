@@ -61,7 +61,8 @@ def test_numbers_beside_a_picture_are_the_quantities(solution, results, model):
     at_rest = float(solution.get("static_tip_displacement", model).value)
     assert static.tip == pytest.approx(at_rest, rel=1e-6)
     free = float(solution.get("capacitance_free", model).value)
-    assert static.charge / result.voltage == pytest.approx(free, rel=1e-6)
+    volts = solution.scene.drive.voltage
+    assert static.charge / volts == pytest.approx(free, rel=1e-6)
     coupling = float(solution.get("coupling_factor", model).value)
     assert result.states[0].coupling == pytest.approx(coupling, rel=1e-12)
 
@@ -143,7 +144,7 @@ def test_flux_through_the_electrodes_is_the_charge(results):
     assert found == pytest.approx(state.charge, rel=1e-2)
 
 
-def test_layers_have_points_of_their_own(results):
+def test_layers_have_points_of_their_own(solution, results):
     """Stress jumps between ceramic and shim, and the shim has no field."""
     result = results["solid"]
     regions = points_of_regions(result.mesh)
@@ -153,16 +154,16 @@ def test_layers_have_points_of_their_own(results):
     # parallel wiring: both layers between U and 0 over their thickness
     middle = np.abs(result.mesh.points[:, 2] - 10e-3) < 3e-3
     mean = np.abs(field[regions["piezo_top"]][middle[regions["piezo_top"]], 0]).mean()
-    assert mean == pytest.approx(result.voltage / 0.26e-3, rel=0.02)
+    assert mean == pytest.approx(solution.scene.drive.voltage / 0.26e-3, rel=0.02)
 
 
-def test_beams_carry_the_potential_linearly(results):
+def test_beams_carry_the_potential_linearly(solution, results):
     """On the outer faces the voltage, in the shim nothing."""
     for model in ("tmm", "beam", "lumped"):
         result = results[model]
         potential = result.state("static").fields["potential"]
         outer = np.abs(result.mesh.points[:, 0]) > 0.38e-3
-        assert potential[outer] == pytest.approx(result.voltage)
+        assert potential[outer] == pytest.approx(solution.scene.drive.voltage)
         assert not potential[points_of_regions(result.mesh)["shim"]].any()
 
 
@@ -252,3 +253,21 @@ def test_tetrahedra_have_the_same_fields():
         slopes.append(np.polyfit(points[at, 0], stress[at], 1)[0])
     # a layer has one or two tetrahedra of linear strain across it
     assert slopes[0] == pytest.approx(slopes[1], rel=0.05)
+
+
+def test_a_harvester_is_shown_as_it_moves():
+    """By its base, relative to which the foot is at rest; the solid's electrodes at its voltage."""
+    scene, _ = load_scene("j1", [
+        "mesh.level=1", "circuit.kind=load", "circuit.resistance=1 Mohm", "load.kind=mass",
+        "load.mass=5 mg", "drive.base_acceleration=1 g", f"frequency={HZ}Hz",
+    ])  # fmt: skip
+    (result,) = gather(scene, ("solid",), (HZ,))
+    (state,) = (state for state in result.states if state.circuit == "driven")
+    names = ("tip_displacement", "electrode_voltage")
+    tip, voltage = (q.value[0] for q in solve(scene, ("solid",), names).quantities)
+    assert state.tip == pytest.approx(tip, rel=2e-6)
+    moved, low = np.asarray(state.fields["displacement"]), result.mesh.points[:, 2] < 1e-9
+    assert np.abs(moved[low]).max() < 1e-9 * np.abs(moved).max()
+    x = np.abs(result.mesh.points[:, 0])
+    outer = (x > x.max() - 1e-9) & ~low
+    assert np.asarray(state.fields["potential"])[outer] == pytest.approx(voltage, rel=1e-6)

@@ -68,7 +68,6 @@ def run(options: argparse.Namespace) -> int:
         return _show_run(options)
     options.scene = PAPER if options.scene is None else options.scene
     _refuse_unused(options)
-    from tactgen.validation.scene.conditions import beyond_voltage
     from tactgen.validation.scene.load import load_scene
     from tactgen.validation.scene.warnings import scene_warnings
     from tactgen.validation.show.view import Look, harmonic_frequencies, view
@@ -78,8 +77,6 @@ def run(options: argparse.Namespace) -> int:
     settle(scene)
     asking = {"models": tuple(options.model)} if options.model else {}
     warn(scene_warnings(scene.model_copy(update=asking), origins))
-    if beyond := beyond_voltage(scene):
-        warn([f"{beyond} is not in the driven states, which show drive.voltage alone"])
     named = {kind: getattr(options, kind) for kind in ("out", "png", "gif", "mp4")}
     files = {kind: Path(name) for kind, name in named.items() if name}
     if not files or (options.open and "out" not in files):

@@ -10,6 +10,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import CentreLine
+from tactgen.tmm.ports.excitation import PortState
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
 from tactgen.validation.models.model import SAFETY, Modes, Refined, observed_factor
@@ -48,15 +49,14 @@ class BeamModel(BeamTheoryModel):
         matrices = beam.assemble(s.device, s.support, s.beam, elements=beam.ELEMENTS, lossy=False)
         return beam.mode_lines(matrices, s.ends, s.modes, open_circuit=open_circuit)
 
-    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
-        """Centre line at a frequency and a voltage across each layer."""
+    def driven_line(self, state: PortState) -> CentreLine:
+        """Centre line between ports that move so."""
         from tactgen.fem import beam
 
-        s = self.scene
-        number = max(beam.ELEMENTS, beam.elements_for(s.device, frequency))
+        s, lossy = self.scene, state.frequency > 0.0
+        number = max(beam.ELEMENTS, beam.elements_for(s.device, state.frequency))
         matrices = beam.assemble(s.device, s.support, s.beam, elements=number, lossy=lossy)
-        ends = s.ends if lossy else s.ends.lossless
-        return beam.driven_line(matrices, ends, frequency, voltage)
+        return beam.driven_line(matrices, state)
 
     def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
         from tactgen.fem import beam

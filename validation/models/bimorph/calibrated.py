@@ -16,7 +16,7 @@ from tactgen.tmm.beam import port_quantities as shapes
 from tactgen.tmm.beam.calibrated import SectionFactors
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
-from tactgen.tmm.ports.excitation import ELECTRICAL
+from tactgen.tmm.ports.excitation import ELECTRICAL, PortState
 from tactgen.tmm.ports.multiport import Multiport, Response
 from tactgen.validation.models.bimorph.model import TmmModel
 from tactgen.validation.models.model import Modes, Refined, Stages
@@ -154,11 +154,10 @@ class CalibratedModel(TmmModel):
             found.append(shapes.mode_lines(scaled, s.ends, k + 1, open_circuit=open_circuit)[k])
         return found
 
-    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
-        """Centre line at a frequency and a voltage across each layer."""
-        ends = self.scene.ends if lossy else self.scene.ends.lossless
-        row = self._as_beam(self._row(lossy=lossy), frequency)
-        return shapes.driven_line(row, ends, frequency, voltage)
+    def driven_line(self, state: PortState) -> CentreLine:
+        """Centre line between ports that move so."""
+        row = self._as_beam(self._row(lossy=state.frequency > 0.0), state.frequency)
+        return shapes.line_between(row, state)
 
     def _as_beam(self, row: list[Element], frequency: float) -> list[Element]:
         """Row whose inertia at a frequency (Hz) is that of the calibrated one."""

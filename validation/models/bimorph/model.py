@@ -20,9 +20,10 @@ from tactgen.tmm.beam import port_quantities as shapes
 from tactgen.tmm.beam.modes import NaturalFrequencies, natural_frequencies
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.scattering import Element
-from tactgen.tmm.ports.elements import attach, tip_stiffness
+from tactgen.tmm.ports.elements import tip_stiffness
+from tactgen.tmm.ports.excitation import PortState
 from tactgen.tmm.ports.loads import OF_THE_TABLE, MeasuredLaw
-from tactgen.tmm.ports.multiport import Multiport, Response, respond
+from tactgen.tmm.ports.multiport import Multiport, Response
 from tactgen.validation.catalogue.quantities import Need
 from tactgen.validation.models.model import SAFETY, Estimate, Model, Modes, Refined, Stages
 from tactgen.validation.scene.scene import Scene
@@ -201,11 +202,8 @@ class BeamTheoryModel(BimorphModel):
         """Centre line of every mode of :meth:`modes`, of unit tip displacement."""
 
     @abstractmethod
-    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
-        """Centre line at a frequency (Hz) and a voltage (V) across each layer.
-
-        Without losses the ends have none either, and the finger is left out, as in statics.
-        """
+    def driven_line(self, state: PortState) -> CentreLine:
+        """Centre line, relative to the ground, between ports that move so; at rest lossless."""
 
     @abstractmethod
     def _multiport(self, frequencies: Floats, *, lossy: bool) -> Refined[Multiport]:
@@ -293,18 +291,13 @@ class LumpedModel(RowModel):
         row, ends = self._row(lossy=False), self.scene.ends
         *motion, charge = lumped.first_mode(row, ends, open_circuit=open_circuit)
         frequency = float(self.modes(open_circuit=open_circuit).fine.frequencies[0])
-        return [shapes.static_line(row, np.array(motion), charge, frequency)]
+        state = PortState(frequency, np.array(motion), charge)
+        return [shapes.line_between(row, state, inertia=False)]
 
-    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
+    def driven_line(self, state: PortState) -> CentreLine:
         """Static line between the ends as the ports move them."""
-        port = self._multiport(np.array([frequency]), lossy=lossy).fine
-        ends = self.scene.ends if lossy else self.scene.ends.lossless
-        found = respond(attach(port, ends), {"voltage": voltage})
-        names = ("w_base", "psi_base", "w_tip", "psi_tip")
-        ports = [found.motion[name][0] if name in found.motion else 0.0 for name in names]
-        charge = complex(found.effort["voltage"][0])
-        row = self._row(lossy=lossy)
-        return shapes.static_line(row, np.array([*ports, voltage]), charge, frequency)
+        row = self._row(lossy=state.frequency > 0.0)
+        return shapes.line_between(row, state, inertia=False)
 
     def circuit(
         self, segments: int = transfer_matrix.SEGMENTS, *, open_circuit: bool = False
@@ -334,10 +327,9 @@ class TmmModel(RowModel):
         s = self.scene
         return shapes.mode_lines(self._row(lossy=False), s.ends, s.modes, open_circuit=open_circuit)
 
-    def driven_line(self, frequency: float, voltage: float, *, lossy: bool) -> CentreLine:
-        """Centre line at a frequency and a voltage across each layer."""
-        ends = self.scene.ends if lossy else self.scene.ends.lossless
-        return shapes.driven_line(self._row(lossy=lossy), ends, frequency, voltage)
+    def driven_line(self, state: PortState) -> CentreLine:
+        """Centre line between ports that move so."""
+        return shapes.line_between(self._row(lossy=state.frequency > 0.0), state)
 
     def closed_form(self, ends: Ends) -> Refined[Response] | None:
         """Response of one uniform beam, right also at the poles of D(Ω)."""

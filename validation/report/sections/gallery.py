@@ -117,7 +117,7 @@ def _stress_still(result: FieldResult, announce: Callable[[str], None]) -> Still
     phase = -float(np.angle(amplitude[size >= (1.0 - 1e-6) * size.max()][-1]))
     png = still(result, driven[-1], Picture(*_LYING, shade=shade), phase)
     caption = f"axial stress by the model {result.model} at {driven[-1].frequency:.4g} Hz"
-    return Still(png, f"{caption}, {result.voltage:g} V")
+    return Still(png, f"{caption}, {result.drive}")
 
 
 def _kind(solved: Mesh | Bricks, shown: Mesh) -> str:
