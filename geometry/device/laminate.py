@@ -246,6 +246,8 @@ class Laminate(tuple[Layer, ...]):
                 f"bimorph.{name} is a size of layer {max(numbers)}, and bimorph.layers lists "
                 f"{len(self)}; use bimorph.layers.1.{size} to bimorph.layers.{len(self)}.{size}"
             )
+        if len(set(numbers)) < len(numbers):
+            raise InputError(f"bimorph.{name} names a layer twice; name each once")
         return [number - 1 for number in numbers], size
 
     def with_hot_faces(self) -> Laminate:

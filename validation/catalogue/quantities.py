@@ -500,6 +500,8 @@ QUANTITIES: dict[str, QuantityRow] = {
 }
 
 
+#: What is about the voltage of a source at the electrodes.
+OF_A_SOURCE = (VOLTAGE_LIMIT.name, *(row.name for row in QUANTITIES.values() if row.has_level))
 #: What a circuit across the electrodes is there for, by its kind.
 OF_CIRCUIT: dict[str, tuple[str, ...]] = {
     "load": (ELECTRODE_VOLTAGE.name, CIRCUIT_POWER.name), "open": (ELECTRODE_VOLTAGE.name,),

@@ -24,7 +24,7 @@ from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import WITNESSES, all_given, gives, models_of
-from tactgen.validation.catalogue.quantities import OF_CIRCUIT
+from tactgen.validation.catalogue.quantities import OF_A_SOURCE, OF_CIRCUIT
 from tactgen.validation.scene.files import (
     assign,
     leaves,
@@ -114,10 +114,16 @@ def checked_scene(values: dict[str, Any]) -> Scene:
 
 
 def _with_circuit(scene: Scene) -> tuple[str, ...]:
-    """Quantities of a scene; of all of them also what its circuit is there for."""
+    """Quantities of a scene; if all are asked for, also what its circuit is there for.
+
+    And without a source none of what its voltage must be.
+    """
     asked, every = scene.quantities, all_given(set(scene.models) & set(models_of("bimorph")))
-    further = OF_CIRCUIT.get(scene.circuit.kind, ()) if every and {*every} <= {*asked} else ()
-    return tuple(dict.fromkeys((*asked, *further)))
+    if not every or not {*every} <= {*asked}:
+        return asked
+    further = OF_CIRCUIT.get(scene.circuit.kind, ())
+    kept = [name for name in asked if scene.circuit.kind == "source" or name not in OF_A_SOURCE]
+    return tuple(dict.fromkeys((*kept, *further)))
 
 
 def _check_together(scene: Scene) -> None:

@@ -295,6 +295,7 @@ def test_a_layer_as_wide_as_the_bimorph_has_no_width_of_its_own():
         (LISTED, "layers.2.end=0.5mm", "not above its beginning at 1 mm"),
         (LISTED, "layers.2.pitch=1mm", "without interdigitated electrodes"),
         (LISTED, "layers.1+3.end=9mm", "size of layer 3"),
+        (LISTED, "layers.1+1.end=9mm", "names a layer twice"),
         ("brass 0.2 m", "layers.1.width=1mm", 'bimorph.layers = "brass 0.2 m" has the layer'),
     ],
 )
