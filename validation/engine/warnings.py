@@ -42,6 +42,8 @@ _SMALL_DEFLECTION = 0.1
 _DEFLECTIONS = (Readout("w_tip", "motion"), Readout("w_tip", "motion", static=True))
 #: Modelling error of a number (relative) from which on it is given with a warning.
 _LARGE = 0.1
+#: Quantities whose numerical error is too large that a warning names, the worst.
+_NAMED = 3
 #: Square of the section's coupling factor that is nothing but rounding.
 _NO_COUPLING = 1e-18
 #: Frequencies up to which the stress is looked at unasked; more take longer than what was asked.
@@ -159,11 +161,14 @@ def accuracy_warnings(scene: Scene, found: Sequence[Quantity]) -> Iterator[str]:
     for model in (row for row in MODELS.values() if row.remedy):
         # entries of a matrix may be small
         own = [q for q in found if q.model == model.name and q.value.ndim < 2]
-        missed = [text for q in own if (text := _excess(q, scene.accuracy))]
+        missed = sorted((of for q in own if (of := _excess(q, scene.accuracy))), reverse=True)
         if missed:
+            named = [text for _, text in missed[:_NAMED]]
+            if len(missed) > _NAMED:
+                named.append(f"less so in {len(missed) - _NAMED} other quantities")
             yield (
                 f"the numerical error of the model {model.name} exceeds the requested "
-                f"{100.0 * scene.accuracy:g} % in {', '.join(missed)}; {model.remedy}"
+                f"{100.0 * scene.accuracy:g} % in {', '.join(named)}; {model.remedy}"
             )
 
 
@@ -209,20 +214,20 @@ def _of_deflection(scene: Scene, found: Sequence[Quantity]) -> Iterator[str]:
         )
 
 
-def _excess(q: Quantity, accuracy: float) -> str:
-    """Quantity's name and how wide its bar is, or nothing if it is narrow enough."""
+def _excess(q: Quantity, accuracy: float) -> tuple[float, str] | None:
+    """Largest relative error, and the quantity with it in words; None if it is small enough."""
     size = np.abs(q.value)
     beyond = q.error > accuracy * size
     if not beyond.any():
-        return ""
+        return None
     if beyond.ndim == 0 and q.error >= size:
-        return f"{q.name} (zero within its error)"
+        return np.inf, f"{q.name} (zero within its error)"
     # no value, no bar: a threshold voltage outside the threshold's range
     worst = float(np.nanmax(q.error / np.where(size > 0.0, size, np.inf)))
     where = f" at {int(beyond.sum())} of {beyond.size} values" if beyond.ndim else ""
     shown = float(f"{worst:.2g}")
     digits = 2 if shown > accuracy else 4  # so many that it is seen to be beyond
-    return f"{q.name} (up to {100.0 * worst:.{digits}g} %{where})"
+    return worst, f"{q.name} (up to {100.0 * worst:.{digits}g} %{where})"
 
 
 def check_held(scene: Scene, quantities: Sequence[str]) -> None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tactgen.geometry.arrays import Complex
-from tactgen.geometry.device.parameters import Device, Support
+from tactgen.geometry.device.parameters import Circuit, Device, Support
 from tactgen.geometry.operating_system import core_count
 from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
@@ -249,6 +249,7 @@ class Study:
             group = key.partition(".")[0]
             if {key, group} & magnetic:
                 return key not in unread
-            return group in _DEVICE and not idle(self.scene, key)
+            described = group in _DEVICE or (group == "circuit" and self.scene.circuit != Circuit())
+            return described and not idle(self.scene, key)
 
         return [row for row in parameter_rows(self.scene, self.origins) if read(row.key)]

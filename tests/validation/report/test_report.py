@@ -30,7 +30,7 @@ def make(tmp_path, name, *overrides):
 
 def test_a_model_without_a_value_there_tells_none():
     """Where the page is pointed at: null, of which the page makes words, and never nan."""
-    curve = {"tip displacement": {"tmm": np.array([2e-6j, np.nan])}}
+    curve = {"tip_displacement": {"tmm": np.array([2e-6j, np.nan])}}
     values = json.loads(response_values(np.array([10.0, 20.0]), curve))
     shown = values["cases"][0]["models"]["tmm"]
     assert shown == {"size": ["2 µm", None], "phase": ["90.0", None]}

@@ -9,6 +9,7 @@ from tactgen.geometry.device.parameters import Piezo
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import (
     ADMITTANCE,
+    OF_CIRCUIT,
     OPEN_CIRCUIT_FREQUENCIES,
     QUANTITIES,
     SHORT_CIRCUIT_FREQUENCIES,
@@ -17,6 +18,7 @@ from tactgen.validation.catalogue.quantities import (
 from tactgen.validation.engine.answers import representative
 from tactgen.validation.models.bimorph.model import LumpedModel
 from tactgen.validation.models.difference import CAPACITANCE, DEFLECTION, FIRST_FREQUENCY
+from tactgen.validation.models.model import Quantity
 from tactgen.validation.report.report_data import Context, Section, Study
 from tactgen.validation.report.sections import gallery
 from tactgen.validation.report.sections.bimorph_figures import breakdown_plot, difference_plot
@@ -51,23 +53,28 @@ def _modes(study: Study) -> Context:
     return {"frequencies": both, "circuit": circuit, "layers": layers, **gallery.moving(study)}
 
 
+def _responses(study: Study) -> dict[str, dict[str, Quantity]]:
+    """Displacement, and admittance or what the circuit is there for, by name and model."""
+    circuit = OF_CIRCUIT.get(study.scene.circuit.kind, (ADMITTANCE.name,))
+    found = {n: study.solution.by_model(n) for n in (TIP_DISPLACEMENT.name, circuit[0])}
+    return {name: {m: of[m] for m in ranked(of)} for name, of in found.items() if of}
+
+
 def response_curves(study: Study) -> dict[str, dict[str, Complex]]:
-    """Responses (n,) of the first page and of its section, by title and model."""
-    rows = {"tip displacement": TIP_DISPLACEMENT, "admittance": ADMITTANCE}
-    found = {title: study.solution.by_model(row.name) for title, row in rows.items()}
-    return {t: {m: study.known(of[m]) for m in ranked(of)} for t, of in found.items() if of}
+    """Responses (n,) of the first page and of its section, by name and model."""
+    return {
+        name: {model: study.known(q) for model, q in of.items()}
+        for name, of in _responses(study).items()
+    }
 
 
 def _response(study: Study) -> Context:
-    displacement, admittance = (
-        study.solution.by_model(row.name) for row in (TIP_DISPLACEMENT, ADMITTANCE)
-    )
+    found = _responses(study)
+    models = next(iter(found.values()))
     return {
         "driven": driven_in_words(study.scene.drive, study.scene.circuit),
-        "peaks": [
-            (model, representative(displacement[model]), representative(admittance[model]))
-            for model in ranked(displacement)
-        ],
+        "responses": [QUANTITIES[name].label for name in found],
+        "peaks": [(m, [representative(of[m]) for of in found.values()]) for m in models],
         "response": difference_plot(np.asarray(study.scene.frequency), response_curves(study)),
     }
 

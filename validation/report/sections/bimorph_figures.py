@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactgen.geometry.formats import engineering, percent, prefixed
+from tactgen.validation.catalogue.quantities import QUANTITIES, QuantityRow
 from tactgen.validation.show.figures import AMBER, BLUE, GREEN, GREY, ORANGE, panels, svg
 
 if TYPE_CHECKING:
     from tactgen.validation.models.difference import Step
 
 Array = NDArray[Any]
-#: (n,) complex response by title of the quantity and by model.
+#: (n,) complex response by name of the quantity and by model.
 Curves = Mapping[str, Mapping[str, Array]]
 
 #: One colour and line style per model, used in every plot.
@@ -27,20 +28,19 @@ MODEL_STYLE: dict[str, dict[str, Any]] = {
     "solid": {"color": ORANGE, "linestyle": "-.", "linewidth": 2.0},
     "cad": {"color": GREEN, "linestyle": (0, (1, 1)), "linewidth": 2.0},
 }
-#: Responses that are drawn, with their SI units.
-UNITS = {"tip displacement": "m", "admittance": "S"}
 
 
 def magnitude_plot(frequencies: Array, curves: Curves) -> str:
     """Plot the magnitude of each response (SI) over frequencies (n,) in Hz, a panel a quantity."""
     figure, axes = panels(10.0, 3.4, ncols=len(curves), squeeze=False)
-    for axis, (title, models) in zip(axes[0], curves.items(), strict=True):
-        factor, unit = prefixed(max(_largest(v) for v in models.values()), UNITS[title])
+    for axis, (name, models) in zip(axes[0], curves.items(), strict=True):
+        row = QUANTITIES[name]
+        factor, unit = prefixed(max(_largest(v) for v in models.values()), row.unit)
         for model, values in models.items():
             axis.plot(frequencies, factor * np.abs(values), label=model, **MODEL_STYLE[model])
         if any(_largest(v) > 0.0 for v in models.values()):
             axis.set_yscale("log")
-        axis.set(title=title, xlabel="frequency (Hz)", ylabel=f"magnitude ({unit})")
+        axis.set(title=row.label, xlabel="frequency (Hz)", ylabel=f"magnitude ({unit})")
         _along(axis, frequencies)
     axes[0][0].legend(frameon=False)
     return svg(figure)
@@ -49,7 +49,7 @@ def magnitude_plot(frequencies: Array, curves: Curves) -> str:
 def difference_plot(frequencies: Array, curves: Curves) -> str:
     """Plot phase, and magnitude against the last model's in percent; see `magnitude_plot`."""
     figure, axes = panels(10.0, 4.6, nrows=2, ncols=len(curves), sharex=True, squeeze=False)
-    for (phases, ratio), (title, models) in zip(axes.T, curves.items(), strict=True):
+    for (phases, ratio), (name, models) in zip(axes.T, curves.items(), strict=True):
         reference = list(models.values())[-1]
         first = np.rad2deg(np.angle(reference[0]))
         for model, values in models.items():
@@ -61,7 +61,7 @@ def difference_plot(frequencies: Array, curves: Curves) -> str:
                 difference = 100.0 * (np.abs(values) / np.abs(reference) - 1.0)
             ratio.plot(frequencies, difference, **MODEL_STYLE[model])
         ratio.set(ylim=(-25.0, 25.0), xlabel="frequency (Hz)")
-        phases.set_title(title)
+        phases.set_title(QUANTITIES[name].label)
         _along(ratio, frequencies)
     axes[0][0].set_ylabel("phase (°)")
     axes[1][0].set_ylabel(f"magnitude against {list(next(iter(curves.values())))[-1]} (%)")
@@ -87,10 +87,10 @@ def response_values(frequencies: Array, curves: Curves) -> str:
     Where a model has no value (nan), null.
     """
 
-    def values(title: str, curve: Array) -> dict[str, list[str | None]]:
+    def values(row: QuantityRow, curve: Array) -> dict[str, list[str | None]]:
         there = [(value if np.isfinite(value) else None) for value in curve]
         return {
-            "size": [v if v is None else engineering(abs(v), UNITS[title], 4) for v in there],
+            "size": [v if v is None else engineering(abs(v), row.unit, 4) for v in there],
             "phase": [v if v is None else f"{np.rad2deg(np.angle(v)):.1f}" for v in there],
         }
 
@@ -98,8 +98,8 @@ def response_values(frequencies: Array, curves: Curves) -> str:
         "frequency": [float(f"{f:.6g}") for f in frequencies],
         "log": _spans_decades(frequencies),
         "cases": [
-            {"title": title, "models": {name: values(title, v) for name, v in models.items()}}
-            for title, models in curves.items()
+            {"title": row.label, "models": {model: values(row, v) for model, v in models.items()}}
+            for row, models in ((QUANTITIES[name], models) for name, models in curves.items())
         ],
     }
     return json.dumps(shown, separators=(",", ":"), ensure_ascii=False)
