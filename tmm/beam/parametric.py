@@ -8,30 +8,33 @@ every other answer.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Floats
+from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.segments import Piece, measured_pieces
 from tactgen.geometry.device.bimorph import Dimensions
-from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Drive, Load, Support
+from tactgen.geometry.device.parameters import Beam, Bimorph, Circuit, Device, Drive, Load, Support
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, chain, elements
 from tactgen.tmm.ports.elements import attach, ends_of
+from tactgen.tmm.ports.excitation import ELECTRICAL, excitation_of, excited
 from tactgen.tmm.ports.multiport import MEASURED, Multiport, Response, in_series, respond
 
 #: Values by scene key, each a number or an array over the points.
 Values = Mapping[str, Any]
 
 #: Groups of scene keys that a one-dimensional model can read, in the scene's order.
-_GROUPS = ("bimorph", "piezo", "shim", "glue", "rod", "support", "load", "drive", "beam")
+_GROUPS = ("bimorph", "piezo", "shim", "glue", "rod", "support", "load", "drive", "circuit", "beam")
+#: Those that are not the device's.
+_OWN = ("support", "load", "beam", "drive", "circuit")
 #: Where it is tried whether a key matters (Hz), and by which relative change: a power of
 #: two, so that the steps themselves are exact.
 _TRIAL, _STEP = np.array([1000.0]), 2.0**-10
@@ -41,7 +44,7 @@ _AT_ONCE = 2**16
 
 @dataclass(frozen=True)
 class Actuator:
-    """Lateral actuator with support, load and drive.
+    """Lateral actuator with support, load, drive and circuit.
 
     `segments` is the number of prismatic stretches that stand for a tapered piece.
     """
@@ -51,6 +54,7 @@ class Actuator:
     load: Load
     beam: Beam
     drive: Drive
+    circuit: Circuit = field(default_factory=Circuit)
     segments: int = SEGMENTS
 
     @property
@@ -70,12 +74,12 @@ class Actuator:
             group, _, name = key.partition(".")
             changes.setdefault(group, {})[name] = value
         groups = {g: self.group(g).changed(change) for g, change in changes.items()}
-        own = {g: groups.pop(g) for g in ("support", "load", "beam", "drive") if g in groups}
+        own = {g: groups.pop(g) for g in _OWN if g in groups}
         return replace(self, device=self.device.model_copy(update=groups), **own)
 
     def group(self, name: str) -> Any:
         """Group of parameters by its scene key."""
-        return getattr(self if name in ("support", "load", "beam", "drive") else self.device, name)
+        return getattr(self if name in _OWN else self.device, name)
 
 
 @lru_cache(maxsize=4)  # asked by several for one scene
@@ -95,17 +99,24 @@ def parameter_keys(actuator: Actuator) -> tuple[str, ...]:
     return tuple(
         key
         for key in _number_keys(actuator)
-        if _slopes(actuator, key) is not None and (key == "drive.voltage" or matters(key))
+        if _slopes(actuator, key) is not None and (_drives(actuator, key) or matters(key))
     )
+
+
+def _drives(actuator: Actuator, key: str) -> bool:
+    """Whether a key is of the excitation, which no port matrix shows."""
+    if key == "drive.voltage":
+        return actuator.circuit.kind == "source"
+    return key.startswith(("drive.", "circuit."))
 
 
 def _number_keys(actuator: Actuator) -> list[str]:
     found = []
     for name in _GROUPS:
         group = actuator.group(name)
-        for field, info in type(group).model_fields.items():
-            if any(isinstance(m, Unit) for m in info.metadata) and getattr(group, field):
-                found.append(f"{name}.{field}")
+        for member, info in type(group).model_fields.items():
+            if any(isinstance(m, Unit) for m in info.metadata) and getattr(group, member):
+                found.append(f"{name}.{member}")
     return [*found, *(f"bimorph.{name}" for name in actuator.device.bimorph.layers.smooth_sizes)]
 
 
@@ -183,6 +194,20 @@ def tip_response(
             values_of[part] = found.motion[name]
         charge[part] = found.effort["voltage"]
     return Response(motion, {"voltage": charge})
+
+
+def charge_drawn(actuator: Actuator, values: Values, frequencies: Floats) -> Complex:
+    """Charge (n,) in C from the circuit under all that drives the actuator, a block at a time."""
+    found = np.empty(frequencies.size, dtype=complex)
+    for start in range(0, frequencies.size, _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        here = {key: v[part] if np.ndim(v) else v for key, v in values.items()}
+        row, ends, series = _mounted(actuator, here, lossless=False)
+        now = actuator.with_values({k: v for k, v in here.items() if _drives(actuator, k)})
+        port = _ports(actuator, row, frequencies[part], series=series)
+        excitation = excitation_of(now.circuit, now.drive)
+        found[part] = excited(port, ends, excitation).effort[ELECTRICAL]
+    return found
 
 
 def _ports(

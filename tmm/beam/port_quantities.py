@@ -7,18 +7,19 @@ natural frequency and the resonance peak.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
-from tactgen.geometry.arrays import Complex, Floats, Ints
+from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.geometry.bimorph.segments import CentreLine
 from tactgen.tmm.beam.modes import Row, bending_frequencies
-from tactgen.tmm.beam.parametric import Actuator, Values, terminated, tip_response
+from tactgen.tmm.beam.parametric import Actuator, Values, charge_drawn, terminated, tip_response
 from tactgen.tmm.beam.scattering import Element, element_stiffness
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
-from tactgen.tmm.ports.excitation import ELECTRICAL, PortState
+from tactgen.tmm.ports.excitation import ELECTRICAL, PortState, resistor_power
 from tactgen.tmm.ports.multiport import hold, symmetric_form
 from tactgen.tmm.ports.readout import Readout
 
@@ -32,6 +33,13 @@ def evaluate(actuator: Actuator, read: Readout, values: Values, frequencies: Flo
         response = tip_response(actuator, values, at, lossless=read.static)
         return read.scaled(read.variable(response), voltage, at)
     return read.read(terminated(actuator, values, at, lossless=read.static), voltage)
+
+
+def circuit_power(actuator: Actuator, values: Values, frequencies: Floats) -> Floats:
+    """Mean power (n,) in W into the circuit's resistor at every point."""
+    charge = charge_drawn(actuator, values, frequencies)
+    circuit = actuator.with_values({k: v for k, v in values.items() if k.startswith("circuit.")})
+    return resistor_power(circuit.circuit, frequencies, charge)
 
 
 #: Relative step of the difference quotient in Newton's method for natural frequencies, and
@@ -82,11 +90,11 @@ def first_frequency(
 
 
 def resonance_peak(
-    actuator: Actuator, read: Readout, values: Values, start: Floats, rounds: int = 5
+    of: Callable[[Values, Floats], Numbers], values: Values, start: Floats, rounds: int = 5
 ) -> tuple[Floats, Floats]:
-    """Frequency (Hz) and height of the first peak of a readout, both (n,).
+    """Frequency (Hz) and height of the first peak of a response, both (n,).
 
-    For a free tip, whose peak lies close to the first short-circuit frequency `start` (n,).
+    It lies close to `start` (n,), for a free tip the first short-circuit frequency.
     Each round narrows a grid of frequencies around its highest.
     """
     offsets = np.linspace(-1.0, 1.0, _TRIALS)
@@ -95,7 +103,7 @@ def resonance_peak(
     spread = {key: np.repeat(np.broadcast_to(v, count), _TRIALS) for key, v in values.items()}
     for _ in range(rounds):
         trials = centre[:, None] * (1.0 + reach * offsets)
-        size = np.abs(evaluate(actuator, read, spread, trials.ravel()))
+        size = np.abs(of(spread, trials.ravel()))
         level = np.log(size.reshape(count, _TRIALS))
         best = np.clip(level.argmax(axis=1), 1, _TRIALS - 2)
         rows = np.arange(count)
@@ -104,7 +112,7 @@ def resonance_peak(
         shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
         centre = trials[rows, best] + shift * (trials[:, 1] - trials[:, 0])
         reach /= _NARROWER
-    return centre, np.abs(evaluate(actuator, read, values, centre))
+    return centre, np.abs(of(values, centre))
 
 
 #: Stations along a row, about.

@@ -35,7 +35,7 @@ OPEN_CIRCUIT = Circuit(kind="open")
 
 @dataclass(frozen=True)
 class Excitation:
-    """Peak amplitudes in phase; a voltage needs a source."""
+    """Peak amplitudes in phase, numbers or arrays; a voltage needs a source."""
 
     circuit: Circuit = _NO_IMPEDANCE
     voltage: float = 0.0  #: V
@@ -50,7 +50,7 @@ class Excitation:
     @property
     def is_mechanical(self) -> bool:
         """Whether base or tip are excited."""
-        return self.acceleration != 0.0 or self.force != 0.0
+        return bool(np.any(self.acceleration) or np.any(self.force))
 
     @property
     def at_rest(self) -> Excitation:
@@ -76,12 +76,12 @@ def elastance(circuit: Circuit, frequencies: Floats) -> Complex:
     if circuit.kind == "open":
         return np.full(s.shape, np.inf + 0j)
     parts = [s * circuit.resistance, s**2 * circuit.inductance]
-    if circuit.capacitance:
+    if np.any(circuit.capacitance):
         parts.append(np.full(s.shape, 1.0 / circuit.capacitance + 0j))
     if circuit.connection == "series":
         return np.asarray(sum(parts))
     sizes = (circuit.resistance, circuit.inductance, circuit.capacitance)
-    stated = [part for part, size in zip(parts, sizes, strict=False) if size]
+    stated = [part for part, size in zip(parts, sizes, strict=False) if np.any(size)]
     if not stated:
         return np.zeros_like(s)
     shorted = np.any([part == 0.0 for part in stated], axis=0)  # resistor or inductor at 0 Hz
@@ -161,8 +161,8 @@ def _short_circuited(
 ) -> Response:
     """Response to the mechanical excitation, electrodes in short circuit."""
     given = np.zeros((port.frequencies.size, len(port.ports)), dtype=complex)
-    if excitation.acceleration:
-        given += excitation.acceleration * inertia(port, ends)
+    if np.any(excitation.acceleration):
+        given += np.asarray(excitation.acceleration)[..., None] * inertia(port, ends)
     given[:, port.index(_TIP)] += excitation.force
     driven = {ELECTRICAL: 0.0} | rest
     acting = {name: given[:, port.index(name)] for name in attached.others(driven)}
@@ -170,6 +170,15 @@ def _short_circuited(
     # what acts from outside on a held port does not strain the actuator
     effort = {name: value - given[:, port.index(name)] for name, value in found.effort.items()}
     return Response(found.motion, effort)
+
+
+def resistor_power(circuit: Circuit, frequencies: Floats, charge: Complex) -> Floats:
+    """Mean power (n,) in W into a circuit's resistor, from charge amplitudes (n,) in C."""
+    if circuit.kind == "open":
+        return np.zeros(frequencies.shape)
+    # Re Z of Z = elastance / jΩ
+    across = elastance(circuit, frequencies)
+    return np.asarray(np.pi * frequencies * across.imag * np.abs(charge) ** 2)
 
 
 class PortState(NamedTuple):
@@ -215,12 +224,7 @@ class ElectricalResponse:
     @property
     def power(self) -> Floats:
         """Mean power into the circuit's resistor (W)."""
-        omega = 2.0 * np.pi * self.frequencies
-        if self.circuit.kind == "open":
-            return np.zeros(omega.shape)
-        # Re Z of Z = elastance / jΩ
-        across = elastance(self.circuit, self.frequencies)
-        return np.asarray(0.5 * omega * across.imag * np.abs(self.charge) ** 2)
+        return resistor_power(self.circuit, self.frequencies, self.charge)
 
     @property
     def optimum_resistance(self) -> Floats:

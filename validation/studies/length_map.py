@@ -67,7 +67,7 @@ class LengthMap:
 
 def actuator(scene: Scene) -> Actuator:
     """Lateral actuator of a scene with support, load and drive."""
-    return Actuator(scene.device, scene.held, scene.load, scene.beam, scene.drive)
+    return Actuator(scene.device, scene.held, scene.load, scene.beam, scene.drive, scene.circuit)
 
 
 def tip_amplitude(device: Actuator, lengths: Floats, frequencies: Floats) -> Floats:

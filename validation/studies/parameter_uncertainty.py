@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -24,10 +24,17 @@ from tactgen.geometry.device.materials import Spread
 from tactgen.geometry.device.profile import Profile
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, has_kink, parameter_keys
-from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
+from tactgen.tmm.beam.port_quantities import (
+    circuit_power,
+    evaluate,
+    first_frequency,
+    resonance_peak,
+)
 from tactgen.tmm.beam.transfer_matrix import is_tapered, sections
+from tactgen.tmm.ports.excitation import excitation_of
 from tactgen.tmm.ports.readout import Electrodes, ModalReadout, Readout
 from tactgen.validation.catalogue.quantities import (
+    CIRCUIT_POWER,
     QUANTITIES,
     TIP_DISPLACEMENT,
     TIP_VELOCITY,
@@ -124,15 +131,39 @@ def targets(scene: Scene) -> tuple[Target, ...]:
     ]
     numbers = [Target(row.name, row.label, row.unit) for row in rows if not row.by_frequency]
     numbers += [_response(row, f) for row in rows if row.by_frequency for f in FREQUENCIES]
-    if active and driven and scene.load.kind == "none":
-        name, unit = TIP_VELOCITY.name, TIP_VELOCITY.unit
+    if active and (row := _peaking(scene)):
         numbers += [
-            Target(name, "peak frequency", "Hz", peak="frequency"),
-            Target(name, "peak tip velocity", unit, peak="height"),
+            Target(row.name, "peak frequency", "Hz", peak="frequency"),
+            Target(row.name, f"peak {row.label}", row.unit, peak="height"),
         ]
     if active and driven and scene.load.kind == "finger":
         numbers.append(replace(_response(TIP_DISPLACEMENT, ILL_CONDITIONED), ill_conditioned=True))
     return tuple(numbers)
+
+
+def _peaking(scene: Scene) -> QuantityRow | None:
+    """Response whose peak at the first resonance is a number: of a free tip, of a harvester."""
+    if scene.load.kind == "none" and not beyond_voltage(scene):
+        return TIP_VELOCITY
+    excitation = excitation_of(scene.circuit, scene.drive)
+    taken = scene.circuit.kind == "load" and scene.circuit.resistance > 0.0
+    if taken and excitation.is_mechanical and scene.load.kind in ("none", "mass"):
+        return CIRCUIT_POWER
+    return None
+
+
+def _peak(
+    device: Actuator, name: str, points: Mapping[str, Floats], modes: Sequence[Floats], rounds: int
+) -> tuple[Floats, Floats]:
+    """Frequency (n,) in Hz and height (n,) of a response's resonance.
+
+    `modes` are first frequencies (n,) in short and in open circuit, between which a circuit's lies.
+    """
+    if name == CIRCUIT_POWER.name:
+        between = np.sqrt(modes[0] * modes[1])
+        return resonance_peak(partial(circuit_power, device), points, between, rounds)
+    read = QUANTITIES[name].port_readout
+    return resonance_peak(partial(evaluate, device, read), points, modes[0], rounds)
 
 
 def _response(row: QuantityRow, frequency: float) -> Target:
@@ -147,11 +178,12 @@ class SampledNumbers:
         self._points = points
         self._size = next(iter(points.values())).size
         self._modes: dict[Electrodes, Floats] = {}
+        self._peaks: dict[str, tuple[Floats, Floats]] = {}
 
     def of(self, target: Target) -> Floats:
         """Target's value (n,) at each sample."""
         if target.peak:
-            return self._peaks[int(target.peak == "height")]
+            return self._peak_of(target.name)[int(target.peak == "height")]
         read = target.read
         if isinstance(read, Readout):
             at = np.full(self._size, target.frequency or 0.0)
@@ -159,11 +191,12 @@ class SampledNumbers:
         first = [self._mode(circuit) for circuit in read.circuits]
         return np.asarray(read.combine(*first)) if read.combine else first[0]
 
-    @cached_property
-    def _peaks(self) -> tuple[Floats, Floats]:
-        """Frequency (n,) in Hz and height (n,) of the free tip's resonance."""
-        read = TIP_VELOCITY.port_readout
-        return resonance_peak(self.actuator, read, self._points, self._mode("short"))
+    def _peak_of(self, name: str) -> tuple[Floats, Floats]:
+        """Frequency (n,) in Hz and height (n,) of a response's resonance."""
+        if name not in self._peaks:
+            modes = self._mode("short"), self._mode("open")
+            self._peaks[name] = _peak(self.actuator, name, self._points, modes, 5)
+        return self._peaks[name]
 
     def _mode(self, circuit: Electrodes) -> Floats:
         if circuit not in self._modes:
@@ -187,11 +220,9 @@ def values_and_errors(
 ) -> Iterator[tuple[Target, float, float]]:
     """Yield each headline number as everywhere else, with its absolute numerical error."""
     device, peaks = actuator(scene), []
-    if any(target.peak for target in numbers):
-        read, start = TIP_VELOCITY.port_readout, np.array([_first(device, "short")])
-        peaks = [
-            float(resonance_peak(device, read, {}, start, rounds=rounds)[0][0]) for rounds in (4, 5)
-        ]
+    if peaking := next((target.name for target in numbers if target.peak), ""):
+        modes = [np.array([_first(device, circuit)]) for circuit in ("short", "open")]
+        peaks = [float(_peak(device, peaking, {}, modes, rounds)[0][0]) for rounds in (4, 5)]
     at = (*FREQUENCIES, ILL_CONDITIONED, *peaks[1:])
     names = sorted({target.name for target in numbers})
     at_them = scene.model_copy(update={"frequency": at})

@@ -8,6 +8,7 @@ from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import PRINTED
 from tactgen.geometry.units import Unit
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.variation import with_values
 from tactgen.validation.studies import parameter_uncertainty as study
@@ -113,6 +114,34 @@ def test_headline_numbers(prototype):
     assert [t.frequency for t in paper if t.ill_conditioned] == [1000.0]
     loose = load_scene("paper", ["support.rotational_stiffness=0 N*m/rad"])[0]
     assert "static_tip_displacement" not in {t.quantity.name for t in targets(loose)}
+
+
+def test_a_harvesters_numbers_are_peak_and_power():
+    """The largest power of the band, which goes as the square of the acceleration."""
+    scene, _ = load_scene("prototype", [
+        "support.kind=clamped", "load.kind=mass", "load.mass=50 mg", "circuit.kind=load",
+        "circuit.resistance=80 kohm ± 10 %", "drive.base_acceleration=1 g ± 3 %",
+        "frequency=600:3000:9", "quantities=circuit_power",
+    ])  # fmt: skip
+    rows = {row.target.label: row for row in parameter_uncertainty(scene, evaluations=200)}
+    power = rows["peak circuit power"]
+    (found,) = solve(scene, ("tmm",), ("circuit_power",)).quantities
+    assert power.value == pytest.approx(found.extreme.value, rel=1e-6)
+    assert rows["peak frequency"].value == pytest.approx(found.extreme.frequency, rel=1e-6)
+    acceleration = scene.drive.base_acceleration
+    share = power.slopes["drive.base_acceleration"] * acceleration / power.value
+    assert share == pytest.approx(2.0, rel=1e-6)
+    circuits = (
+        scene.circuit.model_copy(update={"resistance": by * scene.circuit.resistance})
+        for by in (1.001, 0.999)
+    )
+    more, less = (
+        solve(scene.model_copy(update={"circuit": circuit}), ("tmm",), ("circuit_power",))
+        .quantities[0].extreme.value
+        for circuit in circuits
+    )  # fmt: skip
+    slope = power.slopes["circuit.resistance"] * scene.circuit.resistance
+    assert slope == pytest.approx((more - less) / 0.002, rel=1e-3)
 
 
 def test_first_order_and_samples_agree(prototype):
