@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.units import SI, quoted
 from tactgen.validation.catalogue.models import MODELS, gives, reading
-from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.catalogue.quantities import QUANTITIES, QuantityRow
 from tactgen.validation.engine.answers import modelling_at
 from tactgen.validation.engine.derivatives import NEAREST, Changed, Derivatives, derivatives, misfit
 from tactgen.validation.engine.solve import check_models, check_request
@@ -42,7 +43,7 @@ class SensitivityColumn:
     quantity: str
     unit: str
     frequency: float | None  #: In Hz, for quantities that depend on it
-    extreme: str  #: "largest" or "least" over the band, for what is that
+    extreme: str  #: "largest", "least" or "at peak" of another, over the band; else empty
     value: float
     derivatives: dict[str, float]  #: dq/dp in SI units by scene key
     #: d ln q / d ln p by scene key, and its error
@@ -145,7 +146,7 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
                 quantity=q.name,
                 unit=QUANTITIES[q.name].unit,
                 frequency=_frequency(q, i),
-                extreme=("least" if QUANTITIES[q.name].is_limit else "largest") if peak else "",
+                extreme=_extreme(QUANTITIES[q.name]) if peak else "",
                 value=value,
                 derivatives=slopes,
                 logarithmic={key: slope * scales[key] for key, slope in slopes.items()},
@@ -157,6 +158,11 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
             )
         )
     return columns
+
+
+def _extreme(row: QuantityRow) -> str:
+    """What a value over a band is, in a word or two."""
+    return "at peak" if row.peak_of else "least" if row.is_limit else "largest"
 
 
 def _frequency(q: Quantity, i: int) -> float | None:
@@ -230,8 +236,7 @@ def thinned(columns: Sequence[SensitivityColumn]) -> list[SensitivityColumn]:
     """As many columns as people can read: of each quantity its extreme and a few frequencies."""
     if len(columns) <= _SHOWN:
         return list(columns)
-    names = dict.fromkeys(c.quantity for c in columns)
-    groups = [[c for c in columns if c.quantity == name] for name in names]
+    groups = [list(of) for _, of in groupby(columns, lambda c: (c.quantity, c.model))]
     single = sum(len(group) == 1 for group in groups)
     each = max(1, (_SHOWN - single) // max(1, len(groups) - single))
     return [column for group in groups for column in _a_few(group, each)]
