@@ -66,8 +66,13 @@ class Picture:
         return self.width > self.height
 
 
-def still(result: FieldResult, state: State, picture: Picture, phase: float = 0.0) -> bytes:
-    """PNG of a state at a phase (rad); InputError where the system has no OpenGL library."""
+def still(result: FieldResult, state: State, picture: Picture, phase: float | None = None) -> bytes:
+    """PNG of a state at a phase (rad), of what is driven by default that of its largest motion.
+
+    Raises InputError where the system has no OpenGL library.
+    """
+    if phase is None:  # at resonance nothing has moved at phase 0
+        phase = -float(np.angle(state.tip)) if state.kind == "harmonic" else 0.0
     stage = _StateStage(result, state, picture)
     return as_png(stage.images([phase], stage.picture_at, lambda _: None)[0])
 

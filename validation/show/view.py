@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.validation.engine.solve import asks_display
@@ -81,9 +79,7 @@ def view(
         elif kind == "png":
             announce("still")
             with written_whole(path) as temporary:
-                # at its largest motion: at resonance there is none at phase 0
-                phase = -float(np.angle(state.tip)) if state.kind == "harmonic" else 0.0
-                temporary.write_bytes(still(first, state, Picture(shade=shade), phase))
+                temporary.write_bytes(still(first, state, Picture(shade=shade)))
         else:
             write_film(path, first, state, Picture(800, 480, shade), announce)
     return list(files.values())
