@@ -108,6 +108,9 @@ class _Parser(argparse.ArgumentParser):
             if option.startswith("--")
         ]  # fmt: skip
         key = unknown[1].replace("-", "_")
+        one = re.sub("ies$", "y", unknown[1]).removesuffix("s")
+        if one in options:  # which is repeated for several
+            return f' (did you mean "--{one}"?)'
         if "set" in options:
             from tactgen.validation.scene.keys import is_scene_key
 
