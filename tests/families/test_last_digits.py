@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.evidence.coverage import PROMISED
+from tactgen.validation.evidence.judgement import PROMISED
 from tactgen.validation.scene.load import load_scene
 
 SCENES = (

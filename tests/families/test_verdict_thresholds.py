@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tactgen.validation.engine.comparison import compare
 from tactgen.validation.evidence.case import Check, judged
-from tactgen.validation.evidence.coverage import Judged
+from tactgen.validation.evidence.judgement import Judged
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies.whatif.compare import Number, _beyond

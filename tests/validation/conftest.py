@@ -12,8 +12,6 @@ import numpy as np
 import pytest
 from pages import blank_figures
 
-from tactgen.validation.evidence import stress_beam as beam
-from tactgen.validation.evidence.stress import ErrorMap, Point, Stress, answered
 from tactgen.validation.show.browser import find_browser, run_browser
 
 #: What watches a page in a browser, and where in it a test's own steps go.
@@ -148,26 +146,6 @@ def rough_fields():
             yield patch
 
     return within
-
-
-@pytest.fixture
-def made_up_stress(monkeypatch):
-    """Return a function that puts a made-up stress run with these points in the real one's place.
-
-    Without points it has one that holds.
-    """
-    table = ErrorMap(
-        "made up", np.array([0.0, 1.0]), np.array([1e-3]), np.full((1, 2), 1e-14),
-        np.array([[np.nan, np.inf]]),
-    )  # fmt: skip
-
-    def put(points=()):
-        points = points or [Point("somewhere", 1e-13, 1e-12)]
-        rows = (answered("family", "what", points),)
-        made = Stress("tmm", "words", rows, (table,), 0)
-        monkeypatch.setattr(beam, "run", lambda _: made)
-
-    return put
 
 
 @pytest.fixture

@@ -18,9 +18,9 @@ from tactgen.geometry.files import write_text
 from tactgen.validation.engine.origin import this_origin
 from tactgen.validation.evidence.calibration import shipped
 from tactgen.validation.evidence.case import Case
-from tactgen.validation.evidence.coverage import shares_plot
 from tactgen.validation.evidence.faults import cached_rows
 from tactgen.validation.evidence.fit_record import CURVE
+from tactgen.validation.evidence.judgement import shares_plot
 from tactgen.validation.evidence.verification import (
     VERDICTS,
     Division,

@@ -12,7 +12,7 @@ from typing import Any
 from tactgen.geometry.csv_tables import write_csv
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering
-from tactgen.validation.evidence.coverage import loaded
+from tactgen.validation.evidence.judgement import loaded
 from tactgen.validation.show.browser import console
 from tactgen.validation.show.figures import ORANGE, panels, plain_numbers, svg
 

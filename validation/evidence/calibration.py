@@ -17,7 +17,7 @@ from tactgen.geometry.formats import share
 from tactgen.geometry.operating_system import core_count
 from tactgen.tmm.beam import calibrated as beam
 from tactgen.tmm.reluctance import calibrated as network
-from tactgen.validation.evidence.coverage import cached_by_code
+from tactgen.validation.evidence.judgement import cached_by_code
 
 Announce = Callable[[str], None]
 #: Name and record of a calibration.

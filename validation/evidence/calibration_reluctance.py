@@ -19,7 +19,6 @@ from tactgen.tmm.chebyshev import Products, weighted_powers
 from tactgen.tmm.reluctance import calibrated
 from tactgen.tmm.reluctance.calibrated import GROUPS, VALUES, Fit, State, corrected, groups
 from tactgen.tmm.reluctance.network import network_samples
-from tactgen.validation.evidence.coverage import PROMISED
 from tactgen.validation.evidence.fit_record import (
     covering,
     evidence,
@@ -27,6 +26,7 @@ from tactgen.validation.evidence.fit_record import (
     rounded,
     solve_normal,
 )
+from tactgen.validation.evidence.judgement import PROMISED
 from tactgen.validation.evidence.random_devices import accepted, any_actuator
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.scene import Scene

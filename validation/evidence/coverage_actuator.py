@@ -1,4 +1,4 @@
-"""Bars of the axisymmetric field: random normal actuators on a finer grid with farther walls."""
+"""Bars of the normal actuator's models and of the machine: random devices against finer answers."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ import numpy as np
 
 from tactgen.fem.magnetics.actuator_3d import solve_solid
 from tactgen.fem.magnetics.axisymmetric import solve_point
-from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.reluctance.section_grid import actuator_regions, air_radius
 from tactgen.geometry.reluctance.sector_tets import Sector
 from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
-from tactgen.tmm.generator.transient.time_integration import output_at, simulate
+from tactgen.tmm.generator.transient.machine import Machine
+from tactgen.tmm.generator.transient.system import System
+from tactgen.tmm.generator.transient.time_integration import Answer, output_at, simulate
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.reluctance.calibrated import VALUES, State, sizes
 from tactgen.tmm.reluctance.circuit import CELLS
-from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.tmm.reluctance.map_range import map_grid, network_map
 from tactgen.tmm.reluctance.network import DirectForce, network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force
 from tactgen.validation.catalogue.quantities import QUANTITIES, AnswerReadout
 from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.evidence import random_devices
-from tactgen.validation.evidence.coverage import Judged, relative
+from tactgen.validation.evidence.judgement import Judged, relative
 from tactgen.validation.evidence.random_devices import accepted, between
 from tactgen.validation.models.classes import make_model, map_of
 from tactgen.validation.models.model import Stages
@@ -131,31 +131,23 @@ _POINTS, _GAPS = 20, 9
 
 
 def judge_map(rng: np.random.Generator) -> list[Judged]:
-    """Largest errors of one device's map, drawn by `rng`, against the network itself."""
-    scene, where, surface = _fitting(rng, lambda scene: network_map(scene.device))
-    most = surface.current_limit
-    currents = np.append(rng.uniform(0.0, most, _POINTS), most)
-    gaps = rng.uniform(*surface.gap_limits, _POINTS)
-    errors = map_errors(scene.device, surface, np.sort(currents), gaps)
-    return [
-        Judged(where, name, float(error.max()), getattr(surface.interpolation_error, name))
-        for name, error in errors.items()
-    ]
+    """Largest errors of one device's map, drawn by `rng`, against the network itself.
 
-
-def map_errors(
-    device: Device, surface: CoenergyMap, currents: Floats, gaps: Floats
-) -> dict[str, Floats]:
-    """Errors (n_currents, n_gaps) of a map against the network itself; currents up to the largest.
-
-    Relative to a tenth of the largest at that gap, where less: so the map states them.
+    Relative to a tenth of the largest at that gap, where less: so the map states them.  Judged
+    inside, and at the largest current and at both ends of the gaps.
     """
-    right, errors = network_samples(device, currents, gaps), {}
+    scene, where, surface = _fitting(rng, lambda scene: network_map(scene.device))
+    most, ends = surface.current_limit, surface.gap_limits
+    currents = np.sort(np.append(rng.uniform(0.0, most, _POINTS), most))
+    gaps = np.append(rng.uniform(*ends, _POINTS), ends)
+    right, judged = network_samples(scene.device, currents, gaps), []
     for name in ("flux_linkage", "force"):
         known = getattr(right, name)
         off = np.abs(getattr(surface, name)(currents[:, None], gaps) - known)
-        errors[name] = off / np.maximum(np.abs(known), 0.1 * np.abs(known[-1]))
-    return errors
+        error = off / np.maximum(np.abs(known), 0.1 * np.abs(known[-1]))
+        bar = getattr(surface.interpolation_error, name)
+        judged.append(Judged(where, name, float(error.max()), bar))
+    return judged
 
 
 def judge_switching(rng: np.random.Generator) -> list[Judged]:
@@ -244,9 +236,9 @@ def _balance(exact: DirectForce, currents: np.ndarray, gap: float) -> float:
 
 #: Seconds that are run.
 _UNTIL = 2e-4
-#: Accuracy of the reference, of the run's that is judged, and its longest step (s): a tenth of the
-#: run's, a hundredth of the time.  By the accuracy alone both might take the same steps.
-_FINER_IN_TIME, _LONGEST = 0.01, 1e-3 * _UNTIL
+#: Accuracy of the reference, of the run's that is judged, and its longest step, of the time: by
+#: the accuracy alone both might take the same steps.
+_FINER_IN_TIME, _LONGEST = 0.01, 1e-3
 
 
 def judge_in_time(rng: np.random.Generator) -> list[Judged]:
@@ -270,28 +262,46 @@ def _in_time(rng: np.random.Generator) -> list[Judged]:
     ]
     scene, _ = load_scene("generator", overrides)
     found = scene_machine(scene, coil="voltage", volts=10.0)
-    velocity = np.zeros(found.rest.size)
-    velocity[0] = speed
     coil = Step(between(rng, 1e-3, 0.05) * (ohms + 20.0))
     drive = Sine(between(rng, 1.0, 50.0), between(rng, 50.0, 2000.0))
-    run, finer = (
-        simulate(
-            found.system, Sources(drive, coil), _UNTIL,
-            position=found.rest, velocity=velocity, accuracy=accuracy * share, longest=longest,
-        )
-        for share, longest in ((1.0, math.inf), (_FINER_IN_TIME, _LONGEST))
-    )  # fmt: skip
+    run, finer = two_runs(found, Sources(drive, coil), _UNTIL, speed, accuracy)
     where = f"{' '.join(overrides)}, {speed:.4g} m/s, accuracy {accuracy:.3g}"
     at = int(rng.integers(run.run.time.size // 10, run.run.time.size))
-    judged = []
+    errors = time_errors(found.system, run, finer, at)
+    return [Judged(where, name, *of) for name, of in errors.items()]
+
+
+def two_runs(
+    machine: Machine, sources: Sources, until: float, speed: float, accuracy: float
+) -> tuple[Answer, Answer]:
+    """Run of a machine at rest but for its rod's speed (m/s), and its reference in finer steps."""
+    velocity = np.zeros(machine.rest.size)
+    velocity[0] = speed
+    run, finer = (
+        simulate(
+            machine.system, sources, until,
+            position=machine.rest, velocity=velocity, accuracy=wanted, longest=longest,
+        )
+        for wanted, longest in ((accuracy, math.inf), (_FINER_IN_TIME * accuracy, _LONGEST * until))
+    )  # fmt: skip
+    return run, finer
+
+
+def time_errors(
+    system: System, run: Answer, finer: Answer, count: int
+) -> dict[str, tuple[float, float]]:
+    """Largest error of each output in a run's first steps, and the bar there.
+
+    Both relative to the output's largest.
+    """
+    errors, times = {}, run.run.time[:count]
     for name, values in run.outputs.items():
-        times, bar = run.run.time[:at], run.bars[name][at - 1]
         right = (
             np.interp(times, finer.run.time, finer.run.current)
             if name == "current"
-            else output_at(finer.run, found.system.outputs[name].row, times)
+            else output_at(finer.run, system.outputs[name].row, times)
         )
-        off = np.abs(values[:at] - right).max()
+        off = np.abs(values[:count] - right).max()
         size = float(np.abs(values).max()) or 1.0
-        judged.append(Judged(where, name, float(off / size), float(bar / size)))
-    return judged
+        errors[name] = float(off / size), float(run.bars[name][count - 1] / size)
+    return errors

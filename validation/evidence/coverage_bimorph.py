@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any, Literal, TypeAlias
@@ -27,7 +27,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate
 from tactgen.validation.evidence.cases import exact_beam as exact
 from tactgen.validation.evidence.cases.exact_beam import Row, natural_frequency
-from tactgen.validation.evidence.coverage import Judged, relative
+from tactgen.validation.evidence.judgement import Judged, relative
 from tactgen.validation.evidence.random_devices import (
     CERAMICS,
     accepted,
@@ -63,8 +63,8 @@ def judge_beam(rng: np.random.Generator) -> list[Judged]:
     scene, where = accepted(attempt)
     found, answers = solve(scene, ["beam", "tmm"], _BEAM), list[Judged]()
     for name in _BEAM:
-        beam, exact_one = (found.get(name, model) for model in ("beam", "tmm"))
-        answers += relative(where, name, beam.value, beam.error, exact_one.value)
+        beam, right = found.get(name, "beam"), found.get(name, "tmm").value
+        answers += relative(where, name, beam.value, beam.error, right)
     return answers
 
 
@@ -125,9 +125,9 @@ def against_digits(scene: Scene, where: str) -> list[Judged]:
             for f in values
         ]
         for i, (value, bar, digits) in enumerate(zip(values, bars, known, strict=True)):
-            name = f"{quantity.name} {i + 1}" if values.size > 1 else quantity.name
             error = exact.relative_error(value, digits)
-            answers.append(Judged(where, name, error, float(bar / abs(digits))))
+            which = f"{i + 1}" if values.size > 1 else ""
+            answers.append(Judged(where, quantity.name, error, float(bar / abs(digits)), which))
     return answers
 
 
@@ -228,8 +228,12 @@ def judge_solid(rng: np.random.Generator) -> list[Judged]:
     return judged(replace(case, all_motions=bool(every), at=AT if responds else ()))
 
 
-#: Tip masses beside the bimorph's own, of a device in three.
-_TIP_MASS = (0.1, 3.0)
+def _with_mass(rng: np.random.Generator, overrides: Sequence[str]) -> list[str]:
+    """The same bimorph with a tip mass of 0.1 to 3 of its own, and no other load."""
+    scene, _ = load_scene("prototype", list(overrides))
+    mass = laminate(scene.device).m * scene.bimorph.length * between(rng, 0.1, 3.0)
+    kept = (one for one in overrides if not one.startswith("load."))
+    return [*kept, "load.kind=mass", f"load.mass={1e6 * mass:.5g}mg"]
 
 
 def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
@@ -246,9 +250,7 @@ def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
     if kind < _ONE_IN_THREE:
         overrides = sprung(fresh, overrides, laminate(scene.device).EI / scene.bimorph.length)
     elif kind < 2.0 * _ONE_IN_THREE:
-        mass = laminate(scene.device).m * scene.bimorph.length * between(fresh, *_TIP_MASS)
-        overrides = [*(one for one in overrides if not one.startswith("load.")), "load.kind=mass",
-                     f"load.mass={1e6 * mass:.5g}mg"]  # fmt: skip
+        overrides = _with_mass(fresh, overrides)
     scene, _ = load_scene("prototype", [*overrides, "mesh.level=2"])
     asked = (*_STATIC, _SHORT, "coupling_factor")
     found = solve(scene, ["tmm", "solid"], asked)
@@ -259,11 +261,9 @@ def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
         if solid.classes is not None:
             right = right[np.array(solid.classes) == "bending_x"]
         count = min(right.size, np.size(beam.value))
-        value, error = (
-            np.atleast_1d(a)[:count] for a in (beam.value, beam.modelling_error)
-        )  # fmt: skip
-        judged_here = relative(" ".join(overrides), name, value, error, right[:count])
-        answers += [one for one in judged_here if np.isfinite(one.bar)]
+        value, error = (np.atleast_1d(a)[:count] for a in (beam.value, beam.modelling_error))
+        of_all = relative(" ".join(overrides), name, value, error, right[:count])
+        answers += [one for one in of_all if np.isfinite(one.bar)]
     return answers
 
 
@@ -278,10 +278,7 @@ def judge_harvester(rng: np.random.Generator) -> list[Judged]:
     what = str(fresh.choice(["patch", "tip extension"]))
     plain = (clamped_laminate if what == "patch" else clamped_bimorph)(fresh)
     overrides = [*unusual_bimorph(fresh, plain, what), f"shim.loss_factor={fresh.choice(_LOSSES)}"]
-    scene, _ = load_scene("prototype", overrides)
-    mass = laminate(scene.device).m * scene.bimorph.length * between(fresh, *_TIP_MASS)
-    overrides = [*(one for one in overrides if not one.startswith("load.")), "load.kind=mass",
-                 f"load.mass={1e6 * mass:.5g}mg"]  # fmt: skip
+    overrides = _with_mass(fresh, overrides)
     scene, _ = load_scene("prototype", overrides)
     modes, capacitance = solve(scene, ["tmm"], [_SHORT, "capacitance_free"]).quantities
     first = float(modes.value[0])
@@ -320,9 +317,9 @@ def judged(case: Case) -> list[Judged]:
                 continue
             number = classes[:i].count(kind)
             right = known[q.name, kind][number]
-            which = f" {kind} {number + 1}".replace("  ", " ") if values.size > 1 or kind else ""
+            which = f"{kind} {number + 1}".lstrip() if values.size > 1 or kind else ""
             off, size = abs(value - right), abs(right)
-            answers.append(Judged(where, q.name + which, float(off / size), float(error / size)))
+            answers.append(Judged(where, q.name, float(off / size), float(error / size), which))
     return answers
 
 

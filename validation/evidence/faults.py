@@ -28,7 +28,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import cached_result, stored_result
-from tactgen.validation.evidence.stress import Family, PartRequest, Row, Stress
+from tactgen.validation.evidence.judgement import Family, Judged, Row, rows
+from tactgen.validation.evidence.stress import RULE
 
 #: Seconds after which a process is taken for endless.
 ENDLESS = 300.0
@@ -232,16 +233,10 @@ def said(done: Ended) -> tuple[bool, str]:
     return clean and (done.code != 2 or bool(refusals)), " ".join(refusals)
 
 
-_STATEMENT = (
-    "A point is one run of a command, spoilt, and the same run again undisturbed: it counts as "
-    "wrong if a file was half-written, if the second run's answer is not that of an undisturbed "
-    "one, if words are not ours, or if it never ends. What is refused is quoted."
-)
 #: Codes with which a command may end that was not allowed to do its work.
 _REFUSED, _INTERRUPTED, _TERMINATED, _PIPE = 2, 130, 143, 141
 #: A place where no file can be made, even by root.
-_NOWHERE = "/proc/tactgen"
-_GIB = 2**30
+_NOWHERE = Path("/proc/tactgen")
 _CODE = (
     "tactgen.validation.command_line.cli", "tactgen.validation.models",
     "tactgen.validation.catalogue", "tactgen.fem", "tactgen.tmm",
@@ -354,28 +349,25 @@ def corrupted(trials: Trials, times: int) -> Points:
         yield f"{command.name}, {len(entries)} entries, {how}", wrong, None
 
 
-def limited(what: str, sizes: Sequence[int]) -> Callable[[Trials, int], Points]:
-    """Command runner with a limited resource."""
+def in_each(codes: Sequence[int], *changes: dict[str, Any]) -> Callable[[Trials, int], Points]:
+    """Runner of all commands in each of the changed surroundings, ended by one of the codes."""
 
     def run(trials: Trials, _: int) -> Points:
-        for command, size in product(trials.commands, sizes):
-            around = replace(trials.place(), limit=(what, size))
+        for command, change in product(trials.commands, changes):
+            around = replace(trials.place(), **change)
             done = finish(begin(command, around))
-            wrong = trials.judge(command, around, done, (0, _REFUSED))
-            yield f"{command.name}, at most {size} bytes", wrong, done
+            how = " ".join(str(value) for value in change.values())
+            yield f"{command.name}, {how}", trials.judge(command, around, done, codes), done
 
     return run
 
 
-def read_only(trials: Trials, _: int) -> Points:
-    """Let neither store nor output folder be writable."""
+def no_folder(trials: Trials, _: int) -> Points:
+    """Let the folder to write to be one in which no file can be made."""
     for command in trials.commands:
-        spoilt = replace(trials.place(), store=Path(_NOWHERE))
-        done = finish(begin(command, spoilt))
-        yield f"{command.name}, store", trials.judge(command, spoilt, done, (0,)), done
         if "{out}" in command.line:
-            done = finish(begin(command, replace(spoilt, out=Path(_NOWHERE))))
-            yield f"{command.name}, folder", _refused(done), done
+            done = finish(begin(command, replace(trials.place(), out=_NOWHERE)))
+            yield command.name, _refused(done), done
 
 
 def _refused(done: Ended) -> str:
@@ -408,18 +400,8 @@ def shut_pipe(trials: Trials, _: int) -> Points:
         yield command.name, trials.judge(command, around, done, (0, _PIPE, _REFUSED)), None
 
 
-def homeless(trials: Trials, _: int) -> Points:
-    """Take HOME away, or let it name nothing."""
-    homes = (None, "", "/nonexistent")
-    for turn in range(max(len(homes), len(trials.commands))):
-        command, home = trials.commands[turn % len(trials.commands)], homes[turn % len(homes)]
-        spoilt = replace(trials.place(), variables={"HOME": home, "TACTGEN_CACHE": None})
-        done = finish(begin(command, spoilt))
-        yield f"{command.name}, HOME={home}", trials.judge(command, spoilt, done, (0,)), None
-
-
-#: Families by name: what is spoilt, and what runs the trials.
-FAMILIES: dict[str, tuple[str, Callable[[Trials, int], Points]]] = {
+#: Faults by name: what is spoilt, and what runs the trials.
+_FAULTS: dict[str, tuple[str, Callable[[Trials, int], Points]]] = {
     "killed (SIGKILL)": ("at random moments", ended_by(signal.SIGKILL, (-signal.SIGKILL, 0))),
     # before the program has begun its code is the signal's
     "told to end (SIGTERM)": ("at random moments",
@@ -429,13 +411,17 @@ FAMILIES: dict[str, tuple[str, Callable[[Trials, int], Points]]] = {
     "corrupted store": ("every entry with a bit flipped, cut, emptied, or another's content",
                         corrupted),
     "no room on the disk": ("files of at most 0 and 300 bytes",
-                            limited("RLIMIT_FSIZE", (0, 300))),
-    "read-only places": ("a store and a folder in which no file can be made", read_only),
+                            in_each((0, _REFUSED), {"limit": ("RLIMIT_FSIZE", 0)},
+                                    {"limit": ("RLIMIT_FSIZE", 300)})),
+    "read-only store": ("one in which no file can be made", in_each((0,), {"store": _NOWHERE})),
+    "read-only folder": ("one in which no file can be made", no_folder),
     "two at once": ("the same command twice on one store and one folder", two_at_once),
     "little memory": ("1 GiB of address space: an answer, or a sentence",
-                      limited("RLIMIT_AS", (_GIB,))),
+                      in_each((0, _REFUSED), {"limit": ("RLIMIT_AS", 2**30)})),
     "closed pipe": ("stdout into a pipe that nobody reads", shut_pipe),
-    "no home": ("HOME missing, empty, not there", homeless),
+    "no home": ("HOME missing, empty, not there",
+                in_each((0,), *({"variables": {"HOME": home, "TACTGEN_CACHE": None}}
+                                for home in (None, "", "/nonexistent")))),
 }  # fmt: skip
 
 
@@ -450,41 +436,37 @@ def _spoil(path: Path, other: Path, how: str, chance: random.Random) -> None:
     path.write_bytes(b"" if how == "empty" else bytes(content))
 
 
-def run(asked: PartRequest) -> Stress:
-    """Run all families: half a minute if quick, else some twenty.
+def judge(family: Family, quick: bool) -> None:
+    """Put all commands under all faults: half a minute if quick, else some twenty.
 
     Raises InputError where the system is not Linux, whose limits are set.
     """
     if sys.platform != "linux":
         raise InputError("the part faults runs on Linux only; choose other parts with --only")
-    # kept together: how long the undisturbed runs take steers all that follows
-    rows = asked.keep((asked.quick,), lambda: _rows(asked))
-    # and once more for the verification book, whatever the seed
-    cached_result(_KIND, (asked.quick,), _CODE, lambda: rows, serves=lambda _: False)
-    return Stress("faults", _STATEMENT, rows)
-
-
-def _rows(asked: PartRequest) -> tuple[Row, ...]:
     with tempfile.TemporaryDirectory(prefix="tactgen-faults-") as folder:
-        asked.announce("faults: undisturbed runs")
-        commands = LIGHT if asked.quick else (*LIGHT, *HEAVY)
-        trials, rows = Trials(commands, Path(folder), asked.seed), []
-        for name, (what, run_family) in FAMILIES.items():
-            asked.announce(f"faults: {name}")
-            family = Family()
-            for where, wrong, done in run_family(trials, 6 if asked.quick else 60):
+        family.announce("faults: undisturbed runs")
+        commands = LIGHT if quick else (*LIGHT, *HEAVY)
+        trials = Trials(commands, Path(folder), family.seed)
+        for name, (what, run_family) in _FAULTS.items():
+            family.announce(f"faults: {name}")
+            row = f"{name}: {len(commands)} commands, {what}"
+            for where, wrong, done in run_family(trials, 6 if quick else 60):
                 if done is not None and done.code == _REFUSED:
-                    family.refusals.append(said(done)[1])
-                where += f": {wrong}" if wrong else ""
-                family.add(where, math.inf if wrong else 0.0, 0.0)
-            rows.append(family.row(f"faults: {name}", f"{len(commands)} commands, {what}"))
-        return tuple(rows)
+                    family.refuse(said(done)[1], of=row)
+                place = f"{where}: {wrong}" if wrong else where
+                family.add(place, math.inf if wrong else 0.0, 0.0, of=row)
+    # and once more for the verification book, whatever the seed
+    cached_result(_KIND, (quick,), _CODE, lambda: family.answers, serves=lambda _: False)
 
 
-def cached_rows() -> tuple[Row, ...]:
+#: All together: how long the undisturbed runs take steers all that follows.
+FAMILIES = {"faults": judge}
+
+
+def cached_rows() -> list[Row]:
     """Cached rows of this very code, of a full run if there was one."""
     for quick in (False, True):
-        rows: tuple[Row, ...] | None = stored_result(_KIND, (quick,), _CODE)
-        if rows is not None:
-            return rows
-    return ()
+        answers: list[Judged] | None = stored_result(_KIND, (quick,), _CODE)
+        if answers is not None:
+            return rows(answers, RULE)
+    return []

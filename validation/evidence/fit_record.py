@@ -9,7 +9,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.chebyshev import Products
-from tactgen.validation.evidence.coverage import PROMISED
+from tactgen.validation.evidence.judgement import PROMISED
 
 #: Multiples of a stated error at which the share of errors within it is told.
 CURVE = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from functools import cache, partial
 from itertools import product
 from typing import Any
@@ -28,9 +27,8 @@ from tactgen.tmm.beam.span import EPS, dynamic_stiffness, rounding
 from tactgen.tmm.beam.transfer_matrix import chain
 from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.evidence.cases import exact_beam as reference
-from tactgen.validation.evidence.cases import textbook_beam
 from tactgen.validation.evidence.cases.exact_beam import offset
-from tactgen.validation.evidence.stress import ErrorMap, Family, PartRequest, Point, Stress
+from tactgen.validation.evidence.judgement import Family, Judged
 
 #: Entries of D that are not zero by symmetry.
 _ENTRIES = tuple(set(product(range(5), repeat=2)) - {(0, 4), (4, 0), (2, 4), (4, 2)})
@@ -48,9 +46,9 @@ _CLAMPED_FREE = Ends()
 
 
 @cache
-def compared(beam: Section, length: float, frequency: float, ends: Ends, label: str = "") -> Point:
+def compared(beam: Section, length: float, frequency: float, ends: Ends) -> tuple[float, float]:
     """Relative error of D or of the mounted response, with its bound: the worst beside this."""
-    omega, (base, tip) = 2.0 * np.pi * frequency, _attached(ends, frequency)
+    omega, (base, tip) = 2.0 * np.pi * frequency, attached(ends, frequency)
     exact, (w_tip, charge, psi_tip) = exactly(beam, length, frequency, ends)
     ours = mounted_response(beam, length, omega, base=base, tip=tip)
     d, bounds = dynamic_stiffness(beam, length, omega), rounding(beam, length, omega)
@@ -59,37 +57,22 @@ def compared(beam: Section, length: float, frequency: float, ends: Ends, label: 
         (value, right, float(ours.error))
         for value, right in ((ours.w_tip, w_tip), (ours.charge, charge), (ours.psi_tip, psi_tip))
     ]
-    where = f"{label}{_si(length, 'm')}, {_si(frequency, 'Hz')}"
-    points = [
-        Point(where, _finite(reference.relative_error(value, right)), bound)
+    errors = [
+        (finite(reference.relative_error(value, right)), bound)
         for value, right, bound in found
         if abs(right) > _UNDERFLOW
     ]
-    return max(points, key=lambda point: point.share)
-
-
-def by_printed_formulas(beam: Section, length: float, frequency: float, ends: Ends) -> float:
-    """The same error of the paper's matrix A; nan at 0 Hz."""
-    if not frequency:
-        return math.nan
-    f, (base, tip) = np.array([frequency]), _attached(ends, frequency)
-    exact, (w_tip, *_) = exactly(beam, length, frequency, ends)
-    a = textbook_beam.transfer(beam, length, f)
-    velocity = textbook_beam.response(a, f, base=base, tip=tip)[0, 0]
-    return max(
-        _entry_error(textbook_beam.dynamic_stiffness(beam, length, f)[0], exact),
-        _finite(reference.relative_error(velocity / (2j * np.pi * frequency), w_tip)),
-    )
+    return max(errors, key=lambda one: Judged("", "", *one).share)
 
 
 def exactly(beam: Section, length: float, frequency: float, ends: Ends) -> tuple[Any, Any]:
     """D (5, 5), and per volt (w_tip, charge, ψ_tip) on these ends."""
     omega = 2.0 * np.pi * frequency
     d = reference.dynamic_stiffness(reference.constants(beam), length, omega)
-    return d, reference.tip_motion(d, *_attached(ends, frequency))
+    return d, reference.tip_motion(d, *attached(ends, frequency))
 
 
-def _attached(ends: Ends, frequency: float) -> tuple[tuple[complex, complex] | None, complex]:
+def attached(ends: Ends, frequency: float) -> tuple[tuple[complex, complex] | None, complex]:
     """Dynamic stiffness of support, None of a clamp, and load."""
     f = np.array([frequency])
     tip = complex(tip_stiffness(ends.tip, f)[0])
@@ -99,36 +82,18 @@ def _attached(ends: Ends, frequency: float) -> tuple[tuple[complex, complex] | N
     return (complex(lateral[0]), complex(rotational[0])), tip
 
 
-def _entry_error(got: Any, exact: Any) -> float:
+def entry_error(got: Any, exact: Any) -> float:
     """Worst relative error of the entries of D (5, 5); infinite for nan."""
     return max(
-        _finite(reference.relative_error(got[at], exact[at]))
+        finite(reference.relative_error(got[at], exact[at]))
         for at in _ENTRIES
         if abs(exact[at]) > _UNDERFLOW
     )
 
 
-def _finite(error: float) -> float:
+def finite(error: float) -> float:
+    """Error, infinite for nan."""
     return math.inf if math.isnan(error) else error
-
-
-def run(asked: PartRequest) -> Stress:
-    """Run all families; some 400 points if quick, else some 1300."""
-    found = asked.part("tmm", _STATEMENT, _FAMILIES)
-    maps = (
-        asked.keep(("map", lossy, asked.quick), partial(_map, lossy, asked.quick))
-        for lossy in (True, False)
-    )
-    return replace(found, maps=tuple(maps))
-
-
-_STATEMENT = (
-    "Relative error of every entry, of tip velocity, of tip rotation and of charge at most the "
-    "rounding unit times the roundings in the functions (4, or half a one per radian of phase) "
-    "times the condition number: size of the terms over size of their sum, 1/distance in radians "
-    "of phase to the next pole or zero. Exactly at a resonance of a lossless beam neither value "
-    "nor bound is finite."
-)
 
 
 def device_of(ratio: float | None = None, quality: float | None = None) -> Device:
@@ -147,7 +112,7 @@ def beam_of(device: Device | None = None, *, lossy: bool = True) -> Section:
     return section(Piece("bimorph", _LENGTH), device or Device(), Beam(), lossy=lossy)
 
 
-def _plane(quick: bool) -> tuple[list[float], list[float]]:
+def plane(quick: bool) -> tuple[list[float], list[float]]:
     """Lengths (m) and frequencies (Hz) of the maps."""
     n_f, n_l = _QUICK if quick else _FULL
     return (
@@ -156,32 +121,15 @@ def _plane(quick: bool) -> tuple[list[float], list[float]]:
     )
 
 
-_KINDS = {
+KINDS = {
     True: ("lossy, on the paper's springs under the finger", _PAPER),
     False: ("lossless cantilever", _CLAMPED_FREE),
 }
 
 
-def _map(lossy: bool, quick: bool) -> ErrorMap:
-    """Errors over length and frequency, and those of the printed formulas."""
-    lengths, frequencies = _plane(quick)
-    beam, (name, ends) = beam_of(lossy=lossy), _KINDS[lossy]
-    points = [[(beam, l, f, ends) for f in frequencies] for l in lengths]
-    ours = np.array([[compared(*at).error for at in row] for row in points])
-    naive = np.array([[by_printed_formulas(*at) for at in row] for row in points])
-    return ErrorMap(name, np.array(frequencies), np.array(lengths), ours, naive)
-
-
-def _grid(lossy: bool) -> Callable[[Family, bool], None]:
-    def judge(family: Family, quick: bool) -> None:
-        _add(family, beam_of(lossy=lossy), _KINDS[lossy][1], *_plane(quick))
-
-    return judge
-
-
-def _static(family: Family, _: bool) -> None:
-    """Go to the static limit."""
-    _add(family, beam_of(), _PAPER, (1e-4, 1e-2, 1.0, 10.0), (0.0, 1e-9, 1e-6, 1e-3, 1.0))
+def _grid(lossy: bool, family: Family, quick: bool) -> None:
+    """Go over the plane of the maps."""
+    _add(family, beam_of(lossy=lossy), KINDS[lossy][1], *plane(quick))
 
 
 def _cut_off(family: Family, quick: bool) -> None:
@@ -238,7 +186,7 @@ def _chains(family: Family, quick: bool) -> None:
         whole = float(rounding(beam, _LENGTH, omega).max())
         # a piece is n³ times stiffer than the row, and each joint is a difference of two
         bound = whole + 4.0 * EPS * pieces**3
-        family.add(f"{pieces} pieces, {_si(frequency, 'Hz')}", _entry_error(got, exact), bound)
+        family.add(f"{pieces} pieces, {_si(frequency, 'Hz')}", entry_error(got, exact), bound)
 
 
 def _resonances(family: Family, quick: bool) -> None:
@@ -268,7 +216,9 @@ def _add(
     family: Family, beam: Section, ends: Ends, lengths: Iterable[float],
     frequencies: Sequence[float], label: str = "",
 ) -> None:  # fmt: skip
-    family.points += [compared(beam, *at, ends, label) for at in product(lengths, frequencies)]
+    for length, frequency in product(lengths, frequencies):
+        where = f"{label}{_si(length, 'm')}, {_si(frequency, 'Hz')}"
+        family.add(where, *compared(beam, length, frequency, ends))
 
 
 def _si(value: float, unit: str) -> str:
@@ -295,27 +245,18 @@ def _natural_frequencies(family: Family, quick: bool) -> None:
 
 
 _PLANE = "0 Hz and 1 µHz to 1 MHz, 0.1 mm to 10 m"
-#: By name: the range, and what adds the points.
-_FAMILIES = {
-    "frequency x length, lossy": (f"{_PLANE}, {_KINDS[True][0]}", _grid(True)),
-    "frequency x length, lossless": (f"{_PLANE}, {_KINDS[False][0]}", _grid(False)),
-    "static limit": ("0 Hz and just above, 0.1 mm to 10 m, lossy", _static),
-    "cut-off": (
-        "ρI Ω² = GA to the last bit and around it, 1 mm to 10 m, lossy and lossless", _cut_off,
-    ),
-    "thickness ratio": (
-        "shim over piezo thickness 1e-3 to 1e3, 1 and 20 mm, 1 Hz to 1 MHz", _ratios,
-    ),
-    "section constants": (
-        "EI, GA, m, ρI, K, C against integrals over the layers, ratios 1e-3 to 1e3, Q 1 to 1e9",
-        _constants,
-    ),
-    "quality factor": ("Q 1 to 1e9, 20 mm and 1 m, 100 Hz to 1 MHz", _quality),
-    "long chain": ("20 mm cut in equal pieces and joined by their matrices", _chains),
-    "resonance": ("lossless 20 mm, ends held and cantilever, from 10 % away to the last bit",
-                  _resonances),
-    "natural frequencies: slenderness": (
-        "three modes, EI/(GA l²) 1e-12 to 1e16, clamped, on springs and free, against 80 digits",
-        _natural_frequencies,
-    ),
+#: By title, with the range.
+FAMILIES: dict[str, Callable[[Family, bool], None]] = {
+    **{f"frequency x length: {_PLANE}, {name}": partial(_grid, lossy)
+       for lossy, (name, _) in KINDS.items()},
+    "cut-off: ρI Ω² = GA to the last bit and around it, 1 mm to 10 m, lossy and lossless": _cut_off,
+    "thickness ratio: shim over piezo thickness 1e-3 to 1e3, 1 and 20 mm, 1 Hz to 1 MHz": _ratios,
+    "section constants: EI, GA, m, ρI, K, C against integrals over the layers, ratios 1e-3 to 1e3, "
+    "Q 1 to 1e9": _constants,
+    "quality factor: Q 1 to 1e9, 20 mm and 1 m, 100 Hz to 1 MHz": _quality,
+    "long chain: 20 mm cut in equal pieces and joined by their matrices": _chains,
+    "resonance: lossless 20 mm, ends held and cantilever, from 10 % away to the last bit":
+        _resonances,
+    "natural frequencies: three modes, EI/(GA l²) 1e-12 to 1e16, clamped, on springs and free, "
+    "against 80 digits": _natural_frequencies,
 }  # fmt: skip

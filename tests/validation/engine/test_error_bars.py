@@ -8,8 +8,8 @@ import pytest
 
 from tactgen.geometry.bimorph.bricks import BrickMeshing
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.evidence.coverage import PROMISED, median_width
 from tactgen.validation.evidence.coverage_bimorph import AT, affordable_case, judged
+from tactgen.validation.evidence.judgement import PROMISED, median_width
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.bimorph.solid import _BRICK_BARS, level_for
 from tactgen.validation.scene.load import load_scene

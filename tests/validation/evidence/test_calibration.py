@@ -10,8 +10,8 @@ from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence import calibration
 from tactgen.validation.evidence.calibration_bimorph import observe, statics
-from tactgen.validation.evidence.coverage import PROMISED, run_parts
 from tactgen.validation.evidence.fit_record import evidence
+from tactgen.validation.evidence.judgement import PROMISED, run_parts
 from tactgen.validation.evidence.random_devices import clamped_bimorph
 from tactgen.validation.scene.load import load_scene
 
@@ -77,7 +77,7 @@ def test_a_device_is_observed_as_before():
 @pytest.mark.parametrize(("part", "devices"), [("calibrated", 60), ("network", 120)])
 def test_fresh_devices_are_covered(part, devices):
     """By the modelling errors that the quick models state."""
-    (found,) = run_parts([part], devices, 11, lambda _: None)
+    (found,) = run_parts("coverage", [part], 11, lambda _: None, devices=devices)
     assert [row.quantity for row in found.rows if not row.holds] == []
 
 

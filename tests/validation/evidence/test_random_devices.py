@@ -8,7 +8,6 @@ import pytest
 
 from tactgen.validation.evidence import coverage_actuator as machine
 from tactgen.validation.evidence import coverage_bimorph as solid
-from tactgen.validation.evidence.coverage import relative
 from tactgen.validation.evidence.coverage_bimorph import Case
 from tactgen.validation.evidence.random_devices import any_scene, solid_bimorph
 from tactgen.validation.scene.load import load_scene
@@ -45,13 +44,6 @@ def test_a_case_is_asked_about_its_first_resonance():
     assert scene.frequency == pytest.approx((0.9 * first, 2.0 * first), rel=1e-5)
     assert scene.mesh.level == 3
     assert replace(case, at=(), model="cad").scene().mesh.level == plain.mesh.level
-
-
-def test_errors_are_relative_to_the_better_answer():
-    (one,) = relative("here", "force", 0.9, 0.3, -1.0)
-    assert (one.where, one.quantity, one.error, one.bar) == ("here", "force", 1.9, 0.3)
-    first, second = relative("here", "f", [1.0, 2.0], [0.1, 0.1], [1.0, 4.0])
-    assert (first.quantity, second.quantity, second.error) == ("f 1", "f 2", 0.5)
 
 
 def test_the_slow_response_of_a_reference_is_its_static_one(monkeypatch, few_bricks):

@@ -17,8 +17,8 @@ from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import reciprocity_error, respond
 from tactgen.validation.engine.comparison import compare
 from tactgen.validation.engine.solve import evaluate, make_plan, solve
-from tactgen.validation.evidence.coverage import PROMISED, median_width
 from tactgen.validation.evidence.coverage_bimorph import affordable_case, judged
+from tactgen.validation.evidence.judgement import PROMISED, median_width
 from tactgen.validation.models.bimorph.solid import cells_of, mesh_pair
 from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.model import Stages

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import secrets
 from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -130,47 +131,59 @@ def _print_checks(rows: list[Verified]) -> None:
 # ---- coverage and stress, which draw at random ----
 
 
-def _add_seed(parser: argparse.ArgumentParser, same: str) -> None:
-    parser.add_argument("--seed", metavar="N", help=f"seed of an earlier run, for the same {same}")
-
-
-def _seed(options: argparse.Namespace) -> int:
-    """Seed of a run; InputError if what is given is none."""
-    if options.seed is None:
-        return secrets.randbelow(MOST_SEED + 1)
-    return whole_number(options.seed, "--seed", 0, MOST_SEED, "1")
-
-
-def _say_seed(seed: int) -> None:
-    say(f"note: seed {seed}; a run that was stopped goes on with --seed {seed}")
-
-
 def add_coverage(commands: Commands) -> None:
     """Declare ``coverage``."""
     words = "check numerical errors on random devices"
-    parser = _declare(commands, "coverage", words, "coverage.PARTS", _coverage)
+    parser = _declare(commands, "coverage", words, "coverage.PARTS", partial(_judge, "coverage"))
     parser.add_argument("--devices", metavar="N", help="number of devices for each part")
     _add_seed(parser, "devices")
 
 
-def _coverage(options: argparse.Namespace) -> int:
-    """Run the command; the exit code is 1 if a part's bars are too narrow, not if they are wide."""
-    from tactgen.validation.evidence.coverage import PARTS, run_parts, table, write
+def add_stress(commands: Commands) -> None:
+    """Declare ``stress``."""
+    words = "run all models to their extremes, and commands under faults"
+    parser = _declare(commands, "stress", words, "stress.PARTS", partial(_judge, "stress"))
+    parser.add_argument("--quick", action="store_true", help="compute on a coarser grid")
+    _add_seed(parser, "scenes")
 
-    devices, seed = None, _seed(options)
-    if options.devices is not None:
+
+def _add_seed(parser: argparse.ArgumentParser, same: str) -> None:
+    parser.add_argument("--seed", metavar="N", help=f"seed of an earlier run, for the same {same}")
+
+
+def _judge(command: str, options: argparse.Namespace) -> int:
+    """Run the command; the exit code is 1 if a row fails, not if its bars are wide."""
+    from tactgen.validation.evidence.judgement import loaded, run_parts, table, write
+
+    seed, devices = secrets.randbelow(MOST_SEED + 1), None
+    if options.seed is not None:
+        seed = whole_number(options.seed, "--seed", 0, MOST_SEED, "1")
+    if getattr(options, "devices", None) is not None:
         devices = whole_number(options.devices, "--devices", 1, _MOST, "20")
+    quick = getattr(options, "quick", False)
 
     def work(names: Sequence[str], announce: Callable[[str], None]) -> list[Any]:
-        _say_seed(seed)
-        return list(run_parts(names, devices, seed, announce))
+        say(f"note: seed {seed}; a run that was stopped goes on with --seed {seed}")
+        return run_parts(command, names, seed, announce, devices=devices, quick=quick)
 
+    def files(parts: list[Any], out: Path, _: Callable[[str], None]) -> list[Path]:
+        written = write(parts, out)
+        if command == "stress" and any(part.name == "tmm" for part in parts):
+            from tactgen.validation.evidence.error_maps import write_maps
+
+            written += write_maps(out, quick=quick)
+        return written
+
+    def record(parts: list[Any]) -> dict[str, Any]:
+        return {
+            "seed": seed, "rows": {part.name: part.rows for part in parts},
+            "answers": {part.name: part.answers for part in parts},
+        }  # fmt: skip
+
+    rule = loaded(f"{command}.RULE")
     parts = _run(
-        options, PARTS, work, lambda parts, out, _: write(parts, out),
-        lambda parts: print(table(parts)),
-        lambda parts: {
-            "seed": seed, "rows": {part.name: part.rows for part in parts}, "answers": parts
-        },
+        options, loaded(f"{command}.PARTS"), work, files,
+        lambda parts: print(table(parts, rule)), record,
     )  # fmt: skip
     return int(not all(part.holds for part in parts))
 
@@ -195,34 +208,6 @@ def _calibrate(options: argparse.Namespace) -> int:
     if options.install:
         name_files(install(found))
     return 0
-
-
-def add_stress(commands: Commands) -> None:
-    """Declare ``stress``."""
-    words = "run all models to their extremes, and commands under faults"
-    parser = _declare(commands, "stress", words, "stress.PARTS", _stress)
-    parser.add_argument("--quick", action="store_true", help="compute on a coarser grid")
-    _add_seed(parser, "scenes")
-
-
-def _stress(options: argparse.Namespace) -> int:
-    """Run the command; the exit code is 1 if a family fails."""
-    from tactgen.validation.evidence.stress import PARTS, print_stress, run_parts, write_stress
-
-    seed = _seed(options)
-
-    def work(names: Sequence[str], announce: Callable[[str], None]) -> list[Any]:
-        _say_seed(seed)
-        return run_parts(names, options.quick, seed, announce)
-
-    def record(parts: list[Any]) -> dict[str, Any]:
-        found = {part.part: [row.verdict for row in part.rows] for part in parts}
-        return {"parts": parts, "seed": seed, "verdicts": found}
-
-    parts = _run(
-        options, PARTS, work, lambda parts, out, _: write_stress(parts, out), print_stress, record
-    )
-    return int(any(row.verdict == "fails" for part in parts for row in part.rows))
 
 
 # ---- bench ----
