@@ -61,18 +61,15 @@ def _solved(device: Device) -> Fields:
 
 def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) -> list[Judged]:
     """Answers of one device, drawn by `rng`; dimensions that do not fit are redrawn."""
-
-    def attempt() -> list[Judged]:
-        overrides = random_devices.overrides(rng, random_devices.ACTUATOR)
-        scene, _ = load_scene("reluctance", overrides)
-        found, right = solved(scene.device)
-        return [
-            one for name in _VALUES
-            for one in relative(" ".join(overrides), name, getattr(found, name),
-                                getattr(found.errors, name), getattr(right, name))
-        ]  # fmt: skip
-
-    return accepted(attempt)
+    _, where, (found, right) = _fitting(
+        "reluctance", lambda: random_devices.overrides(rng, random_devices.ACTUATOR),
+        lambda scene: solved(scene.device),
+    )  # fmt: skip
+    return [
+        one for name in _VALUES
+        for one in relative(where, name, getattr(found, name), getattr(found.errors, name),
+                            getattr(right, name))
+    ]  # fmt: skip
 
 
 def judge_network(rng: np.random.Generator) -> list[Judged]:
@@ -82,23 +79,19 @@ def judge_network(rng: np.random.Generator) -> list[Judged]:
     """
     fresh = np.random.default_rng(int(rng.integers(2**62)))  # no stream of the calibration's own
 
-    def attempt() -> list[Judged]:
-        overrides = random_devices.any_actuator(fresh)
-        scene, _ = load_scene("reluctance", overrides)
-        found = solve(scene, ["network"], _NETWORK)
-        field = solve_point(scene.device)
-        right = np.array([getattr(field, name) for name in VALUES])
-        state = State(*right[:, None])
-        size = sizes(state, np.array([scene.coil.current]), np.array([scene.gap]))[:, 0]
-        return [
-            Judged(
-                " ".join(overrides), name, float(abs(q.value - right[k]) / size[k]),
-                float(q.modelling_error / size[k]),
-            )
-            for k, name in enumerate(_NETWORK) for q in (found.get(name, "network"),)
-        ]  # fmt: skip
-
-    return accepted(attempt)
+    scene, where, (found, field) = _fitting(
+        "reluctance", lambda: random_devices.any_actuator(fresh),
+        lambda scene: (solve(scene, ["network"], _NETWORK), solve_point(scene.device)),
+    )  # fmt: skip
+    right = np.array([getattr(field, name) for name in VALUES])
+    state = State(*right[:, None])
+    size = sizes(state, np.array([scene.coil.current]), np.array([scene.gap]))[:, 0]
+    judged = []
+    for name, known, of in zip(_NETWORK, right, size, strict=True):
+        q = found.get(name, "network")
+        off = float(abs(q.value - known) / of)
+        judged.append(Judged(where, name, off, float(q.modelling_error / of)))
+    return judged
 
 
 #: Lines of the sector's grid, of the usual: less than half to two thirds.
@@ -136,7 +129,7 @@ def judge_map(rng: np.random.Generator) -> list[Judged]:
     Relative to a tenth of the largest at that gap, where less: so the map states them.  Judged
     inside, and at the largest current and at both ends of the gaps.
     """
-    scene, where, surface = _fitting(rng, lambda scene: network_map(scene.device))
+    scene, where, surface = _machine(rng, lambda scene: network_map(scene.device))
     most, ends = surface.current_limit, surface.gap_limits
     currents = np.sort(np.append(rng.uniform(0.0, most, _POINTS), most))
     gaps = np.append(rng.uniform(*ends, _POINTS), ends)
@@ -152,7 +145,7 @@ def judge_map(rng: np.random.Generator) -> list[Judged]:
 
 def judge_switching(rng: np.random.Generator) -> list[Judged]:
     """Switching currents of one device against balances of a finer network."""
-    scene, where, solution = _fitting(rng, lambda scene: solve(scene, ("network",), _SWITCHING))
+    scene, where, solution = _machine(rng, lambda scene: solve(scene, ("network",), _SWITCHING))
     right = _balances(scene)
     found = []
     for name in _SWITCHING:
@@ -164,7 +157,7 @@ def judge_switching(rng: np.random.Generator) -> list[Judged]:
 
 def judge_motions(rng: np.random.Generator) -> list[Judged]:
     """One machine's small motions against those about where a finer network holds it."""
-    scene, where, _ = _fitting(rng, lambda scene: scene.rest)
+    scene, where, _ = _machine(rng, lambda scene: scene.rest)
     model = make_model("tmm", scene, Stages(make_plan(scene, ("tmm",), _MOTIONS).keys))
     found = []
     judged = model.answer("small_signal")
@@ -183,15 +176,22 @@ def judge_motions(rng: np.random.Generator) -> list[Judged]:
     return found
 
 
-def _fitting(rng: np.random.Generator, tried: Callable[[Scene], T]) -> tuple[Scene, str, T]:
-    """Sampled machine that `tried` accepts, its changes, and what that gave."""
+def _fitting(
+    name: str, sampled: Callable[[], list[str]], tried: Callable[[Scene], T]
+) -> tuple[Scene, str, T]:
+    """Sampled scene that `tried` accepts, its changes, and what that gave."""
 
     def attempt() -> tuple[Scene, str, T]:
-        overrides = random_devices.machine(rng)
-        scene, _ = load_scene("generator", overrides)
+        overrides = sampled()
+        scene, _ = load_scene(name, overrides)
         return scene, " ".join(overrides), tried(scene)
 
     return accepted(attempt)
+
+
+def _machine(rng: np.random.Generator, tried: Callable[[Scene], T]) -> tuple[Scene, str, T]:
+    """The same of a machine."""
+    return _fitting("generator", lambda: random_devices.machine(rng), tried)
 
 
 def _balances(scene: Scene) -> dict[str, float]:

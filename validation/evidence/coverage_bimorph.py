@@ -104,19 +104,16 @@ def against_digits(scene: Scene, where: str) -> list[Judged]:
     driven = ("tip_displacement", "tip_rotation", "admittance")
     quantities = solve(scene, ["tmm"], (*_STATIC, *driven, _SHORT, _OPEN)).quantities
     lossless, (at_rest, _, free, blocked) = _row(scene, lossy=False), _by_digits(scene, 0.0)
-    right: dict[str, list[Any]] = {
+    right: dict[str, Sequence[Any]] = {
         name: [value] for name, value in zip(_STATIC, (at_rest, free, blocked), strict=True)
     }
-    responses = [_by_digits(scene, frequency) for frequency in scene.frequency]
+    moved, turned, charges, _ = zip(*(_by_digits(scene, f) for f in scene.frequency), strict=True)
     with mp.workdps(exact.DIGITS):
-        right |= {
-            "tip_displacement": [moved for moved, *_ in responses],
-            "tip_rotation": [turned for _, turned, *_ in responses],
-            "admittance": [
-                2j * mp.pi * mp.mpf(frequency) * charge
-                for frequency, (*_, charge, _) in zip(scene.frequency, responses, strict=True)
-            ],
-        }
+        currents = [
+            2j * mp.pi * mp.mpf(f) * charge
+            for f, charge in zip(scene.frequency, charges, strict=True)
+        ]
+    right |= dict(zip(driven, (moved, turned, currents), strict=True))
     answers = []
     for quantity in quantities:
         values, bars = np.ravel(quantity.value), np.ravel(quantity.error)

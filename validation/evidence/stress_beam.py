@@ -203,7 +203,7 @@ def _resonances(family: Family, quick: bool) -> None:
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function changes sign, to the last bit."""
+    """Where a function changes sign, to the last bit, where it may be nan."""
     positive = function(low) > 0.0
     while True:
         middle = 0.5 * (low + high)

@@ -1,6 +1,7 @@
 """The verification book: every row has its page, nothing is run twice, convergence is shown."""
 
 import math
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -19,7 +20,9 @@ from tactgen.validation.book.book import (
 from tactgen.validation.evidence import verification
 from tactgen.validation.evidence.case import Refinement, judged
 from tactgen.validation.evidence.cases import beams
+from tactgen.validation.evidence.judgement import Family, rows
 from tactgen.validation.evidence.mesh_levels import DEGREE
+from tactgen.validation.evidence.stress import RULE
 from tactgen.validation.evidence.verification import GROUPS, Division, Verified, verify
 
 FEW = tuple(case for case in beams.CASES if case.id in ("SMITS", "VM148"))
@@ -176,3 +179,16 @@ def test_the_modelling_errors_have_a_page(few, own_store, tmp_path):
     for heading in ("Stiff cores", "Two to five layers", "Straight magnet", "Saturating steels"):
         assert heading in text
     assert text.count("bimorph.length=20.0mm") == 30
+
+
+def test_what_was_found_under_faults_is_in_the_index(few, monkeypatch, tmp_path):
+    """A row a fault: how, how many runs, how many refused."""
+    family = Family("faults")
+    family.refuse("no room", of="no room on the disk: 3 commands, small files")
+    family.add("init", 0.0, 0.0, of="no room on the disk: 3 commands, small files")
+    monkeypatch.setattr(book, "cached_rows", lambda: rows(family.answers, RULE))
+    page = book.write_book(run("quick"), tmp_path, lambda _: None).read_text()
+    cells = re.findall(r"<td[^>]*>([^<]*)</td>", page.partition('id="faults"')[2])
+    assert cells == [
+        "no room on the disk", "3 commands, small files", "1", "1", "holds or says why not",
+    ]  # fmt: skip
