@@ -137,8 +137,7 @@ class Family:
 class Rule(NamedTuple):
     """How rows are judged."""
 
-    #: Chance at most that answers which are as promised are called too bad
-    chance: float
+    chance: float  #: A row fails if as many beyond are less likely than this, by the share promised
     far: float = math.inf  #: No error may be more times its bar
     wide: float = math.inf  #: Median of bar over error from which bars say too little
 

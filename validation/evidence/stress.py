@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from tactgen.validation.evidence.judgement import FAR, PartRow, Rule
 
-#: As many answers may be beyond their bars as were likely, but none by so many of them.
+#: No more answers may be beyond their bars than would be in every other run (of 20 one, of 40 two;
+#: none where all are promised to be within), and none by so many bars.
 RULE = Rule(chance=0.5, far=FAR)
 
 _SECOND = (
