@@ -78,7 +78,6 @@ def judge_network(rng: np.random.Generator) -> list[Judged]:
     Relative to the sizes that the calibration's errors are stated for.
     """
     fresh = np.random.default_rng(int(rng.integers(2**62)))  # no stream of the calibration's own
-
     scene, where, (found, field) = _fitting(
         "reluctance", lambda: random_devices.any_actuator(fresh),
         lambda scene: (solve(scene, ["network"], _NETWORK), solve_point(scene.device)),

@@ -21,7 +21,7 @@ from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.tmm.beam.dimensionless_groups import laminate
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
-from tactgen.tmm.ports.elements import attach, base_stiffness
+from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate
@@ -41,6 +41,7 @@ from tactgen.validation.evidence.random_devices import (
     tapered_bimorph,
     unusual_bimorph,
 )
+from tactgen.validation.evidence.stress_beam import attached
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.scene import Scene
 
@@ -133,10 +134,7 @@ def _by_digits(scene: Scene, frequency: float) -> tuple[Any, Any, Any, Any]:
 
     Without losses at rest.
     """
-    ends, base = scene.ends if frequency else scene.ends.lossless, None
-    if ends.base is not None:
-        lateral, rotational = base_stiffness(ends.base, np.array([frequency]))
-        base = complex(lateral[0]), complex(rotational[0])
+    base, _ = attached(scene.ends if frequency else scene.ends.lossless, frequency)
     with mp.workdps(exact.DIGITS):
         omega, volts = 2 * mp.pi * mp.mpf(frequency), scene.drive.voltage
         row = _row(scene, lossy=bool(frequency))
