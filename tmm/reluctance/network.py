@@ -13,18 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device, Limits
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.formats import engineering
-from tactgen.tmm.reluctance.circuit import CELLS, FULL, ONE_GAP, Refinements, circuit, pole_area
+from tactgen.tmm.reluctance.circuit import CELLS, FULL, ONE_GAP, Refinements, circuit
 from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.flux_ladder import LadderSolution, solve
-
-
-def textbook_force(device: Device, current: float, gap: float) -> float:
-    """F = µ0 N² i² A / (2 g²) (N): all the winding's mmf across one straight gap."""
-    return float(MU0 * (device.coil.turns * current / gap) ** 2 * pole_area(device) / 2.0)
 
 
 def network_samples(

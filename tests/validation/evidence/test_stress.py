@@ -5,16 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tactgen.fem.magnetics.axisymmetric import solve_point
 from tactgen.fem.magnetics.axisymmetric_field import solve_field
 from tactgen.fem.magnetics.axisymmetric_space import discretise
 from tactgen.fem.magnetics.problem_3d import MagneticSolid
 from tactgen.geometry.device.magnetisation import MagnetisationCurve, linear
-from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.reluctance.section_grid import Region, graded_grid
 from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team20_source
 from tactgen.validation.evidence import stress_beam as beam
-from tactgen.validation.evidence.cases.actuator import COLLARED, collared
 from tactgen.validation.evidence.error_maps import error_map, write_maps
 from tactgen.validation.evidence.judgement import REFUSALS, Family, rows, run_parts
 from tactgen.validation.evidence.stress import RULE
@@ -108,14 +105,6 @@ def hexahedra():
 
 
 IMPOSSIBLE = {
-    "a closed gap": lambda: solve_point(Device(), gap=0.0),
-    "a negative gap": lambda: solve_point(Device(), gap=-1e-4),
-    "flange against collar": lambda: solve_point(COLLARED, gap=2.4e-3),
-    "flange in collar": lambda: solve_point(COLLARED, gap=2.5e-3),
-    "flange beyond collar": lambda: solve_point(COLLARED, gap=5e-3),
-    "coil in head": lambda: solve_point(collared(coil={"position": -1e-3})),
-    "coil in collar": lambda: solve_point(collared(coil={"outer_radius": 0.93e-3}), gap=0.4e-3),
-    "order 1 with an error bar": lambda: solve_point(Device(), order=1),
     "µr below 1": lambda: linear(0.5),
     "µr nan": lambda: linear(float("nan")),
     "H falling with B": upside_down,
