@@ -296,7 +296,7 @@ def _families(
         return family.answers
 
     for title, judge in loaded(part.judge).items():
-        yield title, (title, quick), partial(judged, title, judge)
+        yield title.partition(":")[0], (title, quick), partial(judged, title, judge)
 
 
 #: Answers beyond their bars that are printed of a row that fails; files have all.

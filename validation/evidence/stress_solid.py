@@ -223,7 +223,8 @@ def _own_bars(devices: Sequence[tuple[str, ...]], family: Family, quick: bool) -
     for overrides in devices[:1] if quick else devices:
         with family.attempt():
             clamped = ("support.kind=clamped", "load.kind=none", "modes=2")
-            family.take(judged(Case((*overrides, *clamped))))
+            found = judged(Case((*overrides, *clamped)))
+            family.take([replace(one, promised=1.0) for one in found])
 
 
 def _resonance(family: Family, quick: bool) -> None:
