@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
+from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import ceramic_stress as ceramic
@@ -26,15 +26,20 @@ def driven(ends, frequencies=FREQUENCIES, device=DEVICE):
     return ceramic.driven_ceramic(device, BEAM, ends, frequencies, response, UNIT_VOLTAGE)
 
 
-def test_a_free_bimorph_at_rest_has_the_stress_of_its_layers():
-    """No moment: ψ' = K U/EI, and σ = Y (x ψ' − d31 U/h) at the faces of the layer."""
+def test_a_bimorph_at_rest_has_the_stress_of_its_layers():
+    """Free, ψ' = K U/EI and σ = Y (x ψ' − d31 U/h) at the faces of the layer; under a force, in
+    short circuit, σ = Y x F L/EI at the outer face."""
     b, cross = DEVICE.bimorph, section(Piece("bimorph", 20e-3), DEVICE, BEAM, lossy=True)
     modulus = (1.0 + 1j / DEVICE.piezo.quality_factor) / DEVICE.piezo.s11
     free = cross.K / (modulus * b.width * (b.shim_thickness + b.piezo_thickness))
     faces = np.array([0.5 * b.thickness, 0.5 * b.shim_thickness])
     expected = np.abs(modulus * (faces * cross.K / cross.EI - free / b.piezo_thickness)).max()
     # at 0.01 Hz inertia is 1e-9 of it
-    found = driven(Ends(), np.array([0.01])).stress[0]
+    at, pushed = np.array([0.01]), Excitation(force=0.1)
+    assert driven(Ends(), at).stress[0] == pytest.approx(expected, rel=1e-8)
+    moved = excited(multiport(DEVICE, Support(kind="clamped"), BEAM, at), Ends(), pushed)
+    found = ceramic.driven_ceramic(DEVICE, BEAM, Ends(), at, moved, pushed).stress[0]
+    expected = np.abs(modulus * 0.5 * b.thickness * pushed.force * b.length / cross.EI)
     assert found == pytest.approx(expected, rel=1e-8)
 
 
@@ -49,23 +54,11 @@ def assert_root_moment(device, tip, at, **within):
 
 
 @pytest.mark.parametrize(
-    "tip",
-    [
-        TipLoad(),
-        TipLoad(500.0, 0.5),
-        TipLoad(mass=1e-5),
-        TipLoad(mass=1e-5, offset=2e-3, inertia=3e-12),
-    ],
+    "tip", [TipLoad(500.0, 0.5), TipLoad(mass=1e-5, offset=2e-3, inertia=3e-12)]
 )
 def test_the_moment_at_the_root_is_the_clamp_s(tip):
     # at 1 Hz the moment is what is left of K U, 1e-6 N m, to its rounding
     assert_root_moment(DEVICE, tip, FREQUENCIES, rtol=1e-9, atol=1e-19)
-
-
-def test_what_holds_the_base_does_not_matter_but_through_the_tip():
-    """Very stiff springs are a clamp."""
-    stiff, clamped = driven(Ends(Springs(1e15, 1e9))), driven(Ends())
-    np.testing.assert_allclose(stiff.stress, clamped.stress, rtol=1e-6)
 
 
 def test_series_wiring_halves_field_and_stress():
@@ -140,37 +133,19 @@ def test_a_taper_has_its_force_s_moment_over_its_section():
 
 
 def test_stress_is_unknown_where_waves_die_out_along_the_ceramic():
-    """A bimorph of 237 mm at 20 kHz: no guess, and no failure; at 100 Hz it is known."""
+    """A bimorph of 237 mm at 20 kHz: no guess, and no failure; at 100 Hz it is known.
+
+    Just below the limit the moment at the root, from the tip alone, is the clamp's reaction.
+    """
     long = Device(bimorph=Bimorph(length=237e-3))
     found = driven(Ends(), np.array([100.0, 20e3]), long).stress
     assert found[0] > 0.0
     assert np.isnan(found[1])
-
-
-def test_digits_hold_up_to_where_it_is_unknown():
-    """Just below the limit the moment at the root, from the tip alone, is the clamp's reaction."""
-    long = Device(bimorph=Bimorph(length=237e-3))
     cross = section(Piece("bimorph", 237e-3), long, BEAM, lossy=True)
     grid = np.geomspace(10.0, 20e3, 400)
     decay = wavenumbers(cross, 237e-3, 2.0 * np.pi * grid)[1]
     at = grid[decay < ceramic._DECAY][-1:]
     assert_root_moment(long, TipLoad(), at, rtol=1e-6)  # e^20 of rounding
-
-
-def test_a_force_on_the_tip_bends_the_root():
-    """At rest, electrodes in short circuit: σ = Y x F L/EI at the outer face."""
-    at, force = np.array([0.01]), 0.1
-    port = multiport(DEVICE, Support(kind="clamped"), BEAM, at)
-    pushed = Excitation(force=force)
-    found = ceramic.driven_ceramic(
-        DEVICE, BEAM, Ends(), at, excited(port, Ends(), pushed), pushed
-    ).stress[0]
-    b, cross = DEVICE.bimorph, section(Piece("bimorph", 20e-3), DEVICE, BEAM, lossy=True)
-    modulus = (1.0 + 1j / DEVICE.piezo.quality_factor) / DEVICE.piezo.s11
-    moment = force * b.length
-    # inertia is 1e-9 of it
-    expected = np.abs(modulus * 0.5 * b.thickness * moment / cross.EI)
-    assert found == pytest.approx(expected, rel=1e-8)
 
 
 def test_a_moving_base_strains_as_seen_from_outside():

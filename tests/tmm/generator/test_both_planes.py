@@ -97,25 +97,13 @@ def test_rod_and_bimorph_rock_as_one_body_with_five_motions():
 def test_the_bimorph_on_its_springs_moves_as_the_machine_does():
     """Both take the other plane along; at right angles its only trace is a softer contact."""
     band = "frequency=10,200,350"
-    for angle in (45.0, 90.0):
-        scene = scene_at(angle, band)
-        both = solve(scene, ["tmm"], ["tip_displacement", "lateral_tip_per_voltage"]).quantities
-        springs, machine = (quantity.value for quantity in both)
-        # the machine has the rod's mass sideways, too, which moves the peak by a thousandth
-        np.testing.assert_allclose(np.abs(machine), np.abs(springs), rtol=1e-2)
+    both = solve(scene_at(45.0, band), ["tmm"], ["tip_displacement", "lateral_tip_per_voltage"])
+    springs, machine = (quantity.value for quantity in both.quantities)
+    # the machine has the rod's mass sideways, too, which moves the peak by a thousandth
+    np.testing.assert_allclose(np.abs(machine), np.abs(springs), rtol=1e-2)
     aside, inside = (scene_at(angle, band).ends for angle in (90.0, 0.0))
     assert aside.base.rotational_stiffness == pytest.approx(inside.across.rotational_stiffness)
     assert aside.across.rotational_stiffness == pytest.approx(inside.base.rotational_stiffness)
-
-
-def test_an_offset_between_the_axes_makes_a_second_peak():
-    """Upright, or off one axis only, there is one peak up to 600 Hz."""
-    count = []
-    for angle, eccentricity in ((0.0, 0.0), (0.0, 0.4), (90.0, 0.4), (45.0, 0.4)):
-        scene = scene_at(angle, "frequency=300 Hz:600 Hz:61", eccentricity=eccentricity)
-        size = np.abs(answer(scene))
-        count.append(int(np.sum((size[1:-1] > size[:-2]) & (size[1:-1] > size[2:]))))
-    assert count == [1, 1, 1, 2]
 
 
 @pytest.mark.parametrize(("scene", "purpose", "use"), [

@@ -8,10 +8,8 @@ from ideal_gap import IdealGap
 
 from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Contact, Device, Spring
-from tactgen.tmm.generator.contact import moving_rod
 from tactgen.tmm.generator.equilibrium import (
     axial_forces,
-    held_support,
     position_loop,
     resting_place,
     resting_places,
@@ -30,16 +28,6 @@ def ideal(preload=0.0, **more):
     return axial_forces(Device(gap=GAP, spring=spring, contact=contact, **more), IdealGap(STRENGTH))
 
 
-def test_pull_in_of_the_ideal_gap():
-    """At a third of the gap: a shade below it the rod floats there, a shade above
-    it is down.  A current δ below leaves g0 √(8 δ/27)... of travel, here less than 2 %."""
-    below = resting_place(ideal(), PULL_IN * (1.0 - 1e-4), "rising")
-    assert below.kind == "floating"
-    assert below.lift == pytest.approx(-GAP / 3, rel=0.03)
-    above = resting_place(ideal(), PULL_IN * (1.0 + 1e-4), "rising")
-    assert above.kind == "lower stop"
-
-
 @pytest.mark.parametrize("share", [0.3, 0.7, 0.95])
 def test_floating_places_are_the_roots_of_the_cubic(share):
     """k x (g0 − x)² = µ0 N² I² A / 2: the smaller root is stable, the next is not."""
@@ -54,16 +42,6 @@ def test_floating_places_are_the_roots_of_the_cubic(share):
     slope = STIFFNESS - 2.0 * IdealGap(STRENGTH).force(current, GAP - x) / (GAP - x)
     assert found["floating"].stiffness == pytest.approx(slope, rel=1e-6)
     assert found["unstable"].stiffness < 0.0
-
-
-def test_stable_and_unstable_places_alternate():
-    """From the top down, and the ends are stable: something always holds the rod."""
-    for current in (0.0, 3e-3, 8e-3, 13e-3, 14e-3, 40e-3):
-        places = resting_places(ideal(preload=5e-3), current)
-        assert [p.stable for p in places] == [k % 2 == 0 for k in range(len(places))]
-        assert len(places) % 2 == 1
-        lifts = [p.lift for p in places]
-        assert lifts == sorted(lifts, reverse=True)
 
 
 def test_hysteresis():
@@ -96,19 +74,6 @@ def test_forces_at_rest():
     assert under.contact_force == pytest.approx(under.finger_force - 40e-3, rel=1e-9)
     pushed = resting_place(axial_forces(device, None, pressed=0.2), 0.0, "rising")
     assert pushed.kind == "lower stop"  # 110 mN and 100 N/m over 180 um are less than 200 mN
-
-
-def test_the_papers_support_at_the_rated_preload():
-    """c_s within its printed digits with the guide's share, d_s as well; inertia is the rod's."""
-    device = Device()
-    place, support = held_support(device, None, 0.0, "rising")
-    assert place.kind == "upper stop"
-    assert support.rotational_stiffness == pytest.approx(0.24, abs=0.005)
-    assert support.rotational_damping == pytest.approx(4.46e-6, abs=0.005e-6)
-    assert support.rotational_inertia == moving_rod(device).mass_matrix[1, 1]
-    soft = support.lateral_stiffness - device.guide.lateral_stiffness
-    ratio, u0 = device.contact.tangential_ratio, device.contact.decay_length
-    assert soft == pytest.approx(ratio * place.contact_force / u0, rel=1e-12)
 
 
 def test_a_place_settles_where_the_forces_of_now_balance():

@@ -5,24 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.parameters import Coil, Device, Rod
+from tactgen.geometry.device.parameters import Coil, Device
 from tactgen.geometry.device.parts import closed_form_volumes, moving_rings
 from tactgen.tmm.generator.contact import moving_rod
-
-
-def test_a_cylinder_is_the_textbooks():
-    """Equal radii all along and a coil of next to nothing: m (3 R² + h²)/12 about the middle."""
-    r = 0.9e-3
-    rod = Rod(radius=r, head_radius=r, flange_radius=r)
-    light = Coil(copper_density=1e-9)
-    device = Device(rod=rod, coil=light)
-    body = moving_rod(device)
-    height = rod.length + 0.2e-3 + rod.head_thickness
-    mass = rod.density * math.pi * r**2 * height
-    assert body.mass == pytest.approx(mass, rel=1e-9)
-    assert body.centre == pytest.approx(-height / 2, rel=1e-9)
-    assert body.inertia == pytest.approx(mass * (3 * r**2 + height**2) / 12, rel=1e-9)
-    assert body.mass_matrix[1, 1] == pytest.approx(mass * (3 * r**2 / 12 + height**2 / 3), rel=1e-9)
 
 
 def test_sums_over_thin_discs():

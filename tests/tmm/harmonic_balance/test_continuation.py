@@ -39,16 +39,6 @@ def test_over_the_drive_and_over_the_frequency_the_same_orbits():
     assert by_drive == pytest.approx(by_frequency, rel=1e-6)
 
 
-def test_downwards_it_is_the_same_branch():
-    """From the upper end of the range back over both folds to the lower end."""
-    oscillator = cases.driven_duffing()
-    start = steady_orbit(oscillator, 1.6, 1.0, resolution=ROUGH)
-    branch = follow(oscillator, start, "omega", 0.9, 1.6, direction=-1, resolution=ROUGH)
-    assert branch.orbits[-1].omega == 0.9
-    at = sorted(fold.orbit.omega for fold in folds(oscillator, branch))
-    assert at == pytest.approx(sorted(o.omega for o in cases.driven_duffing_folds()), rel=1e-6)
-
-
 def test_a_drive_exactly_at_a_fold():
     """Newton's matrix is singular at one orbit there; from rest the other, small one is found."""
     oscillator = cases.driven_duffing()

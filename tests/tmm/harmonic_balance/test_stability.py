@@ -82,24 +82,6 @@ def test_friction_that_depends_on_the_motion_takes_part(share, omega, force):
     assert unstable_exponents(oscillator, orbit) == 0
 
 
-UEDA = cases.one_mass(cases.cubic(1.0), damping=0.05)
-
-
-def test_uedas_oscillator():
-    """x'' + 0.05 x' + x³ = B cos t: symmetry breaks while B grows from 1 to 6."""
-    guess = Orbit(1.0, 1.0, np.array([[0.0], [1.5]]) + 0j)  # nothing holds it at rest
-    start = resolved(UEDA, guess, FINE)
-    branch = follow(UEDA, start, "level", 1.0, 6.0, resolution=FINE)
-    assert not branch.ended
-    counts = []
-    for orbit in branch.orbits[:: len(branch.orbits) // 5]:
-        found = multipliers(orbit, np.eye(1), 0.05 * np.eye(1), np.zeros((1, 1)), UEDA.law)
-        assert np.abs(np.abs(found) - 1.0).min() > 1e-3  # else the integration could not tell
-        counts.append(unstable_exponents(UEDA, orbit))
-        assert counts[-1] == unstable(found)
-    assert set(counts) == {0, 1}
-
-
 def swinging(first, second):
     """A driven mass x and two others, y and z, at rest; energy a x y z couples all three."""
     mass, damping = np.eye(3), 0.02 * np.eye(3)

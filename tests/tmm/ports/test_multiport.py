@@ -21,14 +21,12 @@ from tactgen.tmm.ports.multiport import (
     balanced,
     connect,
     hold,
-    in_series,
     passivity_margin,
     reciprocity_error,
     reduce,
     respond,
     round_off,
     symmetric_form,
-    terminate,
 )
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
@@ -98,21 +96,6 @@ def test_a_broken_symmetry_is_caught():
     assert (reciprocity_error(replace(port, stiffness=d)) > 0.1).all()
 
 
-@pytest.mark.parametrize("support", [CLAMPED, SPRING])
-@pytest.mark.parametrize("load", [Load(kind="none"), Load()])
-def test_series_wiring(support, load):
-    """In series the tip moves half as far and the source sees a quarter of the charge."""
-    port, ends = paper(), ends_of(support, load)
-    parallel, series = driven(port, ends), driven(in_series(port), ends)
-    for name in ("w_tip", "psi_tip"):
-        np.testing.assert_allclose(series.motion[name], 0.5 * parallel.motion[name], rtol=1e-14)
-    charges = series.effort["voltage"], parallel.effort["voltage"]
-    np.testing.assert_allclose(charges[0], 0.25 * charges[1], rtol=1e-14)
-    np.testing.assert_allclose(
-        blocked_force(in_series(port), ends), 0.5 * blocked_force(port, ends), rtol=1e-14
-    )
-
-
 def test_energy_balance():
     """Source power equals the finger's, the support's and the material's losses."""
     f = np.array([20.0, 400.0, 900.0])
@@ -174,37 +157,13 @@ def test_it_does_not_matter_where_a_bimorph_is_cut(share, lossy):
     assert distance(joined.stiffness, whole.stiffness) < 1.5e-13 / shorter
 
 
-def test_ways_of_joining_agree():
-    """What is attached before the joint or after it, or solved with the joint left free."""
-    joined = on_one_another(half(), half())
-    end = {"w_base": 3e6, "psi_base": 0.24, "upper.w_tip": 700.0 + 80.0j}
-    free = respond(terminate(joined, end), {"voltage": 50.0})
-    end["w_tip"] = end.pop("upper.w_tip")
-    once = respond(terminate(paper(), end), {"voltage": 50.0})
-    # condition numbers of the joint and of the base springs, at most 1e3 each
-    for name in ("w_base", "psi_base"):
-        np.testing.assert_allclose(free.motion[name], once.motion[name], rtol=1e-10)
-    np.testing.assert_allclose(free.motion["upper.w_tip"], once.motion["w_tip"], rtol=1e-10)
-    np.testing.assert_allclose(free.effort["voltage"], once.effort["voltage"], rtol=1e-10)
-
-
-def test_two_ports_of_one_name_are_refused():
-    """The joint keeps the first one's name; what would clash is refused."""
-    joined = on_one_another(half(), half())
-    assert joined.names == (*half().names, "upper.w_tip", "upper.psi_tip")
-    with pytest.raises(InputError, match='two ports are named "w_tip"'):
-        connect(half(), half(), JOINTS)
-    with pytest.raises(InputError, match='two ports are named "w_tip"'):
-        half().renamed({"w_base": "w_tip"})
-
-
 @pytest.mark.parametrize(
     ("use", "words"),
     [
         (lambda p: p.index("w_tp"), 'port "w_tp" is unknown .did you mean "w_tip"'),
         (lambda p: reduce(p, ["w_tip", "gap"]), "there are w_base, psi_base, w_tip"),
-        (lambda p: respond(p, {"voltage": 1.0}, {"w_top": 1.0}), 'did you mean "w_tip"'),
-        (lambda p: connect(p, p, {"w_tip": "w_bas"}), 'did you mean "w_base"'),
+        (lambda p: p.renamed({"w_base": "w_tip"}), 'two ports are named "w_tip"'),
+        (lambda p: connect(p, p, JOINTS), 'two ports are named "w_tip"'),
         (lambda p: connect(p, p, {"w_tip": "psi_base"}), "w in m.*ψ in rad.*different kinds"),
         (lambda p: connect(p, p, {"w_tip": "w_base", "w_base": "w_base"}), "joined to two"),
         (lambda p: connect(p, paper(np.ones(1)), JOINTS), "different frequencies"),
@@ -231,22 +190,13 @@ def test_reduced_ports_answer_as_before():
     assert reduce(port, port.names).ports == port.ports
 
 
-def test_forces_and_voltages_superpose():
-    """Motions of a voltage and of a force add up, and a force frees charge as a volt moves."""
+def test_a_force_frees_charge_as_a_volt_moves():
+    """And driven to where the force had moved it, the tip takes that force."""
     port, force = attach(paper(), PAPER), {"w_tip": 0.1}
     volt, pushed = respond(port, {"voltage": 50.0}), respond(port, {"voltage": 0.0}, force)
-    both = respond(port, {"voltage": 50.0}, force)
-    for name in port.names:
-        np.testing.assert_allclose(
-            both.motion[name], volt.motion[name] + pushed.motion[name], rtol=1e-13
-        )
-    # reciprocity: charge per force is displacement per volt
-    charge_per_force, displacement_per_volt = (
-        pushed.effort["voltage"] / 0.1,
-        volt.motion["w_tip"] / 50.0,
+    np.testing.assert_allclose(
+        pushed.effort["voltage"] / 0.1, volt.motion["w_tip"] / 50.0, rtol=1e-12
     )
-    np.testing.assert_allclose(charge_per_force, displacement_per_volt, rtol=1e-12)
-    # driven to where the force had moved it, the tip takes that force
     moved = {"voltage": 0.0, "w_tip": pushed.motion["w_tip"]}
     np.testing.assert_allclose(respond(port, moved).effort["w_tip"], 0.1, rtol=1e-12)
 
@@ -259,7 +209,5 @@ def test_a_held_port_is_one_driven_by_nothing():
     np.testing.assert_array_equal(driven_to_rest.motion["w_tip"], held.motion["w_tip"])
     assert not driven_to_rest.motion["w_base"].any()
     # clamped at rest, the base carries no moment under the voltage: nothing reacts at the tip
-    moment = driven_to_rest.effort["psi_base"]
-    free = respond(hold(port, "w_base", "w_tip", "psi_tip"), {"voltage": 50.0, "psi_base": 0.0})
-    assert abs(moment[0]) < 1e-10 * abs(free.effort["psi_base"][0])
-    assert abs(moment[2]) > 1e-3 * abs(free.effort["psi_base"][2])  # at 500 Hz inertia does
+    moment = np.abs(driven_to_rest.effort["psi_base"])
+    assert moment[0] < 1e-9 * moment[2]  # at 500 Hz inertia does

@@ -111,16 +111,6 @@ def test_loop_work_sees_an_inconsistent_model():
     assert abs(net) > 1e-3 * side
 
 
-def test_even_in_the_current_and_zero_without(pull):
-    """W' and F are even, λ is odd, all vanish with the current."""
-    i, g = np.array([0.02, 0.2]), 0.1e-3
-    for name, sign in (("coenergy", 1.0), ("force", 1.0), ("flux_linkage", -1.0)):
-        function = getattr(pull, name)
-        assert np.array_equal(function(-i, g), sign * function(i, g))
-        assert function(0.0, g) == 0.0
-    assert pull.incremental_inductance(0.0, g) > 0.0
-
-
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_monotone_everywhere(samples, noise):
     """∂λ/∂i > 0 at every current and gap, even if noise makes the samples contradict it."""
@@ -137,16 +127,6 @@ def test_monotone_everywhere(samples, noise):
     assert (pull.coefficients > 0.0).all()
     if noise:
         assert pull.residual.flux_linkage > 0.1 * noise  # and the contradiction is reported
-
-
-def test_network_map_of_ten_by_ten(pull):
-    """Half-way between 10 x 10 samples the map gives the network's flux linkage to 0.5 % and its
-    force to 1.5 %, from a tenth of the largest value up."""
-    exact = network_samples(DEVICE, between(CURRENTS), between(GAPS, "geometric"))
-    said = pull.sampled(exact.current, exact.gap)
-    assert largest_error(said.flux_linkage, exact.flux_linkage) < 5e-3
-    assert largest_error(said.force, exact.force) < 1.5e-2
-    assert np.sqrt(np.mean((said.force / exact.force - 1.0) ** 2)) < 5e-3
 
 
 @pytest.mark.parametrize(

@@ -52,33 +52,11 @@ def test_balance_current(pull):
     assert np.isinf(normal_actuator.balance_current(device(5.0, 100.0), pull, gaps)[-1])
 
 
-def test_soft_spring_snaps(pull):
-    """A soft spring: the rod that leaves one stop arrives at the other."""
-    found = normal_actuator.switching(device(0.1, 100.0), pull)
-    assert found.pull_in == pytest.approx(found.lift_off, rel=1e-12)
-    assert found.drop_out == pytest.approx(found.holding, rel=1e-12)
-    assert found.lift_off == pytest.approx(balance(0.1, 100.0, 0.2e-3), rel=CLOSE)
-    assert found.holding == pytest.approx(balance(0.1, 100.0, 20e-6), rel=CLOSE)
-
-
-def test_stiff_spring_lets_the_rod_float(pull):
-    """A stiff spring: past lift-off the rod floats stably up to the fold of the balance current,
-    where d/dg [(g + G0)² S] = 0: at g + G0 = (2/3) (S/k + g + G0)."""
-    preload, stiffness = 0.02, 1500.0
-    found = normal_actuator.switching(device(preload, stiffness), pull)
-    fold = 2.0 / 3.0 * (preload / stiffness + 0.2e-3 + G0) - G0
-    assert 20e-6 < fold < 0.2e-3
-    assert found.pull_in == pytest.approx(balance(preload, stiffness, fold), rel=CLOSE)
-    assert found.lift_off == pytest.approx(balance(preload, stiffness, 0.2e-3), rel=CLOSE)
-    assert found.pull_in > 1.05 * found.lift_off
-
-
 def test_drop_out_below_holding(pull):
     """With the fold below the lower stop the rod floats near that stop before it falls back."""
     # no preload: the balance current grows from zero at the upper stop, so the rod follows
     found = normal_actuator.switching(device(0.0, 500.0), pull)
-    assert found.lift_off == pytest.approx(0.0, abs=1e-9)
-    assert found.drop_out == pytest.approx(0.0, abs=1e-9)
+    assert [found.lift_off, found.drop_out] == pytest.approx([0.0, 0.0], abs=1e-9)
     assert found.holding == pytest.approx(balance(0.0, 500.0, 20e-6), rel=CLOSE)
 
 
@@ -135,12 +113,3 @@ def test_refusals(pull):
         normal_actuator.switching(Device(spring=Spring(stop_gap=0.3e-3)), pull)
     with pytest.raises(InputError, match="gap = 5 um lies outside the map"):
         normal_actuator.switching(Device(spring=Spring(stop_gap=5e-6)), pull)
-
-
-def test_a_spring_that_the_coil_cannot_overcome(pull):
-    """No current of the map moves the rod down: infinite, not an error; holding may still be."""
-    never = normal_actuator.switching(device(5.0, 100.0), pull)
-    assert np.isinf([never.lift_off, never.pull_in]).all()
-    held = normal_actuator.switching(device(1.5, 0.0), pull)
-    assert np.isinf(held.pull_in)
-    assert held.holding == pytest.approx(balance(1.5, 0.0, 20e-6), rel=CLOSE)

@@ -9,7 +9,6 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import lumped
 from tactgen.tmm.beam import transfer_matrix as tmm
-from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
 
@@ -79,26 +78,6 @@ def test_partial_electrode_bends_only_itself():
     model = lumped.multiport(partly, CLAMPED, Beam(), np.zeros(1), lossy=False)
     other = respond(attach(model, Ends()), {"voltage": 1.0}).motion["w_tip"][0]
     assert other == pytest.approx(moved, rel=1e-13)
-
-
-def test_taper_that_runs_out_stays_physical():
-    """Down to a ten-thousandth of the thickness: every segment is positive, the sum converges."""
-    sharp = device(piezo_thickness_profile=((0.0, 0.26e-3), (20e-3, 0.26e-7)),
-                   shim_thickness_profile=((0.0, 0.25e-3), (20e-3, 0.25e-7)))  # fmt: skip
-    found = []
-    for n in (16, 32, 64):
-        row = tmm.sections(sharp, CLAMPED, Beam(), lossy=False, segments=n)
-        assert all(s.EI > 0.0 and s.GA > 0.0 and s.m > 0.0 and s.C > 0.0 for s, _ in row)
-        found.append(bending_frequencies(row, Ends(), 1, open_circuit=False)[0])
-    # the tip's last segment alone is of second order
-    assert abs(found[2] / found[1] - 1.0) < 0.5 * abs(found[1] / found[0] - 1.0) < 1e-3
-
-
-def test_lumped_model_of_segments_is_that_of_the_beam():
-    """The static part does not depend on how the beam is cut, however fine."""
-    ((s, l),) = tmm.sections(device(), CLAMPED, Beam(), lossy=True)
-    one, many = (lumped.lumped_model([(s, l / n)] * n).stiffness for n in (1, 1000))
-    assert distance(many[None], one[None]) < 1e-11
 
 
 @pytest.mark.parametrize("model", ["lumped", "tmm"])

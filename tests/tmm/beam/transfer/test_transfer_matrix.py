@@ -77,11 +77,3 @@ def test_lossless_clamped_statics(state_space):
         assert port["voltage", "voltage"][0] == pytest.approx(
             stored["straight_capacitance"], rel=1e-14
         )
-
-
-def test_sweep_equals_single_points():
-    """A frequency may be asked for alone or within a sweep; a scalar will do."""
-    f = np.geomspace(10.0, 2e4, 7)
-    sweep = model(20e-3, f).stiffness
-    for i, one in enumerate(f):
-        np.testing.assert_allclose(model(20e-3, one).stiffness[0], sweep[i], rtol=1e-14)
