@@ -150,11 +150,6 @@ def as_pipe(path):
     os.mkfifo(path)
 
 
-def as_link_to_itself(path):
-    path.unlink()
-    path.symlink_to(path)
-
-
 def rewritten(change):
     return lambda path: path.write_bytes(change(path.read_bytes()))
 
@@ -177,11 +172,7 @@ def with_header(text):
 
 DAMAGES = {
     "empty": rewritten(lambda _: b""),
-    "cut in the middle": rewritten(lambda c: c[: len(c) // 2]),
     "a byte more": rewritten(lambda c: c + b"\0"),
-    "zeros after a power cut": rewritten(lambda c: bytes(len(c))),
-    "another version": rewritten(lambda c: c.replace(b"kept 1", b"kept 2", 1)),
-    "a pickle": rewritten(lambda _: b"\x80\x04cos\nsystem\n(S'false'\ntR."),
     "another entry's file": resealed(VALUE),
     "no name": with_header(b"[[1, 2, 3], []]"),
     "an array too few": with_header(b'[["tuple", "n", ["array", 0]], []]'),
@@ -190,7 +181,6 @@ DAMAGES = {
     "deep nesting": with_header(b"[" * 100_000),
     "a folder": as_folder,
     "a pipe": as_pipe,
-    "a link to itself": as_link_to_itself,
 }
 
 
@@ -249,18 +239,11 @@ def test_what_cannot_be_kept_is_said_once(folder, reason, monkeypatch, capsys):
     assert f"results are not kept for the next run ({reason}); set" in said.lower()
 
 
-@pytest.mark.parametrize("home", [None, ""], ids=["none", "empty"])
-def test_without_a_home_nothing_is_kept(home, tmp_path, monkeypatch, capsys):
+def test_without_a_home_nothing_is_kept(tmp_path, monkeypatch, capsys):
     """A user whom the system does not know: said once, and nothing is put where one stands."""
-
-    def unknown():
-        if home is None:
-            raise RuntimeError("Could not determine home directory.")
-        return Path(home)
-
     monkeypatch.delenv("TACTGEN_CACHE", raising=False)
     monkeypatch.setattr(store, "_said", set())
-    monkeypatch.setattr(Path, "home", unknown)
+    monkeypatch.setattr(Path, "home", raising(RuntimeError("Could not determine home directory.")))
     monkeypatch.chdir(tmp_path)
     calls = []
     for _ in range(2):
@@ -298,21 +281,15 @@ def test_what_is_larger_than_the_store_is_not_kept(folder, monkeypatch, capsys):
     assert "TACTGEN_CACHE_LIMIT" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("text", ["5", "-1 GB", "nan GB", "5 GB or so"])
-def test_malformed_limit_is_refused(text, monkeypatch):
-    """In one sentence with the remedy."""
-    monkeypatch.setenv("TACTGEN_CACHE_LIMIT", text)
-    with pytest.raises(InputError, match=r"TACTGEN_CACHE_LIMIT = .* such as 5 GB"):
-        store.size_limit()
-
-
-@pytest.mark.parametrize(
-    ("text", "size"), [("", 5e9), ("1.5 GB", 1.5e9), ("20kB", 2e4), ("0 B", 0)]
-)
-def test_limit_has_a_unit(text, size, monkeypatch):
-    """Decimal units, as disks are sold."""
-    monkeypatch.setenv("TACTGEN_CACHE_LIMIT", text)
-    assert store.size_limit() == size
+def test_limit_has_a_unit(monkeypatch):
+    """Decimal units, as disks are sold; what is no size is refused with the remedy."""
+    for text, size in (("", 5e9), ("1.5 GB", 1.5e9), ("20kB", 2e4), ("0 B", 0)):
+        monkeypatch.setenv("TACTGEN_CACHE_LIMIT", text)
+        assert store.size_limit() == size
+    for text in ("5", "-1 GB", "nan GB", "5 GB or so"):
+        monkeypatch.setenv("TACTGEN_CACHE_LIMIT", text)
+        with pytest.raises(InputError, match=r"TACTGEN_CACHE_LIMIT = .* such as 5 GB"):
+            store.size_limit()
 
 
 def test_clear_leaves_nothing_of_ours(folder):
@@ -359,12 +336,8 @@ def test_threads_compute_once(folder):
 
 def test_failed_work_leaves_no_claim(folder):
     """The next one may try."""
-
-    def failing():
-        raise ZeroDivisionError
-
     with pytest.raises(ZeroDivisionError):
-        store.cached_result("sample", (1,), CODE, failing)
+        store.cached_result("sample", (1,), CODE, raising(ZeroDivisionError))
     assert same(store.cached_result("sample", (1,), CODE, lambda: VALUE), VALUE)
 
 

@@ -29,28 +29,20 @@ def refusal(kind, value, context=None):
 @pytest.mark.parametrize(
     ("kind", "text", "si"),
     [
-        (u.Length, "20 mm", 20e-3),
         (u.Length, "20mm", 20e-3),
         (u.Length, " 260 µm ", 260e-6),
         (u.Position, "-0.3 mm", -0.3e-3),
         (u.Density, "7.9 g/cm^3", 7900.0),
-        (u.Modulus, "140 GPa", 140e9),
         (u.Compliance, "15.8e-12 m^2/N", 15.8e-12),
         (u.PiezoConstant, "-385 pC/N", -385e-12),
         (u.PiezoConstant, "-385 pm/V", -385e-12),
-        (u.RotationalStiffness, "0.24 N*m/rad", 0.24),
         (u.LateralStiffness, "3 N/um", 3e6),
         (u.RotationalDamping, "4.46e-6 N*m*s/rad", 4.46e-6),
-        (u.LateralDamping, "0.5 N*s/m", 0.5),
         (u.RotationalInertia, "1 mg*mm^2", 1e-12),
-        (u.Mass, "10 mg", 10e-6),
         (u.Voltage, "-0.05 kV", -50.0),
-        (u.Current, "130 mA", 0.13),
         (u.Temperature, "20 degC", 293.15),
         (u.Duration, "10 min", 600.0),
-        (FREQUENCY, "0.5 kHz", 500.0),
         (FREQUENCY, "500 1/s", 500.0),
-        (u.RelativePermittivity, "6000", 6000.0),
         (u.LossTangent, "3 %", 0.03),
         (u.PoissonRatio, "0.3", 0.3),
     ],
@@ -71,25 +63,13 @@ def test_any_number_survives_its_text(value):
     assert read(u.Length, f"{value!r} m", SCENE) == value
 
 
-def test_python_floats_are_si():
-    """A Python caller may pass plain floats and integers, which are SI."""
+def test_who_needs_a_unit():
+    """A number of a scene and any text; no Python caller's float, library value or pure number."""
+    for value in (0.02, 20, "20", " 20 "):
+        assert "has no unit; a length needs one" in refusal(u.Length, value, SCENE)
+    assert "has no unit" in refusal(u.Length, "20")
     assert Bimorph(length=0.014).length == 0.014
     assert read(FREQUENCY, 500) == 500.0
-
-
-@pytest.mark.parametrize("value", [0.02, 20, "20", " 20 "])
-def test_scene_needs_a_unit(value):
-    """In a scene a bare number is refused where a unit belongs."""
-    assert "has no unit; a length needs one" in refusal(u.Length, value, SCENE)
-
-
-def test_bare_text_is_refused_for_python_too():
-    """Text without a unit is ambiguous for any caller."""
-    assert "has no unit" in refusal(u.Length, "20")
-
-
-def test_pure_numbers_need_none():
-    """A pure number needs no unit, in a scene either; library values are SI already."""
     assert read(u.QualityFactor, 60, SCENE) == 60.0
     assert read(u.Length, u.SI(0.02), SCENE) == 0.02
 
@@ -102,7 +82,9 @@ def test_pure_numbers_need_none():
         (u.Modulus, "140 GN", "GN"),
         (u.QualityFactor, "60 mm", "mm"),
         (u.Length, "20 degC", "°C"),
-        (u.LateralStiffness, "3e6 N*m", "N"),
+        # taken for Hz they would be off by 2π
+        (FREQUENCY, "628 rad/s", "rad"),
+        (FREQUENCY, "60 rpm", "rpm"),
     ],
 )
 def test_wrong_dimension_is_refused(kind, text, unit):
@@ -113,25 +95,9 @@ def test_wrong_dimension_is_refused(kind, text, unit):
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
-    [("-1 um", 'at least 0 um; write for example "20 um"'), ("5 mm", "from 0.001 um to 1000 um")],
-)
-def test_glue_between_layers_is_thin(text, words):
-    """Glue is measured in micrometres, and a layer of 5 mm is a slip."""
-    assert words in refusal(u.LayerThickness, text, SCENE)
-
-
-@pytest.mark.parametrize("text", ["628 rad/s", "60 rpm", "360 deg/s"])
-def test_angular_frequency_is_not_a_frequency(text):
-    """rad/s and rpm are refused as frequency: taken for Hz they would be off by 2π."""
-    assert "which is not a frequency" in refusal(FREQUENCY, text)
-
-
-@pytest.mark.parametrize(
     "text",
-    ["", " ", "mm", "20,5 mm", "[1, 2] mm", "20 mm 3", "2*10 mm", "1/0 mm", "1 m + 1 s", "(((",
-     "20 mm;", "20 mm = 3", "--20 mm", "1+1j m", "0x14 mm", "٣ mm", "\x00", "20 *", "20 ((", '"',
-     "1e99999 mm"],
+    ["", "mm", "20,5 mm", "[1, 2] mm", "20 mm 3", "2*10 mm", "1/0 mm", "1 m + 1 s", "(((",
+     "--20 mm", "1+1j m", "0x14 mm", "٣ mm", "\x00", "20 *", "1e99999 mm"],
 )  # fmt: skip
 def test_garbage_is_refused(text):
     """Whatever is not one number and one unit is refused; nothing is computed or dropped."""
@@ -162,24 +128,12 @@ def test_not_finite_is_refused(value):
 @pytest.mark.parametrize(
     ("kind", "value", "words"),
     [
-        (u.Length, "0 mm", "greater than 0 mm"),
-        (u.LengthOrZero, "-1 mm", "at least 0 mm"),
+        (u.LayerThickness, "-1 um", 'at least 0 um; write for example "20 um"'),
+        (u.LayerThickness, "5 mm", "from 0.001 um to 1000 um"),
         (u.Modulus, 0.0, "greater than 0 GPa"),
-        (FREQUENCY, "-1 Hz", "at least 0 Hz"),
         (u.RelativePermittivity, 1.0, "greater than 1"),
         (u.PoissonRatio, 0.5, "less than 0.5"),
-        (u.PoissonRatio, -1.0, "greater than -1"),
         (u.RelativeError, "100 %", "less than 1"),
-    ],
-)
-def test_out_of_range_is_refused(kind, value, words):
-    """Values that the quantity cannot have are refused with the bound."""
-    assert words in refusal(kind, value)
-
-
-@pytest.mark.parametrize(
-    ("kind", "value", "words"),
-    [
         (u.SmallLength, "1e300 m", "must be from 1e-06 mm to 100000 mm"),
         (u.QualityFactor, 10**400, "must be a finite quality factor"),
         (u.LengthOrZero, "1e-300 m", "must be 0 or from 1e-06 mm to 100000 mm"),
@@ -187,15 +141,12 @@ def test_out_of_range_is_refused(kind, value, words):
         (u.Voltage, "1e9 V", "must be 0 or a magnitude from 1e-12 V to 1000000 V"),
     ],
 )
-def test_absurd_sizes_are_refused(kind, value, words):
-    """Values far beyond any device are refused with the range, before arithmetic overflows."""
-    assert words in refusal(kind, value, SCENE)
-
-
-@pytest.mark.parametrize("kind", [u.LengthOrZero, u.Position, u.Voltage, u.Mass])
-def test_zero_stays_allowed(kind):
-    """The smallest magnitude is no bound for nothing at all."""
-    assert read(kind, 0.0) == 0.0
+def test_out_of_range_is_refused(kind, value, words):
+    """What a quantity cannot have, or no device has, with the bound, before arithmetic overflows;
+    the smallest magnitude is no bound for nothing at all."""
+    assert words in refusal(kind, value, None if isinstance(value, float) else SCENE)
+    if "must be 0 or" in words:
+        assert read(kind, 0.0) == 0.0
 
 
 def test_quoted_is_one_short_line():
@@ -205,11 +156,11 @@ def test_quoted_is_one_short_line():
     assert u.quoted(1 << 40000) == "this int"
 
 
-@pytest.mark.parametrize("text", ["20 mm", "0.26 mm", "2.1 mm"])
-def test_shown_values_read_back(text):
+def test_shown_values_read_back():
     """A value is shown in the unit people write it in, and that text is valid input."""
     unit = next(m for m in u.Length.__metadata__ if isinstance(m, u.Unit))
-    assert unit.show(read(u.Length, text)) == text
+    for text in ("20 mm", "0.26 mm", "2.1 mm"):
+        assert unit.show(read(u.Length, text)) == text
 
 
 @pytest.mark.parametrize("name", u.BY_HEART)

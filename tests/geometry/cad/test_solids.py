@@ -76,16 +76,6 @@ def test_fused_solids_share_faces_and_keep_volumes_and_names(tab_length, expecte
     assert {pair: n for pair, n in shared.items() if n} == expected
 
 
-def test_bimorph_alone_starts_at_its_lowest_edge():
-    bare = build_solids(Device(), standing="alone")
-    assert set(bare) == {"piezo_top", "piezo_bottom", "shim"}
-    assert all(solid.BoundingBox().zmin == pytest.approx(0.0, abs=1e-6) for solid in bare.values())
-    tab = build_solids(Device(bimorph=Bimorph(tab_length=2e-3)), standing="alone")
-    assert tab["shim"].BoundingBox().zmin == pytest.approx(0.0, abs=1e-6)
-    assert tab["piezo_top"].BoundingBox().zmin == pytest.approx(2.0, abs=1e-6)
-    assert tab["piezo_top"].BoundingBox().xmin == pytest.approx(0.125, abs=1e-6)
-
-
 def test_gap_moves_the_sleeve_and_nothing_else():
     near = build_solids(GENERATOR)
     far = build_solids(GENERATOR.model_copy(update={"gap": 0.3e-3}))

@@ -116,13 +116,6 @@ def test_columns_are_converted(tmp_path):
     assert curve.field == pytest.approx([0.0, 200.0, 8000.0])
 
 
-def test_the_parameter_names_the_curve():
-    """team20, linear and its permeability."""
-    assert magnetisation_curve(Steel()) is TEAM20
-    straight = magnetisation_curve(Steel(curve="linear", relative_permeability=200.0))
-    assert straight.slope(np.zeros(1))[0] == pytest.approx(1.0 / (200.0 * MU0), rel=ROUNDING)
-
-
 @pytest.mark.parametrize(
     ("text", "words"),
     [

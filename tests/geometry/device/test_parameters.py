@@ -26,13 +26,6 @@ def test_defaults_are_the_papers():
     assert (p.Drive().voltage, p.Device().gap) == (50.0, 0.2e-3)
 
 
-def test_library_values_carry_their_source():
-    """Another ceramic brings its own values and their source along."""
-    piezo = p.Piezo(material="PZT-5A")
-    assert piezo.d31 == pytest.approx(-171e-12)
-    assert "PZT-5A" in p.sources(piezo)["d31"]
-
-
 @pytest.mark.parametrize("group", GROUPS)
 def test_groups_state_their_sources_are_frozen_and_closed(group):
     """Each value is the paper's or assumed; none changes after the fact, no unknown key passes."""
@@ -44,22 +37,6 @@ def test_groups_state_their_sources_are_frozen_and_closed(group):
         setattr(made, next(iter(group.model_fields)), 1.0)
     with pytest.raises(ValidationError):
         group(lenght=1.0)
-
-
-def test_single_piezo_values_are_replaced():
-    """A stated value replaces the library's; all others stay."""
-    piezo = p.Piezo(s11="20e-12 m^2/N")
-    assert piezo.s11 == 20e-12
-    assert piezo.s55 == p.Piezo().s55
-    assert piezo.ceramic().reduced()["s11"] == 20e-12
-
-
-def test_derived_lengths():
-    """Total thickness, poling sign, and where the ceramic begins above the rod."""
-    assert p.Bimorph().thickness == pytest.approx(0.77e-3)
-    assert (p.Bimorph(poling="+x").poling_sign, p.Bimorph().poling_sign) == (1.0, -1.0)
-    device = p.Device(bimorph=p.Bimorph(tab_length=2e-3))
-    assert device.ceramic_base == pytest.approx(2e-3 - (0.45e-3 - 0.05e-3))
 
 
 ROD = p.Support(kind="rod")

@@ -28,13 +28,6 @@ def test_resistance():
     assert warm == pytest.approx(1.393 * cold)
 
 
-def test_power_does_not_depend_on_the_wire():
-    """The same ampere-turns in the same window heat alike, whatever the number of turns."""
-    many, few = winding(Coil(turns=800.0)), winding(Coil(turns=100.0))
-    assert many.power(0.1) == pytest.approx(few.power(0.8))
-    assert many.current_density(0.1) == pytest.approx(few.current_density(-0.8))
-
-
 def test_heating_rate_is_power_over_heat_capacity():
     """Uncooled, all heat stays in the copper: 385 J/(kg K), 8960 kg/m³."""
     wound = winding(Coil())

@@ -23,8 +23,6 @@ from tactgen.geometry.display.layout import (
     display_parts,
     drawn_units,
     levels,
-    spacer_axes,
-    support_spacer_axes,
     unit_names,
 )  # fmt: skip
 from tactgen.geometry.errors import InputError
@@ -54,15 +52,6 @@ def test_axes_are_the_pitch_apart_and_centred(rows, columns):
     if len(found) > 1:
         nearest = min(math.dist(a, b) for a, b in itertools.combinations(found, 2))
         assert nearest == pytest.approx(display.pitch)
-
-
-def test_a_longer_bimorph_makes_a_higher_display():
-    """The support plate follows the tips; the boards stay."""
-    longer = Device(bimorph=Bimorph(length=25e-3))
-    before, after = levels(DEVICE, DISPLAY), levels(longer, DISPLAY)
-    assert after.total - before.total == pytest.approx(5e-3)
-    assert after.rod_top == before.rod_top
-    assert before.rod_top - before.sleeve_top == pytest.approx(0.7e-3)  # head and gap
 
 
 def test_the_narrowest_clearances():
@@ -205,11 +194,3 @@ def test_no_two_solids_overlap_and_gaps_are_as_stated():
     assert nearest["grub_screw", "sleeve"] == pytest.approx(0.0, abs=1e-6)  # both on the plate
     # the slot's corner beside the shim: half of both thicknesses' difference and the clearance
     assert nearest["piezo_top", "upper_board"] == pytest.approx(math.hypot(0.1, 0.6), abs=1e-3)
-
-
-def test_spacers_stand_in_the_four_corners():
-    """Mirrored in both middles, whichever plate they carry."""
-    for four in (spacer_axes(40e-3, 60e-3, DISPLAY), support_spacer_axes(DISPLAY)):
-        x, y = four[-1]
-        assert x > 0.0 < y
-        assert sorted(four) == [(-x, -y), (-x, y), (x, -y), (x, y)]

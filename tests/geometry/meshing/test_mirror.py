@@ -16,7 +16,6 @@ from tactgen.geometry.meshing.structured_tets import (
     MIRRORS,
     box_tetrahedra,
     mirror_axes,
-    mirrored_points,
     whole_mesh,
 )
 from tactgen.geometry.meshing.tetwild.conform import TET_FACES
@@ -51,19 +50,6 @@ def test_a_mesh_without_cuts_is_the_whole():
     cut_once = replace(mesh, faces={"mirror_x": mesh.faces["mirror_x"]})
     assert not mirror_axes(cut_once)
     assert whole_mesh(cut_once) is cut_once
-
-
-def test_points_are_mirrored_once():
-    """As many points as differ, each the image of its source, the quarter's own first."""
-    points = quarter().points
-    found = mirrored_points(points)
-    rounded = {tuple(p) for p in np.round(1e9 * found.points).astype(int)}
-    assert len(rounded) == len(found.points) == 5 * 5 * 4
-    assert np.array_equal(found.points[: len(points)], points)
-    signs = np.where(found.turned, -1.0, 1.0)
-    assert np.array_equal(found.points[:, :2], signs * points[found.source][:, :2])
-    for image, turn in zip(found.images, ([1, 1], [-1, 1], [1, -1], [-1, -1]), strict=True):
-        assert found.points[image][:, :2] == pytest.approx(points[:, :2] * turn, abs=1e-15)
 
 
 @pytest.mark.parametrize("make", [quarter, lambda: with_middles(quarter())], ids=["4", "10"])

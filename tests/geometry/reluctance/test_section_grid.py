@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tactgen.geometry.device.magnetisation import linear
-from tactgen.geometry.reluctance.section_grid import Grid, Region, graded_grid, graded_lines
+from tactgen.geometry.reluctance.section_grid import Region, graded_grid, graded_lines
 
 IRON = linear(1000.0)
 POLE = Region("pole", (0.0, 1.0), (0.1, 2.0), IRON, moves=True)
@@ -46,17 +46,6 @@ def test_labels_fill_the_sections():
     area = np.outer(np.diff(grid.r), np.diff(grid.z))
     found = [area[grid.labels == index].sum() for index in range(4)]
     assert found == pytest.approx([POLE.section, YOKE.section - 0.25, COIL.section, 0.25])
-
-
-def test_moving_keeps_labels_and_fixed_lines():
-    """Only the lines of the moving part and those between go; every label stays."""
-    grid = graded_grid(PARTS, 20.0)
-    moved = grid.fitted(raised(0.03))
-    assert np.array_equal(grid.labels, moved.labels)
-    assert {0.13, 2.03} <= set(moved.z)
-    for z in (-20.0, -2.0, 0.0, 0.3, 0.9, 20.0):
-        assert z in moved.z
-    assert moved.regions[0].heights == pytest.approx((0.13, 2.03))
 
 
 def test_motion_ends_where_an_edge_would_pass_another():
@@ -116,9 +105,3 @@ def test_level_edges_of_moving_and_fixed_parts_are_refused():
     """One line cannot follow two parts."""
     with pytest.raises(ValueError, match="level"):
         graded_grid((POLE, Region("ring", (3.0, 4.0), (0.1, 1.0), IRON)), 20.0)
-
-
-def test_a_grid_by_hand():
-    """Lines may come from anywhere; labels follow from cell centres."""
-    grid = Grid(np.linspace(0, 2, 5), np.linspace(-2, 2, 9), (YOKE,))
-    assert (grid.labels == 0).sum() == 4 * 4

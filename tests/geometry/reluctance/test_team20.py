@@ -60,12 +60,3 @@ def test_source_vanishes_where_the_pole_moves():
     for region in ("pole", "shell"):
         corners = COARSE.points[COARSE.cells[COARSE.cells_of(region)]]
         assert not np.any(team20_source(corners.mean(axis=1)))
-
-
-def test_round_corners_are_in_the_coil_region():
-    """No box with current is tagged as anything but coil."""
-    centres = COARSE.points[COARSE.cells].mean(axis=1)
-    tagged = np.isin(np.arange(len(centres)), COARSE.cells_of("coil"))
-    there = np.linalg.norm(curl(centres), axis=-1) > 1.0
-    assert there.any()
-    assert not np.any(there & ~tagged)

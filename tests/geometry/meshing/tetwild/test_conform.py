@@ -7,7 +7,6 @@ from tactgen.geometry.cad.tessellation import Cylinder, Plane, tessellate
 from tactgen.geometry.errors import MeshError
 from tactgen.geometry.meshing.mesh import (
     TET_FACES,
-    check_shape,
     jacobian_coefficients,
     tet_volumes,
     unique_edges,
@@ -124,17 +123,6 @@ def test_points_off_their_planes_are_put_back(pair):
     assert (side[..., 0].min(), side[..., 2].min(), len(side)) == (1e-3, 1e-3, 2)
 
 
-def test_a_body_of_any_size_gets_the_same_mesh(pair):
-    """Nothing in it is a length of its own: all of it smaller, and the slack with it."""
-    points, tets = box_points()
-    raw, cells = in_air(shaken(points), tets)
-    as_it_is = conform(raw, cells, *pair, SLACK, {}, curved=True)
-    small = conform(raw / 64.0, cells, *two_boxes(1.0 / 64.0), SLACK / 64.0, {}, curved=True)
-    np.testing.assert_array_equal(small.cells, as_it_is.cells)
-    np.testing.assert_array_equal(small.region_of_cell, as_it_is.region_of_cell)
-    np.testing.assert_allclose(64.0 * small.points, as_it_is.points, rtol=1e-9, atol=1e-15)
-
-
 def test_a_mesh_that_stays_off_by_more_than_twice_the_slack_is_refused(pair):
     """The raw mesh is no mesh of these solids there; up to that it is put back."""
     points, tets = box_points()
@@ -249,16 +237,3 @@ def test_a_vertex_without_room_goes_to_the_middle_of_its_neighbours(start):
     np.testing.assert_array_equal(moved[:8], CUBE)
     free[8, 0] = False
     assert relaxed(points, STAR, free)[8, 0] == start[0]
-
-
-def test_elements_flatter_than_three_degrees_are_counted():
-    """Two triangles on one edge, at an angle: no other between two faces is as small."""
-    angles = np.radians([2.99, 3.01, 2.0])
-    leaves = [
-        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.5, np.cos(a), np.sin(a)]]
-        for a in angles
-    ]
-    points, tets = np.array(leaves).reshape(-1, 3), np.arange(12).reshape(-1, 4)
-    check_shape(points, tets[1:2])
-    with pytest.raises(MeshError, match="2 elements have angles below 3 degrees"):
-        check_shape(points, tets)
