@@ -74,7 +74,10 @@ def test_where_the_function_ends_it_is_asked_itself(monkeypatch):
 
 
 def test_what_is_nowhere_smooth_is_soon_given_up(monkeypatch):
-    """Rounding above the tolerance, down to 0: a bounded table, and the function itself."""
+    """Rounding above the tolerance: a bounded table, and the function itself.
+
+    At 0, where no interval is short enough by its own upper end, a root is divided to an end.
+    """
     asked = []
 
     def function(f):
@@ -85,10 +88,5 @@ def test_what_is_nowhere_smooth_is_soon_given_up(monkeypatch):
     f = np.array([0.0, 1e-3, 50.0, 900.0])
     np.testing.assert_array_equal(table(f), function(f))
     assert sum(asked) < 50 * tabulated._MOST * 4
-
-
-def test_what_starts_like_a_root_is_divided_to_an_end(monkeypatch):
-    """At 0 no interval is short enough by its own upper end."""
-    table = made(lambda f: (np.sqrt(f) + 0j)[:, None], monkeypatch)
-    f = np.array([0.0, 1e-9, 1e-2, 50.0, 900.0])
-    np.testing.assert_allclose(table(f)[:, 0], np.sqrt(f), rtol=1e-11)
+    root = made(lambda f: (np.sqrt(f) + 0j)[:, None], monkeypatch)
+    np.testing.assert_allclose(root(f)[:, 0], np.sqrt(f), rtol=1e-11)

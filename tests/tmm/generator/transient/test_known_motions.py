@@ -22,7 +22,7 @@ from tactgen.tmm.generator.transient.system import (
     System,
 )
 from tactgen.tmm.generator.transient.time_integration import simulate, simulate_steps
-from tactgen.tmm.generator.transient.waveform import Chirp, Sampled, Sine, Sources, Square, Step
+from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.validation.evidence.cases.oscillators import free_on_cubic
 
 ONE, UNIT = np.ones(1), np.eye(1)
@@ -245,20 +245,6 @@ def test_the_balance_over_a_million_steps():
     each = np.abs(np.diff(run.imbalance)).max()
     assert each / (run.throughput[-1] / run.time.size) < 1e-10
     assert run.worst_imbalance < 1e-10
-
-
-def test_waveforms_start_jump_and_end_where_they_say():
-    square = Square(0.12, 100.0, duty=0.3, start=1e-3)
-    assert square.breaks(0.02) == pytest.approx((1e-3, 4e-3, 11e-3, 14e-3))
-    assert [square.value(4e-3, t) for t in (3.9e-3, 4.1e-3)] == [0.12, 0.0]
-    assert Step(2.0, 1.0, 3.0).value(1.0, 0.9) == 0.0
-    assert Step(2.0, 1.0, 3.0).value(1.0, 1.1) == 2.0
-    assert Step(3.0).breaks(1.0) == ()
-    assert Sampled((0.0, 1.0, 1.0, 2.0), (0.0, 1.0, 5.0, 6.0)).breaks(2.0) == (1.0,)
-    chirp = Chirp(1.0, 10.0, 30.0, 2.0)
-    rate = (chirp.value(1.0 + 1e-7, 1.0) - chirp.value(1.0 - 1e-7, 1.0)) / 2e-7
-    # half way the frequency is the mean of both, and 15 turns are done
-    assert rate == pytest.approx(2.0 * math.pi * 20.0, rel=1e-6)
 
 
 def test_a_run_says_until_when_it_is_certain(monkeypatch):

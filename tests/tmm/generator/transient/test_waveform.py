@@ -40,3 +40,16 @@ def test_samples_are_held_before_the_first_and_after_the_last():
     asked = [(0.0, 0.05), (0.2, 0.3), (0.5, 0.4), (0.5, 0.55), (0.7, 0.7)]
     found = [wave.value(time, inside) for time, inside in asked]
     assert found == pytest.approx([2.0, 1.25, -1.0, 3.0, 4.0], rel=1e-14)
+    assert wave.breaks(2.0) == (0.1, 0.5, 0.6)
+
+
+def test_steps_squares_and_chirps_are_where_they_say():
+    square = Square(0.12, 100.0, duty=0.3, start=1e-3)
+    assert square.breaks(0.02) == pytest.approx((1e-3, 4e-3, 11e-3, 14e-3))
+    assert [square.value(4e-3, t) for t in (3.9e-3, 4.1e-3)] == [0.12, 0.0]
+    assert [Step(2.0, 1.0, 3.0).value(1.0, t) for t in (0.9, 1.1)] == [0.0, 2.0]
+    assert Step(3.0).breaks(1.0) == ()
+    chirp = Chirp(1.0, 10.0, 30.0, 2.0)
+    rate = (chirp.value(1.0 + 1e-7, 1.0) - chirp.value(1.0 - 1e-7, 1.0)) / 2e-7
+    # half way the frequency is the mean of both, and 15 turns are done
+    assert rate == pytest.approx(2.0 * math.pi * 20.0, rel=1e-6)
