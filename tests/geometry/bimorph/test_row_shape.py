@@ -78,17 +78,3 @@ def test_sections_stay_plane_and_outer_electrodes_have_the_voltage(shape_and_lin
         assert not potential[at[points[at, 2] > electrode + 1e-9]].any()
     for name in ("shim", "glue", "rod"):
         assert not potential[np.unique(mesh.cells[mesh.cells_of(name)])].any()
-
-
-def test_a_clamped_tab_is_shim_alone():
-    """Between the clamp and the ceramic there are no other layers."""
-    device = Device(bimorph=Bimorph(tab_length=2e-3))
-    pieces = beam_pieces(device, Support())
-    ends = np.cumsum([0.0, *(p.length for p in pieces)])
-    z = np.concatenate([np.linspace(a, b, 2) for a, b in itertools.pairwise(ends)])
-    mesh = row_shape(pieces, device, z, device.bimorph.length).mesh
-    below = mesh.points[mesh.cells].mean(axis=1)[:, 2] < 0.0
-    assert {mesh.regions[k] for k in mesh.region_of_cell[below]} == {"shim"}
-    b = device.bimorph
-    tab = b.width * b.shim_thickness * 2e-3
-    assert volumes(mesh)[below].sum() == pytest.approx(tab, rel=1e-9)

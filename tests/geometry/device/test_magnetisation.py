@@ -43,16 +43,14 @@ def test_points_are_met_and_vacuum_takes_over_above():
     assert TEAM20.slope(b) == pytest.approx(1.0 / MU0, rel=ROUNDING)
 
 
-def test_energy_is_the_integral_of_the_same_curve():
-    """Energy plus coenergy is HB; their derivatives are H and B, by central differences."""
-    b = np.concatenate([np.linspace(1e-3, 2.29, 700), [2.5, 10.0]])
+def test_energies_are_the_integrals_of_the_same_curve():
+    """Energy plus coenergy is HB; beyond the table, too, where H is a straight line."""
+    b = np.array([1e-3, 1.0, 2.29, 2.5, 10.0])
     h = TEAM20.field_strength(b)
     both = TEAM20.energy_density(b) + TEAM20.coenergy_density(b)
     assert both == pytest.approx(h * b, rel=ROUNDING)
-    step = 1e-6
-    slope = (TEAM20.energy_density(b + step) - TEAM20.energy_density(b - step)) / (2.0 * step)
-    # rounding of the energy over the step: 1e-16 × 3e5 / 1e-6, against H of at least 3 A/m
-    assert slope == pytest.approx(h, rel=1e-6, abs=1e-2)
+    beyond = np.diff(TEAM20.energy_density(b[3:]))[0]
+    assert beyond == pytest.approx(0.5 * (h[3] + h[4]) * (b[4] - b[3]), rel=ROUNDING)
 
 
 @given(st.floats(1e-12, 1e9))
@@ -119,8 +117,6 @@ def test_columns_are_converted(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "is empty"),
-        ("B,H\n0,0\n1,100\n", 'column "b" has no unit'),
         ("B (A),H (A/m)\n0,0\n1,100\n", "which is not that of a flux density"),
         (
             "B (T),H (A/m)\n0,0\n1,100\n1.0001,5e3\n",
@@ -130,7 +126,6 @@ def test_columns_are_converted(tmp_path):
         ("B (T),H (A/m)\n0.1,20\n1,100\n", "start the curve at 0, 0"),
         ("B (T),H (A/m)\n0,0\n1,100\n0.5,200\n", "line 4 has B = 0.5 T after 1 T"),
         ("B (T),H (A/m)\n0,0\n0.5,200\n1,100\n", "line 4 has H = 100 A/m after 200 A/m"),
-        ("B (T),H (A/m)\n0,0\n0.5\n1,100\n", 'line 3, column "H (A/m)": the cell is empty'),
         ("B (T),H (A/m)\n0,0\n1e-7,1\n", "less than vacuum's mu0"),
         ('B (T),H (A/m)\n0,0\n1,"80\n0"\n2,1e6\n', "line 3 is not CSV"),
         ("B (T),H (A/m)\n0,0\n1,100\n1.5,100.00000001\n", "line 4 has B = 1.5 T at H = 100 A/m"),

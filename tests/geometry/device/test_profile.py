@@ -17,29 +17,24 @@ def read(text):
     return load_scene("paper", [f"bimorph.width_profile={text}"])[0].bimorph.width_profile
 
 
-@pytest.mark.parametrize(
-    ("text", "points"),
-    [(STEPPED, POINTS), ("0 m:2100 um,2 cm:1 mm", ((0.0, 2.1e-3), (20e-3, 1e-3)))],
-)
-def test_points_are_read_with_their_units(text, points):
-    """A profile is a list of positions and dimensions, each with any unit of length."""
-    assert read(text) == points
-
-
-def test_a_profile_says_itself_as_it_is_read():
-    """The text of a profile gives the same profile again, and is what a report shows."""
-    profile = read(STEPPED)
-    assert str(profile) == STEPPED
-    assert read(str(profile)) == profile
-    assert str(UNIFORM) == "uniform"
-    for text in ("", "uniform", " Uniform "):
-        assert Bimorph(width_profile=text) == Bimorph()
+def test_points_are_read_with_their_units():
+    """Each with any unit of length, and as a report shows them; a dump is read, too."""
+    assert read("0 m:2100 um,2 cm:1 mm") == ((0.0, 2.1e-3), (20e-3, 1e-3))
+    assert read(STEPPED) == POINTS
+    assert str(read(STEPPED)) == STEPPED
+    bimorph = Bimorph(width_profile=POINTS)
+    assert isinstance(bimorph.width_profile, Profile)
+    for mode in ("python", "json"):
+        assert Bimorph.model_validate(bimorph.model_dump(mode=mode)) == bimorph
 
 
 def test_a_profile_is_taken_away_again():
     """On the command line by the word uniform, which the refusal of an empty value names."""
     both = [f"bimorph.width_profile={STEPPED}", "bimorph.width_profile=uniform"]
     assert load_scene("paper", both)[0].bimorph == Bimorph()
+    assert str(UNIFORM) == "uniform"
+    for text in ("", " Uniform "):
+        assert Bimorph(width_profile=text) == Bimorph()
     with pytest.raises(InputError, match=r"--set bimorph\.width_profile=uniform"):
         load_scene("paper", ["bimorph.width_profile="])
     assert '# width_profile = "uniform"' in template()
@@ -51,40 +46,26 @@ def test_an_end_missed_by_rounding_is_the_edge(end):
     assert read(f"0 mm: 2.1 mm, {end} mm: 1 mm") == ((0.0, 2.1e-3), (20e-3, 1e-3))
 
 
-def test_a_profile_survives_a_dump():
-    """A dumped group of parameters is the same when read back, as stage keys need."""
-    bimorph = Bimorph(width_profile=POINTS)
-    for mode in ("python", "json"):
-        assert Bimorph.model_validate(bimorph.model_dump(mode=mode)) == bimorph
-    assert isinstance(bimorph.width_profile, Profile)
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "ends"),
-    [
-        (0.0, 10e-3, (2.1e-3, 2.1e-3)),
-        (2e-3, 3e-3, (2.1e-3, 2.1e-3)),
+def test_values_between_points():
+    """Straight from point to point; at a step the side that is asked for."""
+    for low, high, ends in (
+        (2e-3, 10e-3, (2.1e-3, 2.1e-3)),
         (10e-3, 20e-3, (1.5e-3, 1e-3)),
         (12e-3, 18e-3, (1.4e-3, 1.1e-3)),
-    ],
-)
-def test_values_between_points(low, high, ends):
-    """Straight from point to point; at a step the side that is asked for."""
-    assert Profile(POINTS).between(low, high) == pytest.approx(ends, rel=1e-14)
+    ):
+        assert Profile(POINTS).between(low, high) == pytest.approx(ends, rel=1e-14)
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
         ("abc", ("list of points", '"0 mm: 2.1 mm, 20 mm: 1 mm"', '"uniform"')),
-        ("0 mm: 1 mm: 2 mm, 20 mm: 1 mm", ("list of points",)),
         ("0 mm: 1 mm", ("at least two",)),
         ("1 mm: 1 mm, 20 mm: 1 mm", ("begins at 1 mm", "lower edge")),
         ("0 mm: 1, 20 mm: 1 mm", ('the dimension "1"', "no unit")),
         ("0 mm: 1 s, 20 mm: 1 mm", ('the dimension "1 s"', "not a dimension")),
         ("0 mm: -1 mm, 20 mm: 1 mm", ('"-1 mm"', "greater than 0 mm")),
         ("0 mm: 1 mm, 5 mm: 1 mm, 3 mm: 1 mm, 20 mm: 1 mm", ("do not ascend",)),
-        ("0 mm: 2 mm, 0 mm: 1 mm, 20 mm: 1 mm", ("a step at its",)),
         ("0 mm: 2 mm, 20 mm: 1 mm, 20 mm: 2 mm", ("a step at its",)),
         ("0 mm: 1 mm, 5 mm: 1 mm, 5 mm: 2 mm, 5 mm: 3 mm, 20 mm: 1 mm", ("more than two points",)),
         ("0 mm: 1 mm, 19 mm: 1 mm", ("ends at 19 mm", "bimorph.length = 20 mm")),

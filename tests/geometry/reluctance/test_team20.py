@@ -9,14 +9,13 @@ from tactgen.geometry.reluctance.team20 import Team20Meshing, team20_mesh, team2
 COARSE = team20_mesh(Team20Meshing(scale=4.0))
 
 
-@pytest.mark.parametrize("mesh", [COARSE, team20_mesh(Team20Meshing(scale=1.3))], ids=["4", "1.3"])
-def test_steel_has_its_volume(mesh):
+def test_steel_has_its_volume():
     """Grid planes honour every steel face: a quarter of the exact volume (mm³), to rounding."""
     for region, volume in (
         ("pole", 25.0 * 10.0 * 98.5),
         ("yoke", 25.0 * (127.0 * 150.0 - 77.0 * 100.0 - 27.0 * 25.0)),
     ):
-        found = tet_volumes(mesh.points[mesh.cells[mesh.cells_of(region)]]).sum() * 1e9
+        found = tet_volumes(COARSE.points[COARSE.cells[COARSE.cells_of(region)]]).sum() * 1e9
         assert 4.0 * found == pytest.approx(volume, rel=1e-12), region
 
 

@@ -49,19 +49,6 @@ def test_a_drive_exactly_at_a_fold():
         resolved(oscillator, Orbit(fold.omega * (1.0 + 1e-4), 1.0, fold.spectrum), ROUGH)
 
 
-def test_without_damping_a_branch_passes_beside_the_backbone():
-    """No fold closes it: it goes on along the free oscillation as far as the range."""
-    lossless = cases.one_mass(cases.cubic(0.1), stiffness=1.0, force=0.1)
-    start = steady_orbit(lossless, 0.6, 1.0, resolution=ROUGH)
-    branch = follow(lossless, start, "omega", 0.6, 1.5, resolution=ROUGH)
-    last = branch.orbits[-1]
-    assert last.omega == 1.5
-    turning_point = last.motion(64)[:, 0].max()
-    backbone = cases.free_on_cubic(1.0, 0.1, 1.0, turning_point).omega
-    # on the backbone the spring alone carries the mass; the force adds a share F/(ω² A)
-    assert last.omega == pytest.approx(backbone, rel=0.1 / (1.5**2 * turning_point))
-
-
 def test_a_branch_that_is_too_long_says_so():
     """The points met are kept, and each is told as it is met."""
     told = []

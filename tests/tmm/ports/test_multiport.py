@@ -15,7 +15,6 @@ from tactgen.tmm.beam import lumped
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.printed_formulas import printed_section
 from tactgen.tmm.ports.elements import attach, ends_of
-from tactgen.tmm.ports.loads import finger_stiffness
 from tactgen.tmm.ports.multiport import (
     BIMORPH,
     balanced,
@@ -26,7 +25,6 @@ from tactgen.tmm.ports.multiport import (
     reduce,
     respond,
     round_off,
-    symmetric_form,
 )
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
@@ -94,22 +92,6 @@ def test_a_broken_symmetry_is_caught():
     d[:, 4, 3] *= -1.0
     assert (reciprocity_error(port) < 1e-14).all()
     assert (reciprocity_error(replace(port, stiffness=d)) > 0.1).all()
-
-
-def test_energy_balance():
-    """Source power equals the finger's, the support's and the material's losses."""
-    f = np.array([20.0, 400.0, 900.0])
-    port = paper(f)
-    r = driven(port, PAPER)
-    half = 0.5 * port.omega
-    source = half * (1j * 50.0 * r.effort["voltage"]).real
-    x = np.stack([r.motion[name] for name in port.names], axis=1)
-    inside = half * np.einsum("ni,nij,nj->n", x.conj(), symmetric_form(port), x).imag
-    finger = finger_stiffness(f).imag * np.abs(r.motion["w_tip"]) ** 2
-    damper = port.omega * SPRING.rotational_damping * np.abs(r.motion["psi_base"]) ** 2
-    outside = half * (finger + damper)
-    np.testing.assert_allclose(source, inside + outside, rtol=1e-11)
-    assert (outside > 0.0).all()
 
 
 def test_round_off_bound_is_what_a_last_digit_does_at_worst():

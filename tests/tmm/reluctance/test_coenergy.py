@@ -199,21 +199,6 @@ def test_interpolation_error_is_not_wide():
         assert 1.0 / 3.0 < max(found) <= 1.0, name
 
 
-def test_map_converges():
-    """Four times as many samples: the true error and its estimate both fall by a factor of 4."""
-    errors = []
-    for points in (8, 16):
-        gaps = np.geomspace(0.02e-3, 0.25e-3, points)
-        currents = 0.2 * (np.arange(points + 1) / points) ** 1.5
-        pull = fit(saturating_samples(currents, gaps))
-        exact = saturating_samples(between(currents), between(gaps, "geometric"))
-        true = largest_error(pull.sampled(exact.current, exact.gap).force, exact.force)
-        errors.append((true, pull.interpolation_error.force))
-    (true, estimate), (finer_true, finer_estimate) = errors
-    assert finer_true < true / 4.0
-    assert finer_estimate < estimate / 4.0
-
-
 def test_fewer_tables_make_a_map_too(samples, pull):
     """Flux linkage and force alone are enough, with a larger error."""
     bare = fit(Samples(CURRENTS, GAPS, samples.flux_linkage, samples.force))

@@ -118,19 +118,6 @@ def test_stops_over_eight_decades_settle_and_keep_the_balance(stiffness):
     assert found.run.worst_imbalance < 1e-12
 
 
-def test_a_damped_stop_never_pulls():
-    """Its damper takes energy; the mass leaves it, and nothing holds it."""
-    law = RoughPoint(1.0, 1e-5, 3e-5)
-    system = oscillator(law, mass=1e-3, sign=-1.0, scale=1e-3)
-    run = simulate_steps(system, Sources(), 5e-3, 1000, position=5e-4 * ONE, velocity=-ONE)
-    pushed = np.diff(run.velocity[:, 0])
-    assert pushed.min() > -1e-12
-    assert pushed.max() > 0.0
-    assert 0.0 < run.velocity[-1, 0] < 0.5
-    lost = 0.5e-3 * (1.0 - run.velocity[-1, 0] ** 2)
-    assert run.element_loss[-1] == pytest.approx(lost, rel=1e-10)
-
-
 def over_a_step(law, before, moved):
     """Return force, slope and elastic part of one spring over 0.1 s."""
     force, slope, elastic = law.means([before], [moved], 0.1)
