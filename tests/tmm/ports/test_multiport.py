@@ -8,15 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from port_distance import distance
 
-from tactgen.geometry.bimorph.boundary_conditions import Ends
+from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import lumped
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.printed_formulas import printed_section
-from tactgen.tmm.ports.elements import attach, ends_of
+from tactgen.tmm.ports.elements import attach, ends_of, spring
 from tactgen.tmm.ports.multiport import (
+    AXIAL,
     BIMORPH,
+    LATERAL,
+    ROTATION,
     balanced,
     connect,
     hold,
@@ -193,3 +196,30 @@ def test_a_held_port_is_one_driven_by_nothing():
     # clamped at rest, the base carries no moment under the voltage: nothing reacts at the tip
     moment = np.abs(driven_to_rest.effort["psi_base"])
     assert moment[0] < 1e-10 * moment[2]  # at 500 Hz inertia does
+
+
+def test_springs_to_the_ground_are_the_paper_support():
+    """Springs joined to the base by name are what the ends attach."""
+    springs = Springs(3e6, 0.24, rotational_damping=4.46e-6)
+    lateral = spring(FREQUENCIES, LATERAL, stiffness=3e6, ends=("wall", "w"))
+    turning = spring(FREQUENCIES, ROTATION, stiffness=0.24, damping=4.46e-6, ends=("floor", "psi"))
+    machine = connect(connect(paper(), lateral, {"w_base": "w"}), turning, {"psi_base": "psi"})
+    found = hold(machine, "wall", "floor")
+    expected = attach(paper(), Ends(springs))
+    assert found.ports == expected.ports
+    assert distance(found.stiffness, expected.stiffness) < 1e-15
+
+
+@given(st.floats(1e-2, 1e8), st.floats(1e-2, 1e8), st.floats(0.0, 1.0))
+def test_springs_in_series(first, second, damping):
+    """Compliances add, dampers and all; force goes through unchanged."""
+    a = spring(FREQUENCIES, AXIAL, stiffness=first, damping=damping)
+    b = spring(FREQUENCIES, AXIAL, stiffness=second, ends=("low", "top"))
+    chain = reduce(connect(a, b.renamed({"low": "middle"}), {"high": "middle"}), ["low", "top"])
+    one = first + 2j * np.pi * FREQUENCIES * damping
+    expected = one * second / (one + second)
+    np.testing.assert_allclose(chain["top", "low"], -expected, rtol=1e-14)
+    # what the stiff end of a soft chain answers is the small difference of its own stiffness
+    lost = np.abs(chain["low", "low"] - expected)
+    assert (lost < 4.0 * np.finfo(float).eps * np.abs(one)).all()
+    assert chain.names == ("low", "top")

@@ -1,12 +1,24 @@
-"""Measured loads: between their points, beyond them, and what their error bars are worth."""
+"""Loads: what was measured and its error bars, the paper's finger, imitation skin."""
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.geometry.device.load_table import LoadTable
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.loads import MeasuredLaw, continued, disturbed, finger_impedance, passive_fit
+from tactgen.tmm.ports.loads import (
+    FINGER_RANGE,
+    REFERENCE,
+    MeasuredLaw,
+    SkinPad,
+    continued,
+    disturbed,
+    finger_impedance,
+    finger_spring_damper,
+    finger_stiffness,
+    passive_fit,
+)
 
 BAND = np.geomspace(10.0, 1000.0, 40)
 
@@ -110,3 +122,91 @@ def test_only_a_table_is_disturbed():
     np.testing.assert_allclose(in_phase.tip(at) - law(at), law.error(at), rtol=1e-6)
     np.testing.assert_allclose(later.tip(at) - law(at), 1j * law.error(at), rtol=1e-6)
     assert disturbed(Ends(tip=TipLoad(5.0))) == ()
+
+
+def test_finger_as_stored(state_space):
+    """Impedance, stiffness and damping of the fit at seven frequencies, to 1e-14."""
+    for key, stored in state_space["finger"].items():
+        f = np.array([float(key)])
+        assert finger_impedance(f)[0] == pytest.approx(complex(*stored["impedance"]), rel=1e-14)
+        if FINGER_RANGE[0] <= f[0] <= FINGER_RANGE[1]:
+            stiffness, damping = finger_spring_damper(f)
+            assert stiffness[0] == pytest.approx(stored["stiffness"], rel=1e-13)
+            assert damping[0] == pytest.approx(stored["damping"], rel=1e-14)
+
+
+def test_raw_fit_leaves_physics_beyond_its_range():
+    """Beyond 1183 Hz the raw fit's stiffness is negative, beyond 1705 Hz it creates energy."""
+    negative = brentq(lambda f: finger_impedance(np.array([f])).imag[0], 1000, 1500)
+    active = brentq(lambda f: finger_impedance(np.array([f])).real[0], 1500, 2000)
+    assert (negative, active) == (pytest.approx(1183, abs=1), pytest.approx(1705, abs=1))
+    assert finger_impedance(np.array([1800.0])).real[0] < 0.0
+
+
+def test_finger_is_held_outside_its_range():
+    """Outside 10–1000 Hz the constants stay those of the nearer end, so the finger is passive."""
+    low, high = finger_spring_damper(np.array([10.0, 1000.0])), FINGER_RANGE
+    for f, end in ((0.0, 0), (1.0, 0), (9.99, 0), (1000.01, 1), (1800.0, 1), (1e5, 1)):
+        stiffness, damping = finger_spring_damper(np.array([f]))
+        assert (stiffness[0], damping[0]) == (low[0][end], low[1][end])
+    z = finger_stiffness(np.linspace(0.0, 1e4, 2001))
+    assert (z.imag >= 0.0).all()
+    assert (z.real > 0.0).all()
+    assert high == (10.0, 1000.0)
+
+
+WIDE = np.geomspace(1.0, 1e4, 400)
+
+
+def pad(**changed):
+    numbers = {
+        "shear_modulus": 0.25e6, "loss_factor": 0.3, "thickness": 5e-3, "contact_radius": 0.6e-3,
+        "weight": 50e-3, "backing_stiffness": 5e3,
+    }  # fmt: skip
+    return SkinPad(**{**numbers, **changed})
+
+
+def test_on_rigid_backing_it_is_mindlins_disc():
+    """Thick and held: 32 (1 − ν) G R / (7 − 8ν) with ν = 1/2, at the reference."""
+    held = pad(thickness=10.0, backing_stiffness=1e15)
+    expected = 32.0 * 0.5 * 0.25e6 * 0.6e-3 / (7.0 - 4.0) * (1.0 + 0.3j)
+    assert held(np.array([REFERENCE]))[0] == pytest.approx(expected, rel=1e-4)  # R/2H = 3e-5
+    thin = pad(thickness=0.3e-3, backing_stiffness=1e15)
+    assert thin(np.array([REFERENCE]))[0] == pytest.approx(2.0 * expected, rel=1e-9)
+
+
+def test_with_nothing_behind_it_is_the_weight():
+    """A sheet much stiffer than the weight's inertia moves with it."""
+    stiff = pad(shear_modulus=1e13, backing_stiffness=0.0, loss_factor=0.0)
+    expected = -((2.0 * np.pi * WIDE[:100]) ** 2) * 0.05
+    np.testing.assert_allclose(stiff(WIDE[:100]), expected, rtol=1e-4)
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.1, 0.6])
+@pytest.mark.parametrize("backing", [0.0, 1e3, 5e4])
+def test_it_only_takes_energy(loss, backing):
+    found = pad(loss_factor=loss, backing_stiffness=backing)(WIDE)
+    assert (found.imag >= -1e-12 * np.abs(found)).all()
+
+
+def test_the_rubber_is_causal():
+    """Springs and dampers can follow it, so that it has a past and no future."""
+    band = np.geomspace(1.0, 1e4, 120)
+    found = pad(backing_stiffness=1e15)(band)
+    fit = passive_fit(band, found / (2j * np.pi * band))
+    # the dictionary's poles stand at tenths of a decade
+    np.testing.assert_allclose(fit.stiffness_at(band), found, rtol=1e-3)
+
+
+def test_its_modulus_rises_as_its_loss_says():
+    """A constant loss factor η goes with f^α, α = 2/π arctan η: a spring-pot."""
+    held = pad(backing_stiffness=1e15)
+    low, high = held(np.array([10.0, 1000.0]))
+    assert np.log(high.real / low.real) / np.log(100.0) == pytest.approx(
+        2.0 / np.pi * np.arctan(0.3), rel=1e-6
+    )
+    assert low.imag / low.real == pytest.approx(0.3, rel=1e-6)
+
+
+def test_at_rest_it_holds_nothing():
+    assert pad()(np.array([0.0]))[0] == 0.0
