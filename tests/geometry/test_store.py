@@ -459,12 +459,6 @@ def test_a_module_that_moved_is_not_hashed_as_nothing(project):
             digest(name)
 
 
-def test_this_code_is_found():
-    """Every module that the store's own key names is hashed from its file."""
-    found = sources._files_of("tactgen.geometry.store")
-    assert {path.name for path in found} >= {"store.py", "values.py"}
-
-
 def test_versions_are_those_that_the_metadata_say():
     """Read off the folders' names; a library that is missing is named as that."""
     for said, library in zip(store.library_versions(), store._LIBRARIES, strict=True):

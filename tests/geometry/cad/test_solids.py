@@ -76,14 +76,6 @@ def test_fused_solids_share_faces_and_keep_volumes_and_names(tab_length, expecte
     assert {pair: n for pair, n in shared.items() if n} == expected
 
 
-def test_gap_moves_the_sleeve_and_nothing_else():
-    near = build_solids(GENERATOR)
-    far = build_solids(GENERATOR.model_copy(update={"gap": 0.3e-3}))
-    for region, solid in near.items():
-        moved = far[region].BoundingBox().zmax - solid.BoundingBox().zmax
-        assert moved == pytest.approx(-0.1 if region == "sleeve" else 0.0, abs=1e-6), region
-
-
 @pytest.mark.parametrize(
     ("device", "standing", "names", "thickness"),
     [

@@ -48,14 +48,6 @@ def test_labels_fill_the_sections():
     assert found == pytest.approx([POLE.section, YOKE.section - 0.25, COIL.section, 0.25])
 
 
-def test_motion_ends_where_an_edge_would_pass_another():
-    """The pole cannot go through the yoke, nor its face past the coil's lower end."""
-    grid = graded_grid(PARTS, 20.0)
-    assert grid.fitted(raised(-0.09)) is not None
-    for displacement in (-0.11, 0.21, 5.0):
-        assert grid.fitted(raised(displacement)) is None
-
-
 def test_lines_follow_sizes_both_ways():
     """A thicker yoke, a wider pole, a longer coil: their lines go along, every label stays."""
     grid = graded_grid(PARTS, 20.0)
@@ -86,7 +78,11 @@ def test_edges_that_meet_keep_a_sliver():
 
 
 def test_what_one_grid_cannot_fit():
-    """A line on two edges that part, an edge past another, other regions."""
+    """A line on two edges that part, an edge past another, other regions; the pole cannot go
+    through the yoke, nor its face past the coil's lower end."""
+    assert graded_grid(PARTS, 20.0).fitted(raised(-0.09)) is not None
+    for displacement in (-0.11, 0.21, 5.0):
+        assert graded_grid(PARTS, 20.0).fitted(raised(displacement)) is None
     grid = graded_grid((*PARTS, Region("ring", (1.2, 1.3), (1.0, 1.5), IRON)), 20.0)
     ring = grid.regions[3]
     assert grid.fitted((*PARTS, replace(ring, radii=(1.25, 1.3)))) is None

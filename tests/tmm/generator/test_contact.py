@@ -158,15 +158,6 @@ def test_what_is_apart_bears_nothing_at_its_lowest_point():
 OWN = Device(contact=Contact(lower_decay_ratio=0.5, lower_relaxation_ratio=0.25))
 
 
-def test_ratios_are_the_lower_stops():
-    """Both lengths and times; with ratios of 1 both stops are alike to the last bit."""
-    above, below = (contact_of(OWN, stop) for stop in ("upper", "lower"))
-    assert above == contact_of(Device(), "upper")
-    assert below.decay_length == 0.5 * above.decay_length
-    assert below.relaxation_time == 0.25 * above.relaxation_time
-    assert contact_of(Device(), "lower") == above
-
-
 @pytest.mark.parametrize(("end", "shape"), [(0.0, "disc"), (-1.0, "ring")])
 def test_slopes_and_losses_are_each_stops_own(end, shape):
     """Against central differences of the forces, near either stop; the loss is its own time's."""

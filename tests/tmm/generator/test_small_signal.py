@@ -6,7 +6,6 @@ import pytest
 from tactgen.geometry.device.parameters import Beam, Device, Spring, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix as tmm
-from tactgen.tmm.generator.contact import contact_of
 from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import (
     axial_poles,
@@ -101,17 +100,7 @@ def test_the_unstable_place_has_a_growing_pole():
             assert growing == (place.kind == "unstable")
 
 
-@pytest.mark.parametrize("shape", ["ring", "disc"])
-def test_the_resting_tilt_balances_the_spring(shape):
-    """Force times lever is what contact and guide bear; beyond the edge it is refused."""
-    device = Device(contact={"shape": shape}, spring=Spring(eccentricity=-0.9e-3))
-    place = resting_place(axial_forces(device, None), 0.0, "rising")
-    tilt = resting_tilt(device, place)
-    assert tilt < 0.0
-    borne = float(contact_of(device, "upper").moment_under(place.contact_force, tilt))
-    borne += device.guide.rotational_stiffness * tilt
-    applied = -0.9e-3 * (device.spring.preload - device.spring.stiffness * place.lift)
-    assert borne == pytest.approx(applied, rel=1e-9)
+def test_a_spring_beyond_the_heads_edge_is_refused():
     wide = Device(spring=Spring(eccentricity=1.2e-3))
     with pytest.raises(InputError, match="tips the rod's head"):
         resting_tilt(wide, resting_place(axial_forces(wide, None), 0.0, "rising"))

@@ -79,17 +79,15 @@ def test_reciprocity_and_passivity(device):
         assert (passivity_margin(port) > -1e-10).all()
 
 
-def test_an_active_capacitor_is_caught():
-    """The passivity margin turns negative for eq 55 as printed."""
+def test_an_active_capacitor_and_a_broken_symmetry_are_caught():
+    """The passivity margin turns negative for eq 55 as printed; the reciprocity error shows one
+    wrong sign in the coupling."""
     ((beam, length),) = tmm.sections(Device(), SPRING, Beam(), lossy=True)
     wrong = printed_section(beam, Device(), frozenset({55}))
     good, bad = (tmm.chain([(b, length)], FREQUENCIES) for b in (beam, wrong))
     assert (passivity_margin(good) > -1e-12).all()
     assert (passivity_margin(bad) < -1e-5).all()
 
-
-def test_a_broken_symmetry_is_caught():
-    """The reciprocity error shows one wrong sign in the coupling."""
     port = paper()
     d = port.stiffness.copy()
     d[:, 4, 3] *= -1.0

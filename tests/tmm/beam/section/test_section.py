@@ -12,7 +12,6 @@ from tactgen.tmm.beam.sections import section
 
 NAMES = ("EI", "GA", "m", "rhoI", "K", "C")
 BIMORPH = Piece("bimorph", 20e-3)
-# a dozen roundings; C is a difference, ε (1 − k²), which costs one more digit at k² = 0.2
 
 
 def test_shim_and_rod_are_textbook_sections():
@@ -53,10 +52,6 @@ def test_glue_layer_by_hand():
     assert pytest.approx(0.8 * b * shear, rel=1e-14) == got.GA
     # each layer's force per volt, d31/s11 b, on a lever from middle to middle
     assert abs(got.K) == pytest.approx(2 * abs(p.d31) / p.s11 * b * 0.3e-3, rel=1e-14)
-    unglued = section(
-        BIMORPH, Device(bimorph=Bimorph(width=b, piezo_thickness=hp)), Beam(), lossy=False
-    )
-    assert got.C == unglued.C
 
 
 def test_bare_ceramic_carries_no_charge():
