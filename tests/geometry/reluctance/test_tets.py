@@ -1,4 +1,4 @@
-"""The normal actuator and its air from CAD: volumes, planes at the winding's ends, regions."""
+"""The normal actuator and its air from CAD, and nine of them: volumes, planes, regions."""
 
 from dataclasses import replace
 
@@ -6,12 +6,14 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.device.parts import closed_form_volumes
 from tactgen.geometry.errors import MeshError
-from tactgen.geometry.meshing.mesh import jacobian_coefficients
+from tactgen.geometry.meshing.mesh import TET_FACES, jacobian_coefficients
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.reluctance import tets
+from tactgen.geometry.reluctance.section_grid import actuator_regions, air_radius
+from tactgen.geometry.reluctance.sector_tets import COPIES, COUNTS, UNITS, Cell, nine_mesh, part_of
 from tactgen.geometry.reluctance.tets import (
     REGIONS,
     ActuatorMeshing,
@@ -149,3 +151,37 @@ def test_mesh_has_regions_and_volumes(tmp_path, monkeypatch):
         assert found == pytest.approx(expected[name], rel=1e-3)  # what the mesh is held against
     top = mesh.points[np.unique(mesh.cells[mesh.cells_of("sleeve")]), 2].max()
     assert top == pytest.approx(0.0, abs=1e-12)
+
+
+OUTER_RADIUS = air_radius(actuator_regions(Device(), GAP))
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return nine_mesh(Device(), GAP, 2.4e-3, Cell(refinement=0.5, layers=3))
+
+
+def test_neighbours_share_their_faces(mesh):
+    """A face has two cells, or it is in a mirror plane or at the end of the air."""
+    faces = np.sort(mesh.cells[:, TET_FACES].reshape(-1, 3), axis=1)
+    faces, count = np.unique(faces, axis=0, return_counts=True)
+    assert count.max() == 2
+    x, y, z = np.moveaxis(mesh.points[faces[count == 1]], -1, 0)
+    ends = (y, x - y, x - OUTER_RADIUS, z - z.min(), z - z.max())
+    outside = np.any([np.all(np.abs(end) < 1e-12, axis=1) for end in ends], axis=0)
+    assert outside.all()
+
+
+def test_no_cell_folds_and_all_has_its_volume(mesh):
+    """Sleeves and windings by unit, and the whole, a box."""
+    jacobians = jacobian_coefficients(mesh.points[mesh.cells])
+    assert jacobians.min() > 0.0
+    volumes = COPIES * jacobians.mean(axis=1) / 6.0
+    box = (2.0 * OUTER_RADIUS) ** 2 * float(np.ptp(mesh.points[:, 2]))
+    assert volumes.sum() == pytest.approx(box, rel=1e-9)
+    expected = closed_form_volumes(Device(bimorph=Bimorph(tab_length=2e-3)))
+    for unit in UNITS:
+        for part in ("sleeve", "coil"):
+            found = volumes[mesh.cells_of(part_of(unit, part))].sum()
+            # arcs of up to 21 degrees by parabolas: some 1e-4 of the area
+            assert found == pytest.approx(COUNTS[unit] * expected[part], rel=5e-4), unit

@@ -80,11 +80,9 @@ def test_circuit_keeps_the_static_capacitance(ends):
 def test_circuit_carries_tip_load():
     """Tip mass and stiffness add to the circuit's, referred to the tip."""
     pieces = tmm.sections(Device(), SPRING, Beam(), lossy=False)
-    bare = lumped.equivalent_circuit(pieces, Ends())
     loaded = lumped.equivalent_circuit(pieces, Ends(tip=TipLoad(mass=1.0)))
     # the heavy mass makes the shape the static one under a tip force: k = 1/compliance
     beam, length = pieces[0]
     compliance = length**3 / (3.0 * beam.EI) + length / beam.GA
     assert loaded.stiffness == pytest.approx(1 / compliance, rel=1e-6)
     assert loaded.mass == pytest.approx(1.0 + 33 / 140 * beam.m * length, rel=1e-5)
-    assert loaded.short_circuit_frequency < bare.short_circuit_frequency

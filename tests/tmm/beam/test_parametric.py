@@ -62,14 +62,11 @@ def test_a_varied_value_is_that_of_another_device(name):
 
 def test_keys_are_those_that_matter():
     """No magnetics, no rod unless it holds the bimorph, no length at which a piece appears."""
-    keys = parameter_keys(PAPER)
-    assert "piezo.s11" in keys
-    assert not [key for key in keys if key.startswith(("rod", "glue", "load", "coil"))]
-    sizes = [key for key in parameter_keys(ROWS["layers"]) if ".layers." in key]
+    assert not [k for k in parameter_keys(PAPER) if k.startswith(("rod", "glue", "load", "coil"))]
+    sizes = {key for key in parameter_keys(ROWS["layers"]) if ".layers." in key}
     # not those by which the field of interdigitated electrodes is solved
-    assert [key.removeprefix("bimorph.layers.") for key in sizes] == [
-        "2.thickness", "3.thickness", "3.start", "4.thickness", "4.width", "4.start", "4.end"
-    ]  # fmt: skip
+    wanted = ["2.thickness", "3.thickness", "3.start", "4.thickness", "4.width", "4.start", "4.end"]
+    assert sizes == {f"bimorph.layers.{size}" for size in wanted}
     rod = parameter_keys(ROWS["rod"])
     assert {"rod.radius", "glue.thickness", "bimorph.tab_length"} <= set(rod)
     assert not [key for key in rod if key.startswith("support")]

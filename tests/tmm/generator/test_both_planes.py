@@ -11,7 +11,7 @@ from tactgen.tmm.beam.sections import section_across
 from tactgen.tmm.beam.transfer_matrix import chain, multiport, sections
 from tactgen.tmm.generator.contact import stops_of
 from tactgen.tmm.generator.equilibrium import axial_forces, resting_place, resting_tilt
-from tactgen.tmm.generator.small_signal import linearised, rod_ports
+from tactgen.tmm.generator.small_signal import _contact, _spring_and_guide, linearised, rod_ports
 from tactgen.tmm.ports.elements import load_tip
 from tactgen.tmm.ports.multiport import hold, reduce
 from tactgen.tmm.reluctance.map_range import network_map
@@ -38,8 +38,6 @@ def answer(scene):
 @pytest.mark.parametrize(("current", "side"), [(0.0, 1.0), (50e-3, -1.0)])
 def test_the_contact_is_that_of_a_ring_of_rough_points(current, side):
     """Its stiffness over lift and both turns is the pressure's slope, summed round the ring."""
-    from tactgen.tmm.generator.small_signal import _contact
-
     device = Device(spring=Spring(eccentricity=0.4e-3, eccentricity_angle=ANGLE))
     pull = network_map(device)
     place = resting_place(axial_forces(device, pull), current, "falling")
@@ -67,8 +65,6 @@ def test_rod_and_bimorph_rock_as_one_body_with_five_motions():
     place = resting_place(axial_forces(device, pull), 0.0, "rising")
     rod = linearised(device, beam, place, 0.0, pull, tip)
     # springs, contact and masses over (w, ψ, u, w, ψ), and the bimorph in both planes
-    from tactgen.tmm.generator.small_signal import _contact, _spring_and_guide
-
     tilt = resting_tilt(device, place)
     stiffness, damping = _contact(device, place, tilt)
     stiffness = stiffness + _spring_and_guide(device, tilt)

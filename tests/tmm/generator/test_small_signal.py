@@ -6,7 +6,7 @@ import pytest
 from tactgen.geometry.device.parameters import Beam, Device, Spring, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix as tmm
-from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
+from tactgen.tmm.generator.equilibrium import axial_forces, resting_place, resting_places
 from tactgen.tmm.generator.small_signal import (
     axial_poles,
     linearised,
@@ -14,7 +14,7 @@ from tactgen.tmm.generator.small_signal import (
     resting_tilt,
     rod_ports,
 )
-from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error, respond
+from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
 from tactgen.tmm.reluctance.map_range import network_map
 
 FREQUENCIES = np.array([0.0, 10.0, 100.0, 446.0, 800.0, 1000.0])
@@ -63,16 +63,6 @@ def test_slopes_are_those_of_the_static_balance():
     assert linear.motional == pytest.approx(-np.diff(force)[0] / (2 * step), rel=1e-5)
 
 
-def test_static_lift_of_a_small_current():
-    """0 Hz: u = T i / k, as the resting place moves; a step of 1e-4 leaves as much of slope."""
-    device, pull, place, linear = about(50e-3)
-    step = 50e-7
-    near = resting_place(axial_forces(device, pull), 50e-3 + step, "rising")
-    found = respond(machine(bimorph(device), linear), {"voltage": 0.0, "current": 1.0})
-    assert found.motion["u"][0].real == pytest.approx((near.lift - place.lift) / step, rel=1e-3)
-    assert found.motion["u"][0].real < 0.0  # more current pulls down
-
-
 def test_poles_of_the_axial_motion():
     """Free of the stops a mass on a spring; unstable where the pull grows faster; a voltage
     supply's third pole is the coil's."""
@@ -89,8 +79,6 @@ def test_poles_of_the_axial_motion():
 
 def test_the_unstable_place_has_a_growing_pole():
     """Between the stops at 50 mA: the static criterion and the poles agree, by either supply."""
-    from tactgen.tmm.generator.equilibrium import resting_places
-
     device = Device()
     pull = network_map(device)
     for place in resting_places(axial_forces(device, pull), 50e-3):

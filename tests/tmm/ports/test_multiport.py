@@ -159,20 +159,6 @@ def test_what_cannot_be_meant_is_refused(use, words):
         use(paper())
 
 
-def test_reduced_ports_answer_as_before():
-    """Ports left out carry no effort: the others respond as they did, in any order."""
-    port = attach(paper(), PAPER)
-    seen = reduce(port, ("voltage", "w_tip"))
-    assert seen.names == ("voltage", "w_tip")
-    whole, less = (respond(p, {"voltage": 50.0}) for p in (port, seen))
-    # rounding times the condition of the paper's supported ports, 1e2
-    np.testing.assert_allclose(less.motion["w_tip"], whole.motion["w_tip"], rtol=1e-12)
-    np.testing.assert_allclose(less.effort["voltage"], whole.effort["voltage"], rtol=1e-12)
-    assert reciprocity_error(seen).max() < 1e-12
-    assert passivity_margin(seen).min() > -1e-12
-    assert reduce(port, port.names).ports == port.ports
-
-
 def test_a_force_frees_charge_as_a_volt_moves():
     """And driven to where the force had moved it, the tip takes that force."""
     port, force = attach(paper(), PAPER), {"w_tip": 0.1}

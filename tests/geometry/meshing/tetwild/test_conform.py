@@ -27,6 +27,12 @@ def outer(tets):
     return triangles[first[count == 1]]
 
 
+def upright(points, tets):
+    """Return tetrahedra of which none is inside out."""
+    turned = tet_volumes(points[tets]) < 0.0
+    return np.where(turned[:, None], tets[:, [1, 0, 2, 3]], tets)
+
+
 def in_air(points, inside):
     """Return a raw mesh: a tetrahedron of air with a point of its own on each open triangle."""
     shown = outer(inside)
@@ -62,13 +68,11 @@ def disc(corners=16, radius=1.0, height=1.0):
         low = sorted(wedge)
         high = [corner + len(plan) for corner in low]
         tets += [(*low[: i + 1], *high[i:]) for i in range(3)]
-    tets = np.array(tets)
-    turned = tet_volumes(points[tets]) < 0.0
-    tets[turned] = tets[turned][:, [1, 0, 2, 3]]
-    return points, tets
+    return points, upright(points, np.array(tets))
 
 
-def two_boxes(size=1.0):
+@pytest.fixture(scope="module")
+def pair():
     """Return two boxes one on the other, and their surface."""
     import cadquery as cq
 
@@ -76,17 +80,11 @@ def two_boxes(size=1.0):
 
     solids = fuse(
         {
-            "below": cq.Solid.makeBox(size, size, size),
-            "above": cq.Solid.makeBox(size, size, 2.0 * size, cq.Vector(0.0, 0.0, size)),
+            "below": cq.Solid.makeBox(1.0, 1.0, 1.0),
+            "above": cq.Solid.makeBox(1.0, 1.0, 2.0, cq.Vector(0.0, 0.0, 1.0)),
         }
     )
     return solids, tessellate(solids, 0.1, 0.5)
-
-
-@pytest.fixture(scope="module")
-def pair():
-    """Return the two boxes, which are made once."""
-    return two_boxes()
 
 
 @pytest.fixture(scope="module")
@@ -144,9 +142,7 @@ def test_a_tetrahedron_that_putting_back_flattens_is_left_out(pair):
     plain = conform(raw, cells, *pair, SLACK, {}, curved=True)
     low, high = ([top[0], top[3]], [top[1], top[2]])  # the grid's diagonal, and the other
     points[high, 2] += 1.5 * OFF
-    flat = np.array([[*low, *high]])
-    if tet_volumes(points[flat])[0] < 0.0:
-        flat = flat[:, [1, 0, 2, 3]]
+    flat = upright(points, np.array([[*low, *high]]))
     raw, cells = in_air(points, np.concatenate([tets, flat]))
     mesh = conform(raw, cells, *pair, SLACK, {}, curved=True)
     for name in ("points", "cells", "region_of_cell"):
@@ -170,9 +166,7 @@ def test_a_flat_element_that_nothing_cures_is_refused(pair):
     first, second = np.flatnonzero(between)[[0, 3]], np.flatnonzero(between)[[1, 2]]
     points[first, 2] -= 0.5 * OFF
     points[second, 2] += 0.5 * OFF
-    flat = np.array([[*first, *second]])
-    if tet_volumes(points[flat])[0] < 0.0:
-        flat = flat[:, [1, 0, 2, 3]]
+    flat = upright(points, np.array([[*first, *second]]))
     raw, cells = in_air(points, np.concatenate([below, turned[:, [1, 0, 2, 3]], flat]))
     with pytest.raises(MeshError, match="1 elements have angles below 3 degrees"):
         conform(raw, cells, *pair, SLACK, {}, curved=True)
@@ -206,9 +200,7 @@ def test_an_edge_stays_straight_where_its_element_would_fold(away, bent):
     tet = np.array([[c, s, 0.0], [c, -s, 0.0], [c + away, 0.0, 0.5], [c + away, 0.0, -0.5]])
     roomy = np.array([[-0.5, c * 3.0, 0.5], [-s, c, 0.0]])
     points = np.concatenate([tet, [[0.0, 1.0, 0.0], *roomy, [0.5, 3.0, -0.5]]])
-    tets = np.array([[0, 1, 2, 3], [4, 6, 5, 7]])
-    turned = tet_volumes(points[tets]) < 0.0
-    tets[turned] = tets[turned][:, [1, 0, 2, 3]]
+    tets = upright(points, np.array([[0, 1, 2, 3], [4, 6, 5, 7]]))
     edges, edges_of_cell = unique_edges(tets)
     middles = points[edges].mean(axis=1)
     cells = np.concatenate([tets, edges_of_cell + len(points)], axis=1)

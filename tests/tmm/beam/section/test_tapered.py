@@ -11,6 +11,8 @@ from tactgen.tmm.beam import lumped
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
+from tactgen.validation.engine.solve import solve
+from tactgen.validation.scene.load import load_scene
 
 CLAMPED = Support(kind="clamped")
 FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0])
@@ -83,9 +85,6 @@ def test_partial_electrode_bends_only_itself():
 @pytest.mark.parametrize("model", ["lumped", "tmm"])
 def test_error_bar_of_a_taper_covers_it(model):
     """The bar from half as many segments covers the distance to four times as many."""
-    from tactgen.validation.engine.solve import solve
-    from tactgen.validation.scene.load import load_scene
-
     settings = [
         "bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.1 mm", "support.kind=clamped",
         "load.kind=none", "modes=1", "frequency=500",
@@ -122,9 +121,6 @@ RUNNING_OUT = ("bimorph.piezo_thickness_profile=0 mm: 0.26 mm, 20 mm: 0.001 mm",
 )
 def test_natural_frequencies_agree_with_beam_elements(settings):
     """Two models of one theory: all modes and the coupling factor agree within their bars."""
-    from tactgen.validation.engine.solve import solve
-    from tactgen.validation.scene.load import load_scene
-
     scene, _ = load_scene("paper", list(settings))
     names = ("short_circuit_frequencies", "open_circuit_frequencies", "coupling_factor")
     solution = solve(scene, ["tmm", "beam"], names)
