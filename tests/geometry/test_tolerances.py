@@ -46,10 +46,8 @@ def test_what_is_written_is_what_is_meant(text, unit, low, high, value):
         ("0.2 ± -0.1 mm", LENGTH, "negative tolerance"),
         ("0.2 mm ±", LENGTH, 'cannot be read; write for example "0.2 mm ± 5 %"'),
         ("0.2 mm (0.3..0.4)", LENGTH, "in which 0.2 mm does not lie"),
-        ("0.2 mm (0.3..0.1)", LENGTH, "smaller end first"),
         ("60 ± nan", Q, "finite"),
         ("0 mm ± 5 %", Unit("m", "length", "2 mm", at_least=0.0), "percent of 0"),
-        ("-1 ± 0.1 mm", LENGTH, "must be greater than 0"),
     ],
 )
 def test_wrong_forms_are_refused_with_a_remedy(text, unit, words):

@@ -124,7 +124,6 @@ def test_glb_file_is_valid_named_and_in_metres(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((Device(), ("shim", "magnet")), '"magnet" does not exist'),
         ((Device(), ("rod",), "alone"), '"rod" does not exist'),
         ((Device(), ()), "no region is chosen"),
         ((Device(),), r"bimorph.tab_length = 0 mm is too short"),

@@ -146,7 +146,6 @@ def test_it_does_not_matter_where_a_bimorph_is_cut(share, lossy):
         (lambda p: p.index("w_tp"), 'port "w_tp" is unknown .did you mean "w_tip"'),
         (lambda p: reduce(p, ["w_tip", "gap"]), "there are w_base, psi_base, w_tip"),
         (lambda p: p.renamed({"w_base": "w_tip"}), 'two ports are named "w_tip"'),
-        (lambda p: connect(p, p, JOINTS), 'two ports are named "w_tip"'),
         (lambda p: connect(p, p, {"w_tip": "psi_base"}), "w in m.*ψ in rad.*different kinds"),
         (lambda p: connect(p, p, {"w_tip": "w_base", "w_base": "w_base"}), "joined to two"),
         (lambda p: connect(p, paper(np.ones(1)), JOINTS), "different frequencies"),

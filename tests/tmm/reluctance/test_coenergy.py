@@ -200,14 +200,6 @@ def test_interpolation_error_is_not_wide():
         assert 1.0 / 3.0 < max(found) <= 1.0, name
 
 
-def test_fewer_tables_make_a_map_too(samples, pull):
-    """Flux linkage and force alone are enough, with a larger error."""
-    bare = fit(Samples(CURRENTS, GAPS, samples.flux_linkage, samples.force))
-    assert bare.force(0.13, 0.2e-3) == pytest.approx(
-        float(pull.force(0.13, 0.2e-3)), rel=bare.interpolation_error.force
-    )
-
-
 @pytest.mark.parametrize(
     ("current", "gap", "words"),
     [
@@ -240,7 +232,6 @@ def broken(**changes):
     ("samples", "words"),
     [
         (linear_samples(CURRENTS[:5], GAPS), "4 currents above 0 mA and 10 gaps make no map"),
-        (linear_samples(CURRENTS, GAPS[:3]), "10 currents above 0 mA and 3 gaps"),
         (linear_samples(CURRENTS - 0.01, GAPS), "samples of current must increase from 0"),
         (
             broken(flux_linkage=-linear_samples(CURRENTS, GAPS).flux_linkage),
