@@ -15,10 +15,8 @@ KEYS = (
 @pytest.mark.parametrize(
     ("written", "meant"),
     [
-        ("gapp", ["gap"]),
         ("frequncy", ["frequency"]),
         ("bimorph.lenght", ["bimorph.length"]),
-        ("coil.curent", ["coil.current"]),
         ("currnt", ["coil.current"]),
         # several groups have it, and nobody said which
         ("stiffness", ["spring.stiffness", "load.stiffness"]),

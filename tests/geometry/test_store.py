@@ -369,7 +369,7 @@ def start(log, rounds, pause):
 
 def test_two_processes_compute_once(folder, tmp_path):
     """Both get all values, nested ones too, and each is computed by one of them."""
-    both = [start(tmp_path / "log", 12, 0.02) for _ in range(2)]
+    both = [start(tmp_path / "log", 12, 0.01) for _ in range(2)]
     for process in both:
         _, said = process.communicate(timeout=60)
         assert (process.returncode, said) == (0, b"")

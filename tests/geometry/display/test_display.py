@@ -12,7 +12,15 @@ from tactgen.geometry.cad.solids import write_glb, write_step
 from tactgen.geometry.device.parameters import Bimorph, Device, Display, Scatter, Spring
 from tactgen.geometry.display.bill import bill_of_parts, coplanar_capacitance, total_mass, wiring
 from tactgen.geometry.display.clearances import check_display, clearances, footprint, spring_turns
-from tactgen.geometry.display.layout import axes, display_parts, drawn_units, levels, unit_names
+from tactgen.geometry.display.layout import (
+    axes,
+    display_parts,
+    drawn_units,
+    levels,
+    spacer_axes,
+    support_spacer_axes,
+    unit_names,
+)
 from tactgen.geometry.errors import InputError
 
 DEVICE, DISPLAY = Device(), Display()
@@ -29,7 +37,7 @@ def test_the_papers_sizes():
 
 
 def test_axes_are_the_pitch_apart_and_centred():
-    """Rows along y, columns along x, names in the same order."""
+    """Rows along y, columns along x, names in the same order; spacers stand in four corners."""
     display = Display(rows=2, columns=3)
     found = axes(display)
     assert len(found) == len(set(unit_names(display))) == 6
@@ -37,6 +45,9 @@ def test_axes_are_the_pitch_apart_and_centred():
     assert [sum(along) for along in zip(*found, strict=True)] == pytest.approx([0, 0], abs=1e-12)
     nearest = min(math.dist(a, b) for a, b in itertools.combinations(found, 2))
     assert nearest == pytest.approx(display.pitch)
+    for four in (spacer_axes(40e-3, 60e-3, DISPLAY), support_spacer_axes(DISPLAY)):
+        x, y = four[-1]
+        assert sorted(four) == [(-x, -y), (-x, y), (x, -y), (x, y)]
 
 
 def test_the_narrowest_clearances():
@@ -64,10 +75,7 @@ def test_what_does_not_fit_is_refused(device, display, words):
     with pytest.raises(InputError) as refused:
         check_display(device, display)
     assert all(word in str(refused.value) for word in words), str(refused.value)
-
-
-def test_one_row_needs_no_room_across():
-    """Where there is no neighbour, nothing is too close to one."""
+    # where there is no neighbour, nothing is too close to one
     check_display(Device(bimorph=Bimorph(width=2.6e-3)), Display(rows=1, columns=1))
 
 

@@ -29,17 +29,12 @@ def sized(scale, *more):
     return scene(*(f"bimorph.{name}={scale * v}mm" for name, v in sizes.items()), *more)
 
 
-#: The bimorph of :func:`sized` as a list, and a unimorph with glue.
-LISTED = "piezo 0.26 mm -x; shim 0.25 mm; piezo 0.26 mm -x"
 UNIMORPH = "brass 0.2 mm; glue 0.02 mm; PZT-5A 0.26 mm +x"
 
 
-def listed(layers, scale=1):
+def listed(layers, scale=1.0):
     """Return a bimorph of such layers in another size."""
-    return scene(
-        f"bimorph.length={14 * scale}mm", f"bimorph.width={2.1 * scale}mm",
-        f"bimorph.layers={layers}",
-    )  # fmt: skip
+    return sized(scale, f"bimorph.layers={layers}")
 
 
 @pytest.mark.parametrize(
@@ -78,7 +73,8 @@ def test_keys_that_listed_layers_replace_change_no_error():
 def test_two_calibrations_of_one_bimorph_agree():
     """Of three layers by their keys and by a list: two fits to two sets of solids."""
     answers, errors = [], []
-    for s in (sized(1.0), sized(1.0, f"bimorph.layers={LISTED}")):
+    layers = "bimorph.layers=piezo 0.26 mm -x; shim 0.25 mm; piezo 0.26 mm -x"
+    for s in (sized(1.0), sized(1.0, layers)):
         port, factors = solved(s, np.zeros(1))
         d = port.stiffness[0].real
         flexible = np.linalg.inv(d[2:4, 2:4])  # of the tip, the base being held

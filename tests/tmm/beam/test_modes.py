@@ -119,15 +119,6 @@ def test_rounding_bar_of_segmented_rows(case, support, ends, open_circuit):
     assert got.rounding.max() < (1e-9 if case.startswith("foil") else 1e-12)
 
 
-def test_count_of_many_segments_agrees_with_the_whole():
-    """A hundred unequal segments of one beam: the same six modes, none lost at a joint."""
-    lengths = np.linspace(0.5, 1.5, 100) * 0.2e-3
-    row = [(BEAM, float(l)) for l in lengths]
-    whole = modes(BEAM, float(lengths.sum()), PAPER_SUPPORT, 6, open_circuit=True)
-    got = bending_frequencies(row, PAPER_SUPPORT, 6, open_circuit=True)
-    np.testing.assert_allclose(got, whole, rtol=DIGITS)
-
-
 def test_rounding_that_cannot_be_told_is_refused():
     """A free beam loses a digit with each decade of φ: at 10¹² none could be vouched for."""
     row = [(Section(EI=1.0, GA=1e-12, m=1.0, rhoI=1e-3), 1.0)]

@@ -20,10 +20,6 @@ from tactgen.tmm.reluctance.map_range import network_map
 FREQUENCIES = np.array([0.0, 10.0, 100.0, 446.0, 800.0, 1000.0])
 
 
-def bimorph(device=None, frequencies=FREQUENCIES):
-    return tmm.multiport(device or Device(), Support(), Beam(), frequencies)
-
-
 def about(current=0.0, history="rising", **groups):
     """Return device, map, place and linearisation at a current."""
     device = Device(**groups)
@@ -45,7 +41,7 @@ def test_reciprocal_and_passive(current, history, groups):
     """What the coil does to the tip and the tip to the coil is one number; no port gives power:
     spring, contact and field only store it, the rest takes it."""
     device, *_, linear = about(current, history, **groups)
-    whole = machine(bimorph(device), linear)
+    whole = machine(tmm.multiport(device, Support(), Beam(), FREQUENCIES), linear)
     assert reciprocity_error(whole).max() < 1e-12
     assert passivity_margin(whole).min() > -1e-12
     assert passivity_margin(rod_ports(linear, FREQUENCIES)).min() > -1e-12

@@ -31,7 +31,7 @@ from tactgen.tmm.ports.multiport import (
 )
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
-CLAMPED, SPRING = Support(kind="clamped"), Support()
+SPRING = Support()
 PAPER = ends_of(SPRING, Load())
 
 devices = st.builds(
@@ -59,10 +59,6 @@ def paper(frequencies=FREQUENCIES, *, lossy=True, **bimorph):
 
 def driven(port, ends, voltage=50.0):
     return respond(attach(port, ends), {"voltage": voltage})
-
-
-def blocked_force(port, ends, voltage=50.0):
-    return respond(attach(port, ends), {"voltage": voltage, "w_tip": 0.0}).effort["w_tip"]
 
 
 @given(devices)
@@ -111,19 +107,10 @@ def test_round_off_bound_is_what_a_last_digit_does_at_worst():
 JOINTS = {"w_tip": "w_base", "psi_tip": "psi_base", "voltage": "voltage"}
 
 
-def half():
-    return paper(length=10e-3)
-
-
-def on_one_another(lower, upper):
-    """Return two bimorphs joined, the upper one's tip with names of its own."""
-    tip = {"w_tip": "upper.w_tip", "psi_tip": "upper.psi_tip"}
-    return connect(lower, upper.renamed(tip), JOINTS)
-
-
 def end_to_end(lower, upper):
     """Return two bimorphs joined, with the ports of one."""
-    joined = on_one_another(lower, upper)
+    tip = {"w_tip": "upper.w_tip", "psi_tip": "upper.psi_tip"}
+    joined = connect(lower, upper.renamed(tip), JOINTS)
     kept = ("w_base", "psi_base", "upper.w_tip", "upper.psi_tip", "voltage")
     return reduce(joined, kept).renamed({"upper.w_tip": "w_tip", "upper.psi_tip": "psi_tip"})
 

@@ -100,9 +100,7 @@ def test_heat_is_judged_in_words():
     assert rise == pytest.approx(
         winding(built.coil).power(0.13) / (25.0 * np.pi * (2.3e-3 * 18.7e-3 + 1.15e-3**2))
     )
-    text = coil_heat.thermal_statement(built, 0.13)
-    assert "350 A/mm²" in text
-    assert "not plausible" in text
+    assert "not plausible" in coil_heat.thermal_statement(built, 0.13)
     assert "not plausible" not in coil_heat.thermal_statement(built, 1e-3)
     assert coil_heat.thermal_statement(built, 0.0) == "no current, no heat"
 

@@ -10,15 +10,13 @@ import pytest
 from port_distance import distance
 
 from tactgen.geometry.bimorph.segments import Piece
-from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
-from tactgen.tmm.beam import transfer_matrix as tmm
+from tactgen.geometry.device.parameters import Beam, Device
 from tactgen.tmm.beam.scattering import joined
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import dynamic_stiffness, rounding
 from tactgen.validation.evidence.cases import exact_beam as reference
 
-FREQUENCIES = np.array([0.0, 1e-3, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
-OMEGA = 2.0 * np.pi * FREQUENCIES
+OMEGA = 2.0 * np.pi * np.array([0.0, 10.0, 1000.0, 20000.0])
 
 
 def bimorph(*, lossy):
@@ -69,19 +67,7 @@ def test_the_reference_agrees_with_itself():
 def test_unequal_segments_equal_the_whole(length, lossy):
     """A thousand segments of different lengths, stubby or slender, from 0 Hz to 20 kHz."""
     beam, lengths = bimorph(lossy=lossy), np.linspace(0.5, 1.5, 1000) * length / 1000
-    got = joined([(beam, float(part)) for part in lengths], OMEGA[::2])
+    got = joined([(beam, float(part)) for part in lengths], OMEGA)
     # the requirement; a dozen roundings, 3e-15, but for poles of the lossless 5 m beam, a
     # thousand of which lie below 20 kHz: 4e-12
-    assert distance(got, dynamic_stiffness(beam, length, OMEGA[::2])) < 1e-11
-
-
-def test_stiff_and_soft_elements():
-    """A tab on a rod 60 times stiffer, cut in 300 each, is the same row."""
-    device = Device(bimorph=Bimorph(tab_length=2e-3))
-    row = tmm.sections(device, Support(kind="rod"), Beam(), lossy=True)
-    cut = [
-        entry
-        for element, length in row
-        for entry in ([(element, length / 300)] * 300 if length else [(element, length)])
-    ]
-    assert distance(joined(cut, OMEGA), joined(row, OMEGA)) < 1e-11
+    assert distance(got, dynamic_stiffness(beam, length, OMEGA)) < 1e-11

@@ -12,7 +12,7 @@ from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Supp
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.mounted_beam import mounted_response
 from tactgen.tmm.beam.sections import section
-from tactgen.tmm.ports.elements import attach, base_stiffness, ends_of, tip_stiffness
+from tactgen.tmm.ports.elements import attach, ends_of
 from tactgen.tmm.ports.multiport import respond, round_off
 
 SUPPORT = Support()
@@ -91,12 +91,6 @@ EPS = np.finfo(float).eps
 
 def beam_of(*, lossy=True):
     return section(Piece("bimorph", LENGTH), Device(), Beam(), lossy=lossy)
-
-
-def respond_at(beam, length, f, ends, **options):
-    base = ends.base and base_stiffness(ends.base, f)
-    tip, omega = tip_stiffness(ends.tip, f), 2 * np.pi * f
-    return mounted_response(beam, length, omega, base=base, tip=tip, **options)
 
 
 def test_everything_broadcasts():
