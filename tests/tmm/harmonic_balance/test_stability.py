@@ -62,28 +62,11 @@ def test_between_the_folds_only():
         assert expected == int(middle)
 
 
-@pytest.mark.parametrize(("share", "omega", "force"), [(0.1, 1.2, 1.0), (0.1, 0.5, 3.0)])
-def test_friction_that_depends_on_the_motion_takes_part(share, omega, force):
-    """A mass on x³/10 and a damper share · x²: stable beside a resonance and where driven hard."""
-    mass, linear_damping = np.eye(1), 0.02
+def swinging(first, second, friction):
+    """A driven mass x and two others, y and z, at rest; energy x y z couples all three.
 
-    def law(q, rate):
-        x, v = q[:, :, None], rate[:, :, None]
-        effort = 0.1 * q**3 + share * q**2 * rate
-        return LawPoint(effort, 0.3 * x**2 + 2.0 * share * x * v, share * x**2)
-
-    def linear(w):
-        d = 1.0 - w**2 + 1j * linear_damping * w
-        return np.stack([d, np.full_like(d, -force)], axis=-1)[:, None, :]
-
-    oscillator = Oscillator(linear, law, np.zeros(1), np.ones(1))
-    orbit = steady_orbit(oscillator, omega, 1.0, resolution=FINE)
-    assert unstable(multipliers(orbit, mass, linear_damping * mass, mass, law)) == 0
-    assert unstable_exponents(oscillator, orbit) == 0
-
-
-def swinging(first, second):
-    """A driven mass x and two others, y and z, at rest; energy a x y z couples all three."""
+    Dampers of y and z take friction · x².
+    """
     mass, damping = np.eye(3), 0.02 * np.eye(3)
     stiffness = np.diag([9.0, first**2, second**2])
 
@@ -93,27 +76,33 @@ def swinging(first, second):
         pushed = np.broadcast_to([[-1.0], [0.0], [0.0]], (omega.size, 3, 1))
         return np.concatenate([d, pushed], axis=2)
 
-    def law(q, _):
+    def law(q, rate):
         x, y, z = q.T
         zero = np.zeros_like(x)
         by_motion = np.stack([[zero, z, y], [z, zero, x], [y, x, zero]]).transpose(2, 0, 1)
         effort = np.stack([y * z, x * z, x * y], axis=1)
-        return LawPoint(effort, by_motion, np.zeros_like(by_motion))
+        damper = friction * x[:, None] ** 2 * [0.0, 1.0, 1.0]
+        by_motion[:, :, 0] += 2.0 * friction * x[:, None] * rate * [0.0, 1.0, 1.0]
+        return LawPoint(effort + damper * rate, by_motion, damper[:, :, None] * np.eye(3))
 
     return Oscillator(linear, law, np.zeros(3), np.ones(3)), mass, damping, stiffness
 
 
 @pytest.mark.parametrize(
-    ("first", "second", "level", "number", "doubles"),
-    [(1.0, 1.0, 1.0, 2, True), (0.8, 1.2, 1.0, 2, False), (0.8, 1.2, 0.1, 0, False)],
-)
-def test_instability_with_other_periods(first, second, level, number, doubles):
+    ("first", "second", "level", "friction", "number", "doubles"),
+    [
+        (1.0, 1.0, 1.0, 0.0, 2, True), (0.8, 1.2, 1.0, 0.0, 2, False),
+        (0.8, 1.2, 0.1, 0.0, 0, False), (0.8, 1.2, 1.0, 8.0, 0, False),
+    ],
+)  # fmt: skip
+def test_instability_with_other_periods(first, second, level, friction, number, doubles):
     """Driven at the sum of two frequencies at rest: both double the period, or beat as a pair.
 
     With frequencies alike y + z and y - z each double theirs, else a pair leaves the circle, if the
-    drive outweighs the damping (Nayfeh and Mook, *Nonlinear Oscillations*, section 6.5).
+    drive outweighs the damping (Nayfeh and Mook, *Nonlinear Oscillations*, section 6.5), which may
+    depend on the motion.
     """
-    oscillator, *matrices = swinging(first, second)
+    oscillator, *matrices = swinging(first, second, friction)
     orbit = steady_orbit(oscillator, 2.0, level, resolution=FINE)
     found = multipliers(orbit, *matrices, oscillator.law)
     assert unstable(found) == number
