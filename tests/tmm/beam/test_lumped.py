@@ -50,7 +50,7 @@ def test_inertia_is_of_the_static_shapes(device, support):
     assert (error[counted] < 0.05 * np.maximum(np.abs(term), size[:, None] * size)[counted]).all()
 
 
-@pytest.mark.parametrize("length", [10e-3, 14e-3, 20e-3, 40e-3])
+@pytest.mark.parametrize("length", [10e-3, 40e-3])
 @pytest.mark.parametrize("open_circuit", [False, True])
 @pytest.mark.parametrize("ends", ENDS)
 def test_first_mode_within_a_percent(length, open_circuit, ends):

@@ -32,7 +32,7 @@ def at(of, current, gap):
 
 
 @pytest.mark.parametrize("current", [0.01, -0.05, 0.3, 3.0])
-@pytest.mark.parametrize("gap", [0.02e-3, 0.2e-3, 0.45e-3])
+@pytest.mark.parametrize("gap", [0.02e-3, 0.45e-3])
 def test_all_values_are_slopes_of_one_coenergy(current, gap):
     """Of either sign of the current, nearly without one, saturated, and beyond the fit's gaps."""
     of, step = device("steel.curve=armco"), 1e-3
