@@ -11,6 +11,7 @@ from port_distance import distance
 
 from tactgen.geometry.bimorph.segments import Piece
 from tactgen.geometry.device.parameters import Beam, Device
+from tactgen.tmm.beam.printed_formulas import from_dynamic_stiffness, matrix_a
 from tactgen.tmm.beam.scattering import joined
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import dynamic_stiffness, rounding
@@ -50,6 +51,15 @@ def test_analytic_in_every_constant(name, frequency):
     # differences over 1e-6 of entries known to 1e-13
     scale = np.abs(d(1.0)) + np.abs(steps)
     assert (np.abs(contour - steps) <= 1e-6 * scale).all()
+
+
+@pytest.mark.parametrize(("length", "frequency"), [(20e-3, 300.0), (20e-3, 5e3), (3e-3, 1.5e6)])
+def test_the_papers_matrix_a_is_the_same_span(length, frequency):
+    """Every entry, also above the cut-off, to what its closed form loses."""
+    beam, f = bimorph(lossy=True), np.array([frequency])
+    found = matrix_a(beam, length, f)
+    exact = from_dynamic_stiffness(dynamic_stiffness(beam, length, 2 * np.pi * f), f)
+    np.testing.assert_allclose(found, exact, rtol=1e-10)
 
 
 def test_the_reference_agrees_with_itself():
