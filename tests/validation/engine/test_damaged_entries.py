@@ -121,9 +121,9 @@ def check_damages(folder, cases, number):
 
 
 def test_no_damaged_entry_is_trusted(own_store, monkeypatch):
-    """A hundred damages of what beam and network leave behind."""
+    """Fifty damages of what beam and network leave behind."""
     monkeypatch.setattr(store, "_said", set())
-    tried = check_damages(own_store, LIGHT, 100)
+    tried = check_damages(own_store, LIGHT, 50)
     assert {"beam.modes", "beam.static", "network.point", "network.map"} <= set(tried)
 
 

@@ -19,9 +19,9 @@ SLENDER = {
 LOSSLESS = {"piezo.quality_factor": "1e9", "piezo.loss_tangent": "0"}
 
 
-def scene(*groups, models="tmm", **stated):
+def scene(*groups, **stated):
     """Scene from dotted keys (double underscores in keywords)."""
-    values = {"start_from": "neutral", "models": models}
+    values = {"start_from": "neutral", "models": "tmm"}
     stated = {key.replace("__", "."): value for key, value in stated.items()}
     for key, value in {k: v for group in (*groups, stated) for k, v in group.items()}.items():
         group, _, name = key.rpartition(".")
@@ -107,17 +107,13 @@ def test_constant_acceleration_is_weight():
 @pytest.mark.parametrize("model", ["lumped", "tmm", "beam", "solid"])
 def test_charge_per_force_is_motion_per_voltage(model):
     """Reciprocity; the charge is that of the short-circuited, the voltage that of the open one."""
-    of = scene({"bimorph.length": "12 mm", "bimorph.wiring": "series"}, models=model,
-               frequency=[0.0, 300.0, 2000.0], drive__voltage="1 V")  # fmt: skip
-    charge, voltage, moved = answers(
-        of, "charge_per_force", "voltage_per_force", "tip_displacement", model=model
-    )
+    stated = {"bimorph.length": "12 mm", "bimorph.wiring": "series", "models": model,
+              "frequency": [0.0, 300.0, 2000.0]}  # fmt: skip
+    names = ("charge_per_force", "voltage_per_force", "tip_displacement")
+    charge, voltage, moved = answers(scene(stated, drive__voltage="1 V"), *names, model=model)
     np.testing.assert_allclose(charge, moved, rtol=1e-9)
-    opened, unit = answers(
-        scene({"bimorph.length": "12 mm", "bimorph.wiring": "series"}, models=model,
-              frequency=[0.0, 300.0, 2000.0], circuit__kind="open", drive__tip_force="2 N"),
-        "electrode_voltage", "charge_per_force", model=model,
-    )  # fmt: skip
+    of = scene(stated, circuit__kind="open", drive__tip_force="2 N")
+    opened, unit = answers(of, "electrode_voltage", "charge_per_force", model=model)
     np.testing.assert_allclose(opened, 2.0 * voltage, rtol=1e-9)
     np.testing.assert_allclose(unit, charge, rtol=1e-12)
 
@@ -129,11 +125,8 @@ def test_models_agree_on_a_harvester():
               "drive.base_acceleration": "1 g", "load.kind": "mass", "load.mass": "0.1 g",
               "load.offset": "3 mm", "load.rotational_inertia": "1e-9 kg*m^2"}  # fmt: skip
     names = ("electrode_voltage", "circuit_power", "optimum_power", "tip_acceleration")
-    by_model = [
-        answers(scene(stated, models=m, frequency=[40.0, 222.0, 900.0]), *names, model=m)
-        for m in ("tmm", "beam")
-    ]
-    for one, other in zip(*by_model, strict=True):
+    of = scene(stated, models="tmm,beam", frequency=[40.0, 222.0, 900.0])
+    for one, other in zip(*(answers(of, *names, model=m) for m in ("tmm", "beam")), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-7)
 
 
@@ -150,51 +143,39 @@ def test_power_into_source_impedance_and_load():
     assert (damper > 0.0).all()
 
 
-@pytest.mark.parametrize(
-    ("circuit", "added"),
-    [
-        (
-            ["circuit.kind=load", "circuit.resistance=1 kohm"],
-            ["electrode_voltage", "circuit_power"],
-        ),
-        (["circuit.kind=open"], ["electrode_voltage"]),
-        ([], []),
-    ],
-)
-def test_what_the_circuit_is_there_for_is_among_the_usual_quantities(circuit, added):
+def test_what_the_circuit_is_there_for_is_among_the_usual_quantities():
     """And without a source nothing about its voltage."""
-    usual = load_scene("prototype", [])[0].quantities
-    if circuit:
-        of_source = {"threshold_voltage", "detection_ratio", "voltage_limit"}
-        usual = [name for name in usual if name not in of_source]
-    assert list(load_scene("prototype", circuit)[0].quantities) == [*usual, *added]
-    (one,) = load_scene("prototype", [*circuit, "quantities=tip_velocity"])[0].quantities
-    assert one == "tip_velocity"
+    of_source = ("threshold_voltage", "detection_ratio", "voltage_limit")
+    usual = [n for n in load_scene("prototype", [])[0].quantities if n not in of_source]
+    for circuit, added in (
+        (["circuit.kind=load", "circuit.resistance=1 kohm"],
+         ("electrode_voltage", "circuit_power")),
+        (["circuit.kind=open"], ("electrode_voltage",)),
+    ):  # fmt: skip
+        assert load_scene("prototype", circuit)[0].quantities == (*usual, *added)
+        named, _ = load_scene("prototype", [*circuit, "quantities=tip_velocity"])
+        assert named.quantities == ("tip_velocity",)
 
 
 def test_optimum_resistance_takes_the_most():
-    """Power over the resistance has its largest value there, of that size."""
+    """Power over the resistance has its largest value there, of that size; the resistance of a
+    sweep is that of its largest power, not its own largest."""
     stated = {"bimorph.length": "40 mm", "circuit.kind": "load", "drive.base_acceleration": "1 g"}
+    names = ("optimum_resistance", "optimum_power")
 
     def power(resistance):
         of = scene(stated, frequency=[70.0], circuit__resistance=f"{resistance!r} ohm")
         return answers(of, "circuit_power")[0][0]
 
-    best, most = answers(scene(stated, frequency=[70.0]), "optimum_resistance", "optimum_power")
+    best, most = answers(scene(stated, frequency=[70.0]), *names)
     at = power(float(best[0]))
     assert at == pytest.approx(most[0], rel=1e-9)
     assert at > power(1.05 * float(best[0]))
     assert at > power(0.95 * float(best[0]))
-
-
-def test_the_resistance_of_a_sweep_is_that_of_its_largest_power():
-    """Not its own largest, which is where the harvester gives least."""
-    stated = {"bimorph.length": "40 mm", "circuit.kind": "load", "drive.base_acceleration": "1 g"}
-    names = ("optimum_resistance", "optimum_power")
     swept = tactgen.solve(scene(stated, frequency=list(np.linspace(50.0, 400.0, 40))), None, names)
-    resistance, power = (swept.get(name, "tmm").extreme for name in names)
-    assert resistance.frequency == power.frequency
-    (there,) = answers(scene(stated, frequency=[power.frequency]), names[0])
+    resistance, largest = (swept.get(name, "tmm").extreme for name in names)
+    assert resistance.frequency == largest.frequency
+    (there,) = answers(scene(stated, frequency=[largest.frequency]), names[0])
     assert resistance.value == pytest.approx(there[0], rel=1e-12)
 
 
@@ -223,18 +204,14 @@ def test_base_does_not_vibrate_at_rest():
     assert by_both == pytest.approx(alone + voltage, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("text", "peak"), [("10 V", 10.0), ("10 Vpp", 5.0), ("10 V rms", 200.0**0.5), ("3 V peak", 3.0)]
-)
-def test_amplitudes_are_read_as_stated(text, peak):
-    """Without a word it is the peak."""
-    assert scene(drive__voltage=text).drive.voltage == pytest.approx(peak, rel=1e-15)
-
-
-def test_amplitudes_are_written_as_asked():
-    """Those of sinusoids alone, with the word in their unit."""
+def test_amplitudes_are_read_as_stated_and_written_as_asked():
+    """Without a word it is the peak; those of sinusoids alone, with the word in their unit."""
+    for text, peak in (
+        ("10 V", 10.0), ("10 Vpp", 5.0), ("10 V rms", 200.0**0.5), ("3 V peak", 3.0),
+    ):  # fmt: skip
+        assert scene(drive__voltage=text).drive.voltage == pytest.approx(peak, rel=1e-15)
     found = tactgen.solve(scene(), ("tmm",), ("tip_displacement", "threshold_voltage"))
-    tip, threshold = (q for q in found.quantities)
+    tip, threshold = found.quantities
     rms = stated_as(tip, "rms")
     np.testing.assert_allclose(rms.value * 2.0**0.5, tip.value, rtol=1e-15)
     assert rms.unit == "m rms"

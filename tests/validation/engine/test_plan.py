@@ -15,14 +15,13 @@ MAGNETIC_POINT = tuple(n for n, info in QUANTITIES.items() if info.needs == ("ma
 
 
 def test_only_what_is_needed_runs():
-    """A static value by TMM touches no mesh, no mode, no other model."""
+    """A static value by TMM touches no mesh, no mode, no other model; what does is a defect."""
     scene, _ = load_scene("paper")
     plan = make_plan(scene, ("tmm",), ("capacitance_free",))
     assert [s.stage for s in plan.run] == ["tmm.static"]
-    skipped = plan.skipped
-    assert skipped["solid.mesh"] == "model solid is not among the models"
-    assert "static" not in skipped["tmm.modes"]
-    assert skipped["network.map"] == "model network is not among the models"
+    assert plan.skipped["solid.mesh"] == "model solid is not among the models"
+    with pytest.raises(RuntimeError, match="although the plan skips it"):
+        Stages({}).run("tmm.static", lambda: 1)
 
 
 @pytest.mark.usefixtures("own_store")
@@ -60,12 +59,6 @@ def test_what_ran_is_what_was_planned(model, quantity):
     scene, _ = load_scene("prototype", ["frequency=100,500", "modes=1", *support])
     solution = solve(scene, (model,), (quantity,))
     assert set(solution.stages.seconds) == set(solution.plan.keys)
-
-
-def test_unplanned_stage_is_a_defect():
-    """A stage outside the plan is refused."""
-    with pytest.raises(RuntimeError, match="although the plan skips it"):
-        Stages({}).run("tmm.static", lambda: 1)
 
 
 MAGNETIC = {

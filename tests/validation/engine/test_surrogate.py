@@ -44,15 +44,11 @@ def inside(scene, model, names, ranges, count):
 @pytest.mark.parametrize(
     ("model", "names", "ranges"),
     [
-        pytest.param(
-            "beam",
-            (*STATICS, FREQUENCIES, "coupling_factor"),
-            {"bimorph.length": (14e-3, 40e-3)},
-            marks=pytest.mark.heavy,
-        ),
+        pytest.param("beam", (*STATICS, FREQUENCIES, "coupling_factor"),
+                     {"bimorph.length": (14e-3, 40e-3)}, marks=pytest.mark.heavy),
         ("lumped", STATICS, {"bimorph.length": (14e-3, 20e-3), "bimorph.width": (1.5e-3, 3e-3)}),
     ],
-)
+)  # fmt: skip
 def test_fresh_points_are_inside_the_error(model, names, ranges):
     scene, _ = load_scene("paper", [f"models={model}"])
     assert inside(scene, model, names, ranges, 12).mean() >= 0.95
@@ -91,18 +87,17 @@ def test_modes_that_cross_are_told_apart_by_class():
 
     answers = [answer(point["bimorph.width"]) for point in design_points(ranges)]
     surrogate = fit_surrogate(scene, ranges, answers)
-    narrow, wide = surrogate.answers({"bimorph.width": np.array([1.99e-3, 2.01e-3])})
-    assert narrow[0].classes == ("bending_y", "bending_x")
-    assert wide[0].classes == ("bending_x", "bending_y")
-    np.testing.assert_allclose(narrow[0].value, [995.0, 1000.0], rtol=1e-9)
-    np.testing.assert_allclose(wide[0].value, [1000.0, 1005.0], rtol=1e-9)
+    (narrow,), (wide,) = surrogate.answers({"bimorph.width": np.array([1.99e-3, 2.01e-3])})
+    assert narrow.classes == wide.classes[::-1] == ("bending_y", "bending_x")
+    np.testing.assert_allclose(narrow.value, [995.0, 1000.0], rtol=1e-9)
+    np.testing.assert_allclose(wide.value, [1000.0, 1005.0], rtol=1e-9)
 
 
-def smooth(ranges, of, error=1e-9):
+def smooth(ranges, of):
     """Return a surrogate of one number that a function of the values gives."""
     answers = [
         (Quantity(name=STATICS[0], model="solid", unit="m", value=np.asarray(of(point)),
-                  error=np.asarray(error)),)
+                  error=np.asarray(1e-9)),)
         for point in design_points(ranges)
     ]  # fmt: skip
     return fit_surrogate(load_scene("paper")[0], ranges, answers)
@@ -114,13 +109,14 @@ def estimate(surrogate, values):
     return np.array([q.value for q in found]), np.array([q.error for q in found])
 
 
-def test_outside_the_range_the_error_grows():
-    ranges = {"bimorph.length": (1.0, 2.0)}
-    surrogate = smooth(ranges, lambda point: np.exp(3.0 * point["bimorph.length"]))
-    values = {"bimorph.length": np.array([1.0, 2.0, 2.2, 2.6])}
-    value, error = estimate(surrogate, values)
-    assert (np.abs(value - np.exp(3.0 * values["bimorph.length"])) <= error).all()
+def test_outside_the_range_the_error_grows_and_a_jump_is_seen():
+    surrogate = smooth({"gap": (1.0, 2.0)}, lambda p: np.exp(3.0 * p["gap"]))
+    at = np.array([1.0, 2.0, 2.2, 2.6])
+    value, error = estimate(surrogate, {"gap": at})
+    assert (np.abs(value - np.exp(3.0 * at)) <= error).all()
     assert error[1] < error[2] < error[3]
+    jump = smooth({"gap": (1.0, 2.0)}, lambda p: 1.0 + (p["gap"] > 1.4))
+    assert jump.interpolation_error(STATICS[0]) > 0.2
 
 
 def test_numbers_that_may_be_zero_are_spaced_evenly():
@@ -131,30 +127,22 @@ def test_numbers_that_may_be_zero_are_spaced_evenly():
     np.testing.assert_allclose(value, [-0.5, 1.03], atol=1e-12)
 
 
-def test_a_jump_is_seen_by_left_out_points():
-    ranges = {"gap": (1.0, 2.0)}
-    surrogate = smooth(ranges, lambda p: 1.0 + (p["gap"] > 1.4))
-    assert surrogate.interpolation_error(STATICS[0]) > 0.2
-
-
 def test_a_resonance_is_interpolated_as_its_reciprocal():
     """Lightly damped: the response has a pole next to the range, its reciprocal has none."""
-    ranges = {"bimorph.length": (0.9, 1.1)}
-    surrogate = smooth(ranges, lambda p: 1.0 / (1.0 - p["bimorph.length"] ** 2 + 0.02j))
+    surrogate = smooth({"gap": (0.9, 1.1)}, lambda p: 1.0 / (1.0 - p["gap"] ** 2 + 0.02j))
     at = np.linspace(0.9, 1.1, 50)
-    value, _ = estimate(surrogate, {"bimorph.length": at})
+    value, _ = estimate(surrogate, {"gap": at})
     np.testing.assert_allclose(value, 1.0 / (1.0 - at**2 + 0.02j), rtol=1e-9)
 
 
 def test_values_at_some_points_only_are_refused():
     with pytest.raises(InputError, match="has no value"):
         smooth({"gap": (1.0, 2.0)}, lambda p: np.nan if p["gap"] > 1.5 else 1.0)
-    answers = [None] * design_size(2)
     with pytest.raises(InputError, match="have no answer"):
-        fit_surrogate(load_scene("paper")[0], dict.fromkeys("ab", (1.0, 2.0)), answers)
+        fit_surrogate(load_scene("paper")[0], {"a": (1.0, 2.0)}, [None] * design_size(1))
 
 
-@pytest.mark.parametrize("keys", [1, 2, 8])
+@pytest.mark.parametrize("keys", [1, 8])
 def test_the_design_is_inside_and_overdetermines(keys):
     box = Box({str(n): (1.0, 2.0) for n in range(keys)})
     place = box.design()
