@@ -1,14 +1,24 @@
-"""Steps from the beam to the solid and from the formula to the field; a bimorph's clamp and rod."""
+"""Steps from the beam to the solid and from the formula to the field; clamp, rod and tab."""
 
 import math
 
+import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph import bricks as bimorph_bricks
+from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.parameters import Device, Piezo
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.beam.layerwise import layerwise_beam
+from tactgen.tmm.beam.sections import Joint
 from tactgen.validation.engine.solve import solve
+from tactgen.validation.models.bimorph.rod_joint import (
+    choices,
+    support_compliance,
+    tab_by_beam,
+    tab_by_bricks,
+)
 from tactgen.validation.models.difference import (
     BEAM_ASSUMPTIONS,
     CAPACITANCE,
@@ -16,12 +26,14 @@ from tactgen.validation.models.difference import (
     FIRST_FREQUENCY,
     HEADLINE,
     SolidCase,
+    beam_row,
     beam_to_solid,
     beam_values,
     change,
     clamped,
     formula_to_field,
     remaining,
+    row_values,
     solid_values,
     without,
 )
@@ -48,22 +60,19 @@ def beam_like(scene):
 def test_beam_like_solid_is_the_beam():
     """With a beam's constants and a linear potential a slender solid is TMM, to 1e-3.
 
-    What is left is the ends: at 60 mm far less than asked for, even on the coarsest bricks.
+    What is left is the ends: at 60 mm far less than asked for, even on the coarsest bricks.  On a
+    short beam, where shear counts, 5/6 is off by far more than the energy's factor.
     """
     scene = with_energy_shear(paper("bimorph.length=60 mm", "piezo.material=PZT-5H"))
     apart = change(beam_like(scene), beam_values(scene))
     assert max(map(abs, apart.values())) < 1e-3
     assert abs(apart[DEFLECTION]) < 1e-5
     assert abs(apart[FIRST_FREQUENCY]) < 1e-5
-
-
-def test_shear_factor_must_be_that_of_the_energy():
-    """On a short beam, where shear counts, 5/6 is off by far more than the energy's factor."""
-    scene = paper("bimorph.length=10 mm")
-    solid = beam_like(scene)[FIRST_FREQUENCY]
+    short = paper("bimorph.length=10 mm")
+    solid = beam_like(short)[FIRST_FREQUENCY]
     mended, usual = (
         abs(solid / beam_values(s)[FIRST_FREQUENCY] - 1.0)
-        for s in (with_energy_shear(scene), scene)
+        for s in (with_energy_shear(short), short)
     )
     assert usual > 5e-3
     assert mended < 0.1 * usual
@@ -91,44 +100,31 @@ def test_steps_add_up(steps, level):
         assert steps[-1].values[quantity] == pytest.approx(solid[quantity], rel=1e-9)
 
 
-def test_a_varying_field_is_the_closed_form(steps):
-    """Layers stiffened by 1/(1 − k31²); no constant through the thickness matters."""
+def test_steps_are_what_theory_says(steps):
+    """A varying field: layers stiffened by 1/(1 − k31²); no constant through the thickness matters;
+    those across the width lie between none and those of a wide plate."""
     by_name = {step.name: step for step in steps}
     varies = by_name["field varies"]
     assert varies.change == pytest.approx(varies.predicted, abs=2e-4)
     assert varies.change[DEFLECTION] < -0.01
     assert max(map(abs, by_name["three dimensions"].change.values())) < 1e-3
-
-
-def test_laminate_theory_bounds_the_width(steps):
-    """The steps across the width lie between none and those of a wide plate."""
     for step in steps[-2:]:
         for quantity in (DEFLECTION, CAPACITANCE):
             assert step.predicted[quantity] < step.change[quantity] < 0.0
 
 
-@pytest.fixture
-def few(monkeypatch, few_bricks):
-    """Divide the solid into few bricks, for what holds on any."""
+def test_where_a_set_cannot_be_or_has_no_theory(monkeypatch, few_bricks):
+    """A set on the way that could not exist: its change is made with the next.  With glue between
+    the layers steps are measured and no closed form is made up."""
     monkeypatch.setattr(bimorph_bricks, "LEVELS", few_bricks)
-
-
-@pytest.mark.usefixtures("few")
-def test_impossible_sets_are_passed_over():
-    """Where a set on the way could not exist, its change is made with the next."""
     strong = paper().model_copy(update={"piezo": Piezo(eps33=4500.0)})
     with pytest.raises(ValueError, match="negative energy"):
         without(strong, BEAM_ASSUMPTIONS[:4]).ceramic.check_admissible()
     found = beam_to_solid(strong, lambda _: None, level=0)
     assert found[-1].name == "d32 and Poisson's effect"
     assert all(map(math.isfinite, found[-1].change.values()))
-
-
-@pytest.mark.usefixtures("few")
-def test_glue_has_no_laminate_theory_but_steps():
-    """With glue between the layers steps are measured and no closed form is made up."""
-    found = beam_to_solid(paper("bimorph.glue_thickness=20 um"), lambda _: None, level=0)
-    assert all(math.isnan(step.predicted[DEFLECTION]) for step in found[2:])
+    glued = beam_to_solid(paper("bimorph.glue_thickness=20 um"), lambda _: None, level=0)
+    assert all(math.isnan(step.predicted[DEFLECTION]) for step in glued[2:])
 
 
 def test_shim_alone_lowers_the_frequency():
@@ -148,10 +144,9 @@ def test_shim_alone_lowers_the_frequency():
 
 def test_the_formula_leads_to_the_field():
     """Each refinement of the network, then what it still is off the field."""
-    device = Device()
-    network = formula_to_field(device, 0.13, 0.2e-3)
+    network = formula_to_field(Device(), 0.13, 0.2e-3)
     field = {name: 0.9 * value for name, value in network[-1].values.items()}
-    found = formula_to_field(device, 0.13, 0.2e-3, field)
+    found = formula_to_field(Device(), 0.13, 0.2e-3, field)
     assert [step.name for step in found[:-1]] == [step.name for step in network]
     assert found[-1].values == field
     assert remaining(found)[-2] == pytest.approx(dict.fromkeys(field, 1.0 / 0.9 - 1.0))
@@ -166,3 +161,46 @@ def test_a_bimorph_shorter_than_thick_is_no_beam():
     scene = paper("bimorph.length=2mm")
     for q in solve(scene, ("lumped", "tmm"), ("static_tip_displacement",)).quantities:
         assert 0.01 < q.modelling_error / abs(q.value) < 1.0
+
+
+def test_tab_of_a_beam_is_got_back():
+    """From the ports of two beams, one on a tab, comes the tab's own compliance; and on it a beam
+    vibrates as the beam with that tab, its mass apart."""
+    plain, on_tab = paper(), paper("bimorph.tab_length=1.6 mm")
+    ports = [transfer_matrix.chain(beam_row(of), np.zeros(1)) for of in (on_tab, plain)]
+    found, tab = support_compliance(*ports, 20e-3).matrix, tab_by_beam(plain, 1.6e-3).matrix
+    np.testing.assert_allclose(found, tab, rtol=1e-8)
+    alone, whole = clamped(plain), beam_values(on_tab)[FIRST_FREQUENCY]
+    frequency = row_values(alone, [(Joint(tab), 0.0), *beam_row(alone)])[FIRST_FREQUENCY]
+    # the tab's mass is 0.8 mg of 190 mg, near the node at the root
+    assert frequency == pytest.approx(whole, rel=1e-4)
+
+
+def test_solid_tab_grows_as_a_beam():
+    """Per added length the solid's tab turns as EI says, but for Poisson's effect; its root adds.
+
+    The shim's ν stiffens a strip towards a plate by at most ν² E_y/E = 0.8 %.  The difference of
+    two solids is a passive support: symmetric and positive definite.
+    """
+    lengths = (0.0, 0.8e-3, 1.6e-3, 2.4e-3)
+    found = [tab.matrix for tab in tab_by_bricks(paper(), lengths, lambda _: None, level=0)]
+    rotations = np.array([m[1, 1] for m in found])
+    slope = (rotations[3] - rotations[1]) / (lengths[3] - lengths[1])
+    beam = tab_by_beam(paper(), 1e-3).matrix[1, 1] / 1e-3
+    assert 0.99 * beam < slope < 1.001 * beam
+    root = rotations[1] - slope * lengths[1]
+    assert 0.05 * rotations[2] < root < 0.25 * rotations[2]
+    for m in found:
+        assert m[0, 1] == pytest.approx(m[1, 0], rel=1e-6)
+        assert np.linalg.eigvalsh(m / np.sqrt(np.outer(np.diag(m), np.diag(m))))[0] > 0.0
+
+
+@pytest.mark.parametrize("name", ["M1876", "PZT-5A"])
+def test_choices_of_a_full_tensor_keep_the_reduced_set(name):
+    """All that a one-dimensional model knows stays, unless the row says otherwise."""
+    ceramic = LIBRARY[name]
+    rows = list(choices(ceramic))
+    assert len({row[0] for row in rows}) == len(rows) >= 10
+    for label, changed in rows:
+        if not label.startswith(("eps33", "d31")):
+            assert changed.reduced() == pytest.approx(ceramic.reduced(), rel=1e-14)

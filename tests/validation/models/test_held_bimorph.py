@@ -102,9 +102,8 @@ def test_a_load_of_several_parts_and_a_law_without_parts():
     assert system_of(finger).mass.shape[0] == system_of(free).mass.shape[0] + parts
     with pytest.raises(InputError, match=r'set load\.kind = "none"'):
         chain_of(load_scene("paper", ["load.kind=pad"])[0].ends.tip)
-    loose, _ = load_scene("paper", ["load.kind=none", "support.lateral_stiffness=0 N/m"])
     with pytest.raises(InputError, match=r"support\.lateral_stiffness = 0 N/m does not hold"):
-        system_of(loose)
+        system_of(load_scene("paper", ["load.kind=none", "support.lateral_stiffness=0 N/m"])[0])
 
 
 def run(capsys, *arguments):
@@ -115,22 +114,17 @@ def run(capsys, *arguments):
 
 
 def test_the_command_runs_it_and_writes_it(capsys, tmp_path):
-    out, picture = tmp_path / "run.nc", tmp_path / "run.svg"
+    out = tmp_path / "run.nc"
     asked = ("--voltage", "60 V step at 1 ms", "--until", "3 ms")
     code, text, err = run(capsys, *asked)
     assert (code, err) == (0, "")
     assert "natural frequencies: 119.9 Hz" in text
-    code, text, _ = run(capsys, *asked, "--json", "--out", out, "--plot", picture)
-    found = json.loads(text)
-    assert code == 0
+    found = json.loads(run(capsys, *asked, "--json", "--out", out)[1])
     assert found["oscillations"][0]["frequency_hz"] == pytest.approx(119.896, rel=1e-5)
-    assert found["quantities"]["voltage"]["largest"] == 60.0
     with netcdf_file(str(out), "r", mmap=False) as file:
         tip = file.variables["lateral_tip"]
         assert tip.units == b"m"
         assert tip[:].max() == found["quantities"]["lateral_tip"]["largest"]
-        assert file.scene == b"paper"
-    assert picture.read_text(encoding="utf-8").startswith("<svg")
     with pytest.raises(InputError, match=r"is not a run of a generator on its rod; write it"):
         read_film(out)
 

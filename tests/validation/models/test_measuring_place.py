@@ -39,20 +39,18 @@ def test_a_clamped_beam_bends_as_a_parabola():
     """A voltage is a constant moment: w goes with the square of the height, by any beam theory."""
     tip, *places = (
         answers(scene_of(at, *CLAMPED, models="tmm,beam", quantities="static_tip_displacement"))
-        for at in (0, 0.001, 12.0, 19.5)
+        for at in (0, 0.001, 19.5)
     )
-    for (below, low), model in product(
-        zip((0.001, 12.0, 19.5), places, strict=True), ("tmm", "beam")
-    ):
+    for (below, low), model in product(zip((0.001, 19.5), places, strict=True), ("tmm", "beam")):
         found, whole = low[model], tip[model].value * (1.0 - below / 20.0) ** 2
         # a port a micron below the tip costs digits, which the bar says; the last ones are rounding
         assert abs(found.value - whole) <= found.error + 1e-13 * abs(tip[model].value)
         assert found.error < 1e-6 * whole
 
 
-@pytest.mark.parametrize("below", [2.0, 3.0, 9.0, 24.0])
+@pytest.mark.parametrize("below", [3.0, 9.0, 24.0])
 def test_transfer_matrices_and_beam_elements_agree(below):
-    """In an extension, at its edge, in a taper and in a tab; on springs, with a finger."""
+    """At the edge of an extension, in a taper and in a tab; on springs, with a finger."""
     scene = scene_of(below, *STEPPED, "frequency=10 Hz,400 Hz,2 kHz", models="tmm,beam")
     tmm, beam = answers(scene).values()
     assert (np.abs(tmm.value - beam.value) <= tmm.error + beam.error).all()
@@ -98,11 +96,11 @@ def test_bricks_and_tetrahedra_agree(overrides, below):
 
 def test_studies_read_the_same_place():
     """The transfer matrices with varied parameters, at the scene's own values and at another."""
+    usual = scene_of(6.0, "frequency=200 Hz")
+    parts = (usual.device, usual.support, usual.load, usual.beam, usual.drive)
+    read = QUANTITIES["tip_displacement"].port_readout
     for length in (20, 23):
         scene = scene_of(6.0, f"bimorph.length={length} mm", "frequency=200 Hz")
-        usual = scene_of(6.0, "frequency=200 Hz")
-        parts = (usual.device, usual.support, usual.load, usual.beam, usual.drive)
-        read = QUANTITIES["tip_displacement"].port_readout
         values = {"bimorph.length": np.array([1e-3 * length])}
         found = evaluate(Actuator(*parts), read, values, np.array(scene.frequency))
         assert found == pytest.approx(answers(scene)["tmm"].value, rel=1e-9)

@@ -36,7 +36,7 @@ def test_where_others_are_lower_more_modes_are_asked_until_one_bends_in_x():
     assert len(coarse) >= len(fine)
 
 
-def test_matched_modes_are_of_one_class_where_there_is_one_and_none_is_taken_twice():
+def test_matched_modes_are_of_one_class_and_none_is_taken_twice():
     fine = Modes(np.array([100.0, 110.0, 120.0]), ("bending_x", "torsion", "bending_x"))
     coarse = Modes(np.array([113.0, 104.0]), ("bending_x", "torsion"))
     found = lowest_modes.matched(fine, coarse)
@@ -67,10 +67,7 @@ def test_like_is_held_against_like():
     found = estimated_gains(fine, coarse)
     assert found[1:4] == pytest.approx([2.0, 3.0, 5.0], rel=1e-12)
     assert np.isnan(found[[0, 4]]).all()  # no estimate, no partner
-
-
-def test_gains_beyond_what_is_trusted_count_as_the_limit():
-    """Of a true gain g the finer mesh's error is the difference over g - 1."""
+    # of a true gain g the finer mesh's error is the difference over g - 1, up to what is trusted
     assert gain_factor(2.0, MOST_GAIN_OF_MODES) == pytest.approx(SAFETY)
     assert gain_factor(1e3, 5.0) == pytest.approx(SAFETY / 4.0)
     assert gain_factor(0.5, 5.0) == pytest.approx(SAFETY / LEAST_GAIN)

@@ -1,24 +1,53 @@
-"""One co-energy map of a field for all gaps, currents, springs and loads of one geometry.
+"""Fields of the normal actuator as models: how fine, and one map of all gaps and currents.
 
-In 3D it is solved row by row, each kept.
+The map serves all springs and loads of one geometry; in 3D it is solved row by row, each kept.
 """
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tactgen.fem.magnetics import actuator_3d
 from tactgen.fem.magnetics import axisymmetric as actuator
-from tactgen.fem.magnetics import axisymmetric as walk
 from tactgen.fem.magnetics.actuator_3d import SolidPoint, SolidValues
 from tactgen.fem.magnetics.axisymmetric import FieldErrors, FieldPoint
-from tactgen.geometry.errors import CoarseGridError
+from tactgen.geometry.errors import CoarseGridError, InputError
 from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.models.classes import make_model
 from tactgen.validation.models.model import Stages
-from tactgen.validation.models.reluctance.field import MAP_ORDER
+from tactgen.validation.models.reluctance.field import MAP_ORDER, _fine_enough
 from tactgen.validation.scene.load import load_scene
 
 SETS = ["models=axisymmetric", "accuracy=10%"]
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "bar", "tried"),
+    [
+        (1e-3, 5e-4, [1.5]),  # the first grid is the one that usually suffices
+        (1e-3, 3e-3, [1.5, 2.0]),  # it did not here: on to the next
+        (1e-2, 1.0, [1.0, 1.5, 2.0]),  # up to the finest, whose bar stands
+    ],
+)
+def test_the_grid_is_refined_until_the_bar_is_met(accuracy, bar, tried):
+    """From the usual grid of an accuracy on, by the bar that a grid really has there."""
+    asked = []
+
+    def solve(fineness):
+        asked.append(fineness)
+        return SimpleNamespace(force=-2.0, errors=SimpleNamespace(force=2.0 * bar / fineness**0.5))
+
+    _fine_enough(((2e-3, 1.0), (5e-4, 1.5), (0.0, 2.0)), accuracy, solve)
+    assert asked == tried
+
+
+def test_what_makes_no_circuit_is_refused_before_anything_is_solved():
+    """The network says so at once; the field takes the same device."""
+    scene, _ = load_scene("reluctance", ["sleeve.collar_thickness=2mm"])
+    with pytest.raises(InputError, match=r"brings sleeve\.collar_thickness = 2 mm to"):
+        make_plan(scene, ("network", "axisymmetric"), ("magnetic_force",))
+    make_plan(scene, ("axisymmetric",), ("magnetic_force",))
 
 
 def coil(current, gap):
@@ -49,7 +78,7 @@ def mapped(own_store, monkeypatch):
     monkeypatch.setattr(actuator, "solve_map", solve_map)
     monkeypatch.setattr(actuator, "solve_point", lambda _device, i, g, **_: _point(i, g))
     monkeypatch.setattr(
-        walk.FieldContinuation, "at", lambda _self, _device, i, g, _place: _point(i, g)
+        actuator.FieldContinuation, "at", lambda _self, _device, i, g, _place: _point(i, g)
     )
     return maps
 
@@ -64,42 +93,34 @@ def test_currents_are_those_of_the_closed_form(mapped):
     assert len(mapped) == 1
 
 
-def test_a_map_that_is_too_coarse_is_solved_by_the_order_of_points(mapped, monkeypatch):
-    """A narrow clearance alone needs the higher order, all others are served by the lower one."""
+@pytest.mark.parametrize("coarse", [(MAP_ORDER,), (MAP_ORDER, actuator.ORDER)])
+def test_a_map_that_is_too_coarse(mapped, monkeypatch, coarse):
+    """A narrow clearance alone needs the order of points, all others are served by the lower one.
+
+    Without an answer by either, what needs the map is left out with one warning and one attempt,
+    alone it is refused.
+    """
     solve_map, orders = actuator.solve_map, []
 
     def demanding(*args, order=actuator.ORDER):
         orders.append(order)
-        if order < actuator.ORDER:
+        if order in coarse:
             raise CoarseGridError("too coarse")
         return solve_map(*args)
 
     monkeypatch.setattr(actuator, "solve_map", demanding)
-    scene, _ = load_scene("reluctance", SETS)
-    solve(scene, ("axisymmetric",), ("pull_in_current",))
-    assert orders == [MAP_ORDER, actuator.ORDER]
-
-
-def test_a_map_without_answer_leaves_the_point(mapped, monkeypatch):
-    """What needs the map is left out with one warning and one attempt, alone it is refused."""
-    attempts = []
-
-    def solve_map(*_, **__):
-        attempts.append(1)
-        raise CoarseGridError("too coarse")
-
-    monkeypatch.setattr(actuator, "solve_map", solve_map)
     scene, _ = load_scene("reluctance", ["models=axisymmetric,network", SETS[1]])
     asked = ("magnetic_force", "pull_in_current", "rod_position")
     found = solve(scene, quantities=asked)
-    assert {(q.name, q.model) for q in found.quantities} == {
-        (name, model) for name in asked for model in ("network", "axisymmetric")
-    } - {(name, "axisymmetric") for name in asked[1:]}
-    (warning,) = (text for text in found.warnings if "too coarse" in text)
-    assert "pull_in_current, rod_position" in warning
-    assert len(attempts) == 2  # orders
-    with pytest.raises(CoarseGridError, match="too coarse"):
-        solve(scene, ("axisymmetric",), asked[1:])
+    assert orders == [MAP_ORDER, actuator.ORDER]
+    missing = {(name, "axisymmetric") for name in asked[1:]} if len(coarse) > 1 else set()
+    both = {(name, model) for name in asked for model in ("network", "axisymmetric")}
+    assert {(q.name, q.model) for q in found.quantities} == both - missing
+    said = [text for text in found.warnings if "too coarse" in text]
+    assert ["pull_in_current, rod_position" in text for text in said] == [True] * bool(missing)
+    if missing:
+        with pytest.raises(CoarseGridError, match="too coarse"):
+            solve(scene, ("axisymmetric",), asked[1:])
 
 
 @pytest.mark.heavy
@@ -127,11 +148,10 @@ def test_the_shared_map_holds_points_solved_alone(own_store):
 def test_an_interrupted_map_goes_on_where_it_was(tmp_path, monkeypatch):
     """Rows that were solved before the interruption are read, the others solved."""
     monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path))
-    solved = []
+    solved, ends = [], iter([False, False, True])
 
     def row(_device, gap, currents, _sector):
-        if len(solved) == 2:
-            solved.append("interrupted")
+        if next(ends, False):
             raise KeyboardInterrupt
         solved.append(gap)
         found = []
@@ -146,11 +166,8 @@ def test_an_interrupted_map_goes_on_where_it_was(tmp_path, monkeypatch):
     plan = make_plan(scene, ("magnetic3d",), ("pull_in_current",))
     with pytest.raises(KeyboardInterrupt):
         make_model("magnetic3d", scene, Stages(plan.keys)).map()
-    found = make_model("magnetic3d", scene, Stages(plan.keys)).map()
-    gaps = [gap for gap in solved if gap != "interrupted"]
-    assert gaps == found.samples.gap.tolist()  # each once
-    again = make_model("magnetic3d", scene, Stages(plan.keys)).map()
-    assert len(solved) == len(gaps) + 1
+    found, again = (make_model("magnetic3d", scene, Stages(plan.keys)).map() for _ in range(2))
+    assert solved == found.samples.gap.tolist()  # each once
     assert np.array_equal(again.coefficients, found.coefficients)
 
 
