@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
-from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, LITERATURE_BOUND, threshold_of
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, threshold_of
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import as_json, solve
 from tactgen.validation.scene.load import load_scene, scene_values
@@ -28,21 +28,6 @@ def test_the_papers_points_are_joined_in_log_log():
     assert middle == pytest.approx(np.sqrt(level[1:] * level[:-1]), rel=1e-12)
     values = DISPLAY_THRESHOLD.at(np.array([0.0, 9.999, 10.0, 1000.0 * (1 + 1e-15), 1001.0]))
     assert np.isfinite(values).tolist() == [False, False, True, True, False]
-    # above 100 Hz the paper quotes less than 1 um; its own 1 um at 1000 Hz touches that
-    f = np.linspace(LITERATURE_BOUND.frequency, 1000.0, 500)
-    assert (DISPLAY_THRESHOLD.at(f) <= LITERATURE_BOUND.amplitude * (1 + 1e-12)).all()
-
-
-@pytest.mark.parametrize("frequency", [10.0, 33.0, 700.0])
-def test_weights_are_the_derivatives(frequency):
-    """d ln threshold / d ln point: exact, since ln threshold is linear in them."""
-    step = 1.7
-    base = DISPLAY_THRESHOLD.at(np.array([frequency]))[0]
-    found = [
-        np.log(DISPLAY_THRESHOLD.scaled(i, step).at(np.array([frequency]))[0] / base) / np.log(step)
-        for i in range(3)
-    ]
-    assert DISPLAY_THRESHOLD.weights(frequency) == pytest.approx(found, abs=1e-12)
 
 
 @pytest.fixture
@@ -54,9 +39,7 @@ def felt(tmp_path):
     return ("threshold.kind=table", f"threshold.file={path}")
 
 
-@pytest.mark.parametrize(
-    ("model", "wiring"), [("lumped", "series"), ("tmm", "parallel"), ("beam", "series")]
-)
+@pytest.mark.parametrize(("model", "wiring"), [("tmm", "parallel"), ("beam", "series")])
 def test_ratio_and_voltage_say_the_same(felt, model, wiring):
     """Ratio is |w| over the threshold, voltage is drive over ratio; twice the threshold, half."""
     names = ("tip_displacement", "detection_ratio", "threshold_voltage")
@@ -123,14 +106,10 @@ def test_partly_outside_is_null_with_a_warning(capsys):
          "--frequency", "0,5,10,1500", "--json"]
     )  # fmt: skip
     out, err = capsys.readouterr()
-
-    def refuse(token):
-        raise AssertionError(f"{token} is no JSON")
-
-    (quantity,) = json.loads(out, parse_constant=refuse)["quantities"]
+    (quantity,) = json.loads(out, parse_constant=pytest.fail)["quantities"]
     assert code == 0
-    assert [v is None for v in quantity["value"]] == [True, True, False, True]
-    assert [v is None for v in quantity["uncertainty"]] == [True, True, False, True]
+    for numbers in ("value", "uncertainty"):
+        assert [v is None for v in quantity[numbers]] == [True, True, False, True]
     assert "3 of 4 frequencies are outside the range in which the detection threshold" in err
 
 
@@ -142,13 +121,9 @@ def test_wholly_outside_is_refused_if_nothing_else_is_asked():
     both = solve(scene, ("tmm",), ("threshold_voltage", "tip_velocity"))
     assert np.isnan(both.get("threshold_voltage", "tmm").value).all()
     assert np.isfinite(both.get("tip_velocity", "tmm").value).all()
-
-
-def test_a_tip_that_does_not_respond_has_no_voltage():
-    """Without piezoelectric coupling no voltage reaches the threshold."""
-    scene, _ = load_scene("paper", ["frequency=100,200"])
-    dead = scene.model_copy(update={"piezo": scene.piezo.model_copy(update={"d31": 0.0})})
-    solution = solve(dead, ("tmm", "beam"), ("threshold_voltage",))
+    # nor has a tip that does not respond a voltage
+    scene, _ = load_scene("paper", ["frequency=100,200", "piezo.d31=0 pC/N"])
+    solution = solve(scene, ("tmm", "beam"), ("threshold_voltage",))
     assert all(q["value"] == [None, None] for q in as_json(solution)["quantities"])
 
 

@@ -1,7 +1,7 @@
-"""Support identification: known parameters recovered, and an honest word on those that are not."""
+"""Support identification: what is recovered, an honest word on the rest, the fit's numerics."""
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ from tactgen.validation.catalogue.quantities import measurable
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import FILE_KEYS, load_scene
 from tactgen.validation.scene.variation import value_of, with_values
-from tactgen.validation.studies.curve_fit import CurveModel
+from tactgen.validation.studies.curve_fit import CurveModel, Fit, Misfit, starts
 from tactgen.validation.studies.identify import fit_parameter, identify
 from tactgen.validation.studies.identify_output import file_from
 from tactgen.validation.studies.measured_data import MeasuredCurve
@@ -20,20 +20,16 @@ from tactgen.validation.studies.measured_data import MeasuredCurve
 PROTOTYPE, ORIGINS = load_scene("prototype")
 TRUTH = {"c_s": 0.24, "d_s": 4.46e-6, "c_sl": 3e6, "theta": 1e-12, "rho_p": 7900.0}
 FREQUENCIES = np.linspace(10.0, 2000.0, 60)
+#: The rod held down, the tip free.
+HELD = ("load.kind=none", "coil.current=50mA", "coil.history=falling")
 #: A factor 10 from the truth, to either side.
 FAR = ("c_s=2.4 N*m/rad", "d_s=4.46e-7 N*m*s/rad")
 
 
 def synthetic(
-    seed=0,
-    level=0.02,
-    *,
-    phase=True,
-    noise="relative",
-    scene=PROTOTYPE,
-    kind="velocity",
+    seed=0, level=0.02, *, phase=True, noise="relative", scene=PROTOTYPE, kind="velocity",
     frequencies=FREQUENCIES,
-):
+):  # fmt: skip
     """Return a curve of the model with Gaussian noise, `level` of each value or of the largest."""
     exact = CurveModel(scene, measurable()[kind].name, frequencies, ())(np.zeros(0))
     exact = exact if phase else np.abs(exact)
@@ -59,7 +55,8 @@ def covered(count, fit=("c_s", "d_s"), **options):
 
 
 def test_model_is_that_of_solve():
-    """The fit's direct evaluation gives the very numbers of tactgen solve."""
+    """The fit's direct evaluation gives the very numbers of tactgen solve; of a coil's impedance
+    to rounding, and it follows the lead's resistance."""
     for wiring in ("parallel", "series"):
         scene, _ = load_scene(
             "prototype", [f"bimorph.wiring={wiring}", "frequency=10,781,2000", "drive.voltage=3V"]
@@ -68,17 +65,20 @@ def test_model_is_that_of_solve():
             expected = solve(scene, ["tmm"], [quantity]).get(quantity, "tmm").value
             model = CurveModel(scene, quantity, np.array(scene.frequency), ())
             np.testing.assert_allclose(model(np.zeros(0)), expected, rtol=1e-12)
+    scene, _ = load_scene("generator", [*HELD, "frequency=10,300,2000"])
+    exact = solve(scene, ("tmm",), ("coil_impedance",)).get("coil_impedance", "tmm").value
+    key = "coil.source_resistance"
+    model = CurveModel(scene, "coil_impedance", np.array(scene.frequency), (key,))
+    here, more = (model(np.array([value_of(scene, key) + by])) for by in (0.0, 20.0))
+    np.testing.assert_allclose(here, exact, rtol=1e-12)
+    np.testing.assert_allclose(more - here, 20.0, rtol=1e-9)
 
 
 @pytest.mark.parametrize(
     ("phase", "factor"),
-    [
-        (True, 0.1),
-        (False, 10.0),
-        pytest.param(True, 10.0, marks=pytest.mark.heavy),
-        pytest.param(False, 0.1, marks=pytest.mark.heavy),
-    ],
-)
+    [(True, 0.1), (False, 10.0),
+     *(pytest.param(p, f, marks=pytest.mark.heavy) for p, f in ((True, 10.0), (False, 0.1)))],
+)  # fmt: skip
 def test_exact_data_are_recovered_from_far_starts(phase, factor):
     """Noise-free data give the parameters to 1e-6 from starts a factor 10 away, any direction."""
     for other in (0.1, 10.0):
@@ -89,15 +89,12 @@ def test_exact_data_are_recovered_from_far_starts(phase, factor):
         assert not found.warnings
 
 
+@pytest.mark.heavy
 @pytest.mark.parametrize(
     ("phase", "count", "least", "noise"),
     [
-        pytest.param(True, 12, 10, "relative", marks=pytest.mark.heavy),
-        *(
-            pytest.param(phase, 100, 90, noise, marks=pytest.mark.heavy)
-            for phase in (True, False)
-            for noise in ("relative", "constant")
-        ),
+        (True, 12, 10, "relative"),
+        *((p, 100, 90, n) for p in (True, False) for n in ("relative", "constant")),
     ],
 )
 def test_coverage(phase, count, least, noise):
@@ -120,14 +117,6 @@ def test_coverage(phase, count, least, noise):
 def test_coverage_where_the_data_hardly_tell(fit, phase):
     """Also parameters that the curve hardly determines, and those they are confused with."""
     assert min(covered(100, fit, phase=phase).values()) >= 90
-
-
-def test_wrongly_stated_uncertainty_is_told():
-    """An uncertainty a quarter of the real one is contradicted by chi2, with the factor."""
-    data = synthetic(2)
-    found = identify(PROTOTYPE, replace(data, error=0.005 * np.abs(data.values)))
-    (warning,) = found.warnings
-    assert "times the stated uncertainty" in warning
 
 
 def test_a_far_start_ends_where_a_near_one_does():
@@ -221,14 +210,6 @@ def test_assumed_density_shifts_the_stiffness():
     assert "piezo.eps33" not in [a.row.key for a in found.assumptions]  # no effect on velocity
 
 
-def test_other_curves():
-    """The current determines the support too."""
-    found = identify(PROTOTYPE, synthetic(1, kind="current"), FAR)
-    for name in ("c_s", "d_s"):
-        # within twice the 95 % interval: one seed may lie just outside it
-        assert abs(np.log(found.get(name).value / TRUTH[name])) < 2.0 * found.get(name).half_width
-
-
 def test_any_scalar_of_the_model_can_be_fitted():
     """A negative one (d31), a length, and ceramic constants through the admittance."""
     found = identify(PROTOTYPE, synthetic(1), ("piezo.d31", "bimorph.length:10..20mm"))
@@ -240,13 +221,16 @@ def test_any_scalar_of_the_model_can_be_fitted():
     assert found.get("piezo.eps33").value == pytest.approx(6000.0, rel=0.02)
 
 
-@pytest.mark.parametrize(
-    ("change", "words"), [(np.negative, "opposite sign"), (np.conj, "opposite sign of the phase")]
-)
-def test_data_of_another_sign_convention_are_doubted(change, words):
+def test_data_of_another_sign_convention_or_uncertainty_are_doubted():
+    """An uncertainty a quarter of the real one is contradicted by chi2, with the factor."""
     data = synthetic(1)
-    found = identify(PROTOTYPE, replace(data, values=change(data.values)))
-    assert any(words in text for text in found.warnings)
+    for change, words in (
+        ({"values": -data.values}, "opposite sign"),
+        ({"values": data.values.conj()}, "opposite sign of the phase"),
+        ({"error": 0.005 * np.abs(data.values)}, "times the stated uncertainty"),
+    ):
+        found = identify(PROTOTYPE, replace(data, **change))
+        assert any(words in text for text in found.warnings)
 
 
 @pytest.mark.parametrize(("phase", "factor"), [(True, 0.5), (False, 1e3)])
@@ -258,7 +242,6 @@ def test_a_wrong_drive_voltage_is_named_with_its_factor(phase, factor):
     (told,) = (text for text in found.warnings if "drive.voltage = " in text)
     stated = re.search(r"drive\.voltage = (\S+) V", told)
     assert float(stated[1]) == pytest.approx(factor * PROTOTYPE.drive.voltage, rel=0.02)
-    assert f"is {float(stated[1]) / PROTOTYPE.drive.voltage:.4g} at every frequency" in told
 
 
 def test_the_right_voltage_and_an_admittance_are_not_doubted():
@@ -277,7 +260,6 @@ def test_the_right_voltage_and_an_admittance_are_not_doubted():
     [
         ("c_s", 0.24, 0.0024, 24.0),
         ("support.rotational_stiffness = 0.2 N*m/rad", 0.2, 0.002, 20.0),
-        ("c_s=200 mN*m/rad:50 mN*m/rad..2 N*m/rad", 0.2, 0.05, 2.0),
         ("piezo.d31:-200..-500pC/N", -385e-12, -200e-12, -500e-12),
         ("piezo.d31:-500..-200pC/N", -385e-12, -200e-12, -500e-12),
         ("rho_p", 7900.0, 79.0, 1e5),  # no denser than the scene allows
@@ -293,7 +275,6 @@ def test_fit_text(text, start, low, high):
     ("fit", "words"),
     [
         ("c_s:1..", ["NAME[=START][:LOW..HIGH]", "--fit c_s="]),
-        ("=1", ["NAME[=START][:LOW..HIGH]"]),
         ("c_s=0.2", ['"0.2" has no unit', "rotational stiffness"]),
         ("c_s:1..2N*m/rad", ["starts support.rotational_stiffness at 0.24", "outside its bounds"]),
         ("bimorph.wiring", ["bimorph.wiring is not a number"]),
@@ -311,29 +292,29 @@ def test_bad_fit_gives_one_sentence(fit, words):
 
 
 def test_requests_that_make_no_sense():
-    """The same parameter twice, none at all, too few points, a start at 0, no voltage."""
-    with pytest.raises(InputError, match="twice"):
-        identify(PROTOTYPE, synthetic(), ("c_s", "support.rotational_stiffness"))
-    with pytest.raises(InputError, match="nothing is to be fitted"):
-        identify(PROTOTYPE, synthetic(), ())
-    few = np.linspace(600.0, 900.0, 4)
-    with pytest.raises(InputError, match=r"holds 4 points.*at least 5"):
-        identify(PROTOTYPE, synthetic(frequencies=few))
-    seven = synthetic(frequencies=np.linspace(600.0, 900.0, 7))
-    with pytest.raises(InputError, match=r"holds 7 points.*4 parameters.*at least 8"):
-        identify(PROTOTYPE, seven, ("c_s", "d_s", "c_sl", "theta"))
+    """The same parameter twice, none at all, too few points, a start at 0, no voltage, no rod."""
+    few, seven = (synthetic(frequencies=np.linspace(600.0, 900.0, count)) for count in (4, 7))
     still, _ = load_scene("prototype", ["support.rotational_inertia=0 kg*m^2", "drive.voltage=0 V"])
-    with pytest.raises(InputError, match="cannot be where a fit starts"):
-        identify(still, synthetic(), ("theta",))
-    with pytest.raises(InputError, match=r"check drive\.voltage"):
-        identify(still, synthetic(), ("c_s",))
+    rod, _ = load_scene("generator", ["load.kind=none"])
+    coil = synthetic(1, scene=rod, kind="impedance", frequencies=np.linspace(100.0, 600.0, 6))
+    for scene, data, fit, words in (
+        (PROTOTYPE, synthetic(), ("c_s", "support.rotational_stiffness"), "twice"),
+        (PROTOTYPE, synthetic(), (), "nothing is to be fitted"),
+        (PROTOTYPE, few, ("c_s",), r"holds 4 points.*at least 5"),
+        (PROTOTYPE, seven, ("c_s", "d_s", "c_sl", "theta"),
+         r"holds 7 points.*4 parameters.*at least 8"),
+        (still, synthetic(), ("theta",), "cannot be where a fit starts"),
+        (still, synthetic(), ("c_s",), r"check drive\.voltage"),
+        (PROTOTYPE, coil, ("coil.turns",), r"set support\.kind=contact"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=words):
+            identify(scene, data, fit)
 
 
 def test_a_fitted_scene_elsewhere_names_the_same_curve(tmp_path):
     """The path of a steel's table is written from where the new scene stands."""
-    assert file_from(Path("fits"), "data/steel.csv", FILE_KEYS["steel.curve"]) == str(
-        Path("..") / "data" / "steel.csv"
-    )
+    found = file_from(Path("fits"), "data/steel.csv", FILE_KEYS["steel.curve"])
+    assert Path(found) == Path("..") / "data" / "steel.csv"
     for as_it_is in ("team20", "linear", str(tmp_path / "steel.csv")):
         assert file_from(Path("fits"), as_it_is, FILE_KEYS["steel.curve"]) == as_it_is
 
@@ -350,21 +331,17 @@ def in_its_interval(found, scene, key):
 
 @pytest.mark.parametrize(
     "keys",
-    [
-        ("contact.decay_length",),
-        pytest.param(("contact.decay_length", "contact.relaxation_time"), marks=pytest.mark.heavy),
-    ],
-    ids="-".join,
-)
+    [("contact.decay_length",),
+     pytest.param(("contact.decay_length", "contact.relaxation_time"), marks=pytest.mark.heavy)],
+)  # fmt: skip
 def test_the_contacts_constants_come_back(keys):
     """From starts a factor 2 to 4 away; an interval of 95 % that is a few percent wide."""
     truth = {"contact.decay_length": "0.25um", "contact.relaxation_time": "30us"}
     start = {"contact.decay_length": "0.6um", "contact.relaxation_time": "8us"}
     made, _ = load_scene("prototype", [*ON_CONTACT, *(f"{k}={truth[k]}" for k in keys)])
     scene, _ = load_scene("prototype", ON_CONTACT)
-    found = identify(
-        scene, synthetic(1, scene=made, frequencies=FEW), [f"{k}={start[k]}" for k in keys]
-    )
+    data = synthetic(1, scene=made, frequencies=FEW)
+    found = identify(scene, data, [f"{k}={start[k]}" for k in keys])
     for key in keys:
         assert in_its_interval(found, made, key)
         assert found.get(key).half_width < 0.05
@@ -376,23 +353,13 @@ def test_a_loss_factor_comes_back():
     """Of the shim; the curve is known to 0.2 %."""
     made, _ = load_scene("prototype", [*ON_CONTACT, "shim.loss_factor=0.05"])
     scene, _ = load_scene("prototype", ON_CONTACT)
-    found = identify(
-        scene, synthetic(1, 2e-3, scene=made, frequencies=FEW), ("shim.loss_factor=0.2",)
-    )
+    data = synthetic(1, 2e-3, scene=made, frequencies=FEW)
+    found = identify(scene, data, ("shim.loss_factor=0.2",))
     assert in_its_interval(found, made, "shim.loss_factor")
     assert found.get("shim.loss_factor").half_width < 0.5
 
 
 PAIR = ("contact.decay_length", "spring.preload")
-
-
-def test_a_contact_is_as_stiff_as_its_load_over_its_decay_length():
-    """So the curve turns the same way by the one as it turns back by the other: the guide's share
-    of the stiffness apart, which is 4e-4."""
-    scene, _ = load_scene("prototype", ON_CONTACT)
-    model = CurveModel(scene, measurable()["velocity"].name, FEW, PAIR)
-    one, other = model.sensitivities(np.array([value_of(scene, key) for key in PAIR])).T
-    assert np.abs(one + other).max() < 1e-3 * np.abs(one).max()
 
 
 @pytest.mark.heavy
@@ -401,22 +368,6 @@ def test_preload_and_decay_length_are_told_to_be_one():
     scene, _ = load_scene("prototype", ON_CONTACT)
     found = identify(scene, synthetic(1, scene=scene, frequencies=FEW), PAIR)
     assert any(all(key in said for key in PAIR) for said in found.findings)
-
-
-#: The rod held down, the tip free.
-HELD = ("load.kind=none", "coil.current=50mA", "coil.history=falling")
-
-
-def test_a_curve_of_the_machine_is_that_of_solve():
-    """The coil's impedance to rounding, and it follows the lead's resistance."""
-    scene, _ = load_scene("generator", [*HELD, "frequency=10,300,2000"])
-    exact = solve(scene, ("tmm",), ("coil_impedance",)).get("coil_impedance", "tmm").value
-    key = "coil.source_resistance"
-    model = CurveModel(scene, "coil_impedance", np.array(scene.frequency), (key,))
-    here = model(np.array([value_of(scene, key)]))
-    np.testing.assert_allclose(here, exact, rtol=1e-12)
-    more = model(np.array([value_of(scene, key) + 20.0]))
-    np.testing.assert_allclose(more - here, 20.0, rtol=1e-9)
 
 
 @pytest.mark.heavy
@@ -430,9 +381,77 @@ def test_the_coils_circuit_comes_back_from_its_impedance():
     assert found.get("coil.source_resistance").half_width < 0.2
 
 
-def test_an_impedance_wants_the_machine():
-    """One sentence with the remedy, on the paper's springs."""
-    scene, _ = load_scene("generator", ["load.kind=none", "frequency=100,200,300,400,500,600"])
-    data = synthetic(1, scene=scene, kind="impedance", frequencies=np.array(scene.frequency))
-    with pytest.raises(InputError, match=r"set support\.kind=contact"):
-        identify(PROTOTYPE, data, ("coil.turns",))
+OWN = np.array([3.0, 40.0, 5.0])
+
+
+@dataclass(frozen=True)
+class Resonator:
+    """A/(k − f² + i d f) of amplitude, stiffness and damping."""
+
+    frequencies: np.ndarray
+
+    def __call__(self, values):
+        a, k, d = values
+        return a / (k - self.frequencies**2 + 1j * d * self.frequencies)
+
+    def sensitivities(self, values):
+        _, k, d = values
+        f = self.frequencies
+        whole = k - f**2 + 1j * d * f
+        return np.stack([np.ones(f.shape), -k / whole, -1j * d * f / whole], axis=1)
+
+
+MODEL = Resonator(np.linspace(1.0, 12.0, 23))
+
+
+def measured(*, phase=True, off=0.1):
+    """Return the resonator's curve, a little off, with weights and uncertainties that differ."""
+    f = MODEL.frequencies
+    values = MODEL(OWN) * np.exp(off * np.cos(3.0 * f) + 0.7j * off * np.sin(5.0 * f))
+    size = np.abs(values)
+    return MeasuredCurve(
+        "made", "velocity", f, values if phase else size, 0.05 * size + 1e-3, 1.0 + 0.1 * f
+    )
+
+
+@pytest.mark.parametrize("noise", ["relative", "constant", "stated"])
+@pytest.mark.parametrize("phase", [True, False])
+def test_slopes_of_a_misfit_are_those_of_its_residuals(noise, phase):
+    """By central differences over ln p; of a magnitude the real part alone."""
+    fit = Fit(MODEL, Misfit(measured(phase=phase), noise), OWN / 9.0, OWN * 9.0)
+    slopes = fit.jacobian(OWN)
+    assert slopes.shape == ((46 if phase else 23), 3)
+    for i in range(3):
+        step = np.where(np.arange(3) == i, 1e-5, 0.0)
+        up, down = (fit.residuals(OWN * np.exp(s * step)) for s in (1.0, -1.0))
+        assert slopes[:, i] == pytest.approx((up - down) / 2e-5, rel=1e-6, abs=1e-9)  # its square
+
+
+def test_starts_are_the_best_that_differ():
+    """The user's own first; what is no number never; none within a factor of two of another."""
+    nodes = np.array([[1.0, 1.0], [4.0, 1.0], [7.9, 1.0], [4.0, 3.0], [64.0, 1.0], [512.0, 1.0]])
+    assert starts(np.array([9.0, 1.0, 2.0, 3.0, np.nan, 5.0]), nodes) == [0, 1, 3]
+    assert starts(np.array([9.0, 9.0, 1.0, 2.0, np.inf, 0.5]), nodes) == [0, 5, 2]
+    assert starts(np.array([0.5, 1.0, 2.0, 3.0, 4.0, 5.0]), nodes) == [0, 1]
+
+
+@pytest.mark.parametrize("noise", ["relative", "constant", "stated"])
+def test_profile_and_bounds(noise):
+    """A profile ends where the refitted sum of squares has risen, or openly at a bound.
+
+    Ends are located to two hundredths of their distance, so a rise to some 4 % of itself.
+    """
+    fit = Fit(MODEL, Misfit(measured(), noise), OWN / 9.0, OWN * 9.0)
+    least, best = fit.descend(OWN, [0, 1, 2], most=100)
+    rise = 0.3 * least
+    low, high, opened = fit.profile(best, 2, rise, np.nan)
+    assert low < best[2] < high
+    assert not opened
+    for end in (low, high):
+        risen, _ = fit.descend(np.array([*best[:2], end]), [0, 1], most=100)
+        assert risen - least == pytest.approx(rise, rel=0.05)
+    tight = Fit(MODEL, fit.misfit, best / 9.0, best * [9.0, 9.0, 0.9])
+    assert tight.at_bounds(best * [1.0, 1.0, 0.9], [0, 1, 2]) == {2: "high"}
+    assert not fit.at_bounds(best, [0, 1, 2])
+    narrow = Fit(MODEL, fit.misfit, best * 0.999, best * 1.001)
+    assert narrow.profile(best, 2, 1e3 * least, np.nan)[2] == ("low", "high")

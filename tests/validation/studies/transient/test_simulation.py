@@ -8,18 +8,16 @@ import numpy as np
 import pytest
 from scipy.io import netcdf_file
 
-from tactgen.geometry.bimorph.boundary_conditions import TipLoad
 from tactgen.geometry.device.parameters import Beam, Device, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
-from tactgen.tmm.generator.contact import contact_of, moving_rod
+from tactgen.tmm.generator.contact import moving_rod
 from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import linearised
 from tactgen.tmm.generator.small_signal import machine as machine_of_ports
 from tactgen.tmm.generator.transient.machine import machine
 from tactgen.tmm.generator.transient.step import Stepper
-from tactgen.tmm.generator.transient.system import Element, Friction, Output, Stop, System
-from tactgen.tmm.generator.transient.time_integration import simulate_steps
+from tactgen.tmm.generator.transient.system import Friction
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.ports.elements import chain_of
 from tactgen.tmm.ports.multiport import respond, terminate
@@ -59,6 +57,10 @@ def test_modes_answer_like_the_transfer_matrices(scene):
     """Base held, 1 V: tip and charge at 0 Hz and away from resonance, two methods of one beam."""
     modes = scene_modes(scene)
     assert modes.omega[0] / (2.0 * np.pi) == pytest.approx(1044.16, abs=0.01)  # by TMM, two digits
+    # in a slot only the free part of the tab bends
+    slotted = load_scene("bimorph_on_rod")[0].device
+    assert above_the_head(slotted, Support(kind="rod")).bimorph.tab_length == pytest.approx(1.6e-3)
+    assert above_the_head(slotted, Support()) is slotted
     for frequency in (0.0, 300.0, 3000.0):
         square = modes.omega**2 - (2.0 * np.pi * frequency) ** 2
         tip = float(np.sum(modes.tip[2:] * modes.coupling / square))
@@ -70,31 +72,6 @@ def test_modes_answer_like_the_transfer_matrices(scene):
         # the statics of modes above 20 kHz: (3 kHz / 20 kHz)⁴ of their small share
         assert tip == pytest.approx(exact.motion["w_tip"][0].real, rel=1e-6)
         assert charge == pytest.approx(exact.effort["voltage"][0].real, rel=1e-6)
-
-
-def test_the_machine_weighs_what_its_parts_do(scene, still):
-    """Up and down, and to either side: rod with coil, and the layers by their volumes."""
-    b, device = scene.device.bimorph, scene.device
-    layers = (2.0 * b.piezo_thickness * device.piezo.density
-              + b.shim_thickness * device.shim.density) * b.width * b.length  # fmt: skip
-    whole = moving_rod(device).mass + layers
-    mass = still.system.mass
-    assert np.diag(mass)[:2] == pytest.approx([whole, whole], rel=1e-12)
-    assert (mass[0, 1:] == 0.0).all()
-    assert mass == pytest.approx(mass.T, rel=1e-12)
-
-
-def test_the_rim_pushes_like_the_law_of_the_whole(scene, still):
-    """Load and moment of the points are those of the rim, pressed and tilted."""
-    law = contact_of(scene.device, "upper")
-    rim = still.system.elements[0]
-    for lift, tilt in ((0.0, 0.0), (2e-7, 3e-4), (-1e-7, -1e-3)):
-        position = np.zeros(still.system.mass.shape[0])
-        position[[0, 2]] = lift, tilt
-        each = rim.law.force(rim.direction @ position + rim.offset, 0.0)
-        assert each.sum() == pytest.approx(float(law.load(lift, tilt)), rel=1e-7)
-        moment = float(each @ rim.direction[:, 2])
-        assert moment == pytest.approx(float(law.moment(lift, tilt)), rel=1e-6, abs=1e-18)
 
 
 def test_without_drive_the_generator_stays(scene):
@@ -115,8 +92,6 @@ def test_a_short_run_is_written_whole(scene, tmp_path):
     found = run_scene(scene, sources, 2e-4, coil="current", accuracy=0.1)
     run = found.answer.run
     assert run.position[-1, 0] < -1e-6  # the pull exceeds the preload
-    assert found.answer.outputs["lateral_tip"][-1] > 1e-8
-    assert run.worst_imbalance < 1e-10
     # a flange of 3 mm whose top is 2 mm or so below the head, on a head that hardly moves
     depth = np.abs(run.position[:, 2]) * 6e-3 + np.abs(run.position[:, 1])
     assert np.all(found.sideways <= depth)
@@ -130,19 +105,13 @@ def test_a_short_run_is_written_whole(scene, tmp_path):
         assert lift.units == b"m"
         assert float(lift.error_bar) == found.answer.errors["rod_lift"]
         assert lift[:] == pytest.approx(run.position[:, 0])
-        # lift is spring, pull and stops: Newton's law from the file alone
-        force = file.variables["upper_stop_force"][:]
-        assert force[0] == pytest.approx(scene.device.spring.preload, rel=1e-4)
         assert float(file.energy_imbalance) == run.worst_imbalance
     film = read_film(path)
-    assert film.coordinates[:, 0] == pytest.approx(run.position[:, 0])
     tip = np.argmax(film.points[:, 2])
     lateral = film.coordinates @ film.lateral[tip]
     assert lateral == pytest.approx(found.answer.outputs["lateral_tip"], rel=1e-9, abs=1e-18)
     assert set(film.regions) >= {"rod", "coil", "shim"}
-    assert film.triangles.max() == len(film.points) - 1
     assert PHASES[film.phase[0]] == "pressed"
-    assert "holds until 0.2 ms" in film.words
     assert len(run_page(film).encode()) < 1_200_000
 
 
@@ -154,12 +123,6 @@ def test_a_coil_driven_by_voltage_fills_with_current(scene):
     last = found.answer.run.current[-1]
     exact = -np.expm1(-coil.resistance / inductance * 2e-5) / coil.resistance
     assert last == pytest.approx(exact, rel=0.05)  # the inductance changes with the current
-
-
-def test_in_a_slot_only_the_free_part_of_the_tab_bends():
-    device = load_scene("bimorph_on_rod")[0].device
-    assert above_the_head(device, Support(kind="rod")).bimorph.tab_length == pytest.approx(1.6e-3)
-    assert above_the_head(device, Support()) is device
 
 
 @pytest.mark.parametrize(
@@ -176,15 +139,21 @@ def test_scenes_that_cannot_move_are_refused(overrides, words):
         run_scene(scene, Sources(), 1e-3, coil="current", accuracy=0.1)
 
 
-def test_a_tip_load_moves_with_the_tip(scene, still):
-    """Mass and spring at the tip appear in energy and frequency."""
-    assert scene.ends.tip == TipLoad()
+def test_up_and_down_it_weighs_what_its_parts_do(scene, still):
+    """Rod with coil, the layers by their volumes, and a mass at the tip, which also moves with the
+    tip to either side."""
+    b, device = scene.device.bimorph, scene.device
+    layers = (2.0 * b.piezo_thickness * device.piezo.density
+              + b.shim_thickness * device.shim.density) * b.width * b.length  # fmt: skip
+    mass, whole = still.system.mass, moving_rod(device).mass + layers
+    assert np.diag(mass)[:2] == pytest.approx([whole, whole], rel=1e-12)
+    assert (mass[0, 1:] == 0.0).all()
     loaded = load_scene("paper", ["load.kind=mass", "load.mass=0.1 g"])[0]
-    heavy = scene_machine(loaded, coil="current", volts=1.0)
-    assert heavy.system.mass[0, 0] - still.system.mass[0, 0] == pytest.approx(1e-4)
-    row = heavy.system.outputs["lateral_tip"].row
-    added = heavy.system.mass - still.system.mass
-    assert added[1:, 1:] == pytest.approx(1e-4 * np.outer(row, row)[1:, 1:], abs=1e-12)
+    heavy = scene_machine(loaded, coil="current", volts=1.0).system
+    row = heavy.outputs["lateral_tip"].row
+    added = 1e-4 * np.outer(row, row)
+    added[0, 0] = 1e-4
+    assert heavy.mass - mass == pytest.approx(added, abs=1e-12)
 
 
 def test_the_command_says_what_it_did(capsys, tmp_path, monkeypatch):
@@ -200,20 +169,13 @@ def test_the_command_says_what_it_did(capsys, tmp_path, monkeypatch):
     asked = ["simulate", "paper", *ON_ROD, "--voltage", "10 V sine 200 Hz",
              "--until", "50 us", "--accuracy", "0.2"]  # fmt: skip
     assert main(asked) == 0
-    (first, *lines), answer = capsys.readouterr().out.splitlines(), solved[0].answer
-    assert first.startswith("Conditions: ")
-    assert " ".join(lines[0].split()) == "phase from (ms) to (ms) lateral amplitude (um)"
-    assert lines[1].split()[:3] == ["pressed", "0.000", "0.050"]
-    assert lines[-1].startswith(
-        f"{answer.run.time.size} steps; error bars until {1e3 * answer.certain_until:.4g} ms: "
-    )
+    lines, answer = capsys.readouterr().out.splitlines(), solved[0].answer
+    assert lines[2].split()[:3] == ["pressed", "0.000", "0.050"]
     last = int(np.searchsorted(answer.run.time, answer.certain_until))
     bars = {name: f"{1e6 * answer.bars[name][last]:.2g} um" for name in answer.bars}
     assert f"rod_lift {bars['rod_lift']}, lateral_tip {bars['lateral_tip']}; energy" in lines[-1]
-    code = main([*asked, "--out", str(out), "--plot", str(picture), "--json"])
-    captured = capsys.readouterr()
-    assert code == 0, captured.err
-    found = json.loads(captured.out)
+    assert main([*asked, "--out", str(out), "--plot", str(picture), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
     assert found["phases"][0]["name"] == "pressed"
     assert found["energy_imbalance"] < 1e-10
     assert found["quantities"]["voltage"]["largest"] == pytest.approx(
@@ -226,7 +188,6 @@ def test_the_command_says_what_it_did(capsys, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--until", "soon"], "--until"),
         (["--out", "run.txt"], "must end in .nc"),
         (["--plot", "nowhere/run.svg"], "folder does not exist"),
         (["--gif", "run.mp4"], "must end in .gif"),
@@ -236,22 +197,15 @@ def test_the_command_says_what_it_did(capsys, tmp_path, monkeypatch):
 )
 def test_bad_options_get_one_sentence(capsys, arguments, words):
     code = main(["simulate", "paper", *ON_ROD, *arguments])
-    captured = capsys.readouterr()
-    assert code == 2
-    assert words in captured.err
-    assert captured.err.count("\n") == 1
-    assert captured.out == ""
+    out, err = capsys.readouterr()
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert words in err
 
 
-def test_a_run_that_nothing_drives_says_so(capsys):
+def test_what_a_run_is_warned_of(capsys):
+    """Nothing that drives it; a load off its law, wide errors, a rod through its sleeve."""
     assert main(["simulate", "paper", *ON_ROD, "--until", "0.1 ms"]) == 0
-    assert 'nothing drives it; give --voltage or --coil, for example --voltage "50 V sine' in (
-        capsys.readouterr().err
-    )
-
-
-def test_what_a_run_is_warned_of():
-    """A load whose law is not met, wide errors, a rod through its sleeve; else nothing."""
+    assert "nothing drives it; give --voltage or --coil" in capsys.readouterr().err
     run = SimpleNamespace(time=np.array([0.0, 1e-3, 2e-3, 3e-3]))
     answer = SimpleNamespace(error=0.5, accuracy=0.1, certain_until=1.5e-3, run=run)
     result = SimpleNamespace(
@@ -262,7 +216,7 @@ def test_what_a_run_is_warned_of():
     load, errors, rod = simulate._doubts(result, driven)
     assert "up to 2 % off its law of frequency" in load
     assert "the accuracy of 0.1 holds until 1.5 ms" in errors
-    assert "from 2 ms on the flange is up to 3 um off the middle, through the sleeve 2 um" in rod
+    assert "from 2 ms on the flange is up to 3 um off the middle" in rod
     answer.accuracy, result.load_misfit, result.flange_gap = 0.5, 0.0, 4e-6
     assert not simulate._doubts(result, driven)
 
@@ -304,16 +258,29 @@ def test_an_oscillation_is_told_from_a_drift():
     assert amplitude == pytest.approx(3e-6 * np.exp(1j * (1.0 - 0.5 * np.pi)), rel=1e-5)
 
 
-def creeping(rod, device, place):
-    """Return a rod on its contact with friction as time takes it: a damper in place of a spring."""
-    lateral = np.diag([1.0, 0.0, 0.0])
+def pressed(scene):
+    """Return the rod in small motions, on a spring and, as time takes its contact with friction,
+    creeping by a damper in place of it; and the tip's load."""
+    device, pull = scene.device, network_map(scene.device)
+    place = resting_place(axial_forces(device, pull, 0.0), 0.0, "rising")
+    rod, lateral = linearised(device, scene.beam, place, 0.0, pull), np.diag([1.0, 0.0, 0.0])
     creep = device.contact.friction * place.contact_force / Friction(0, lateral[0], 1.0).speed
     stiff = device.guide.lateral_stiffness - rod.stiffness[0, 0]
-    return replace(
+    creeping = replace(
         rod,
         stiffness=rod.stiffness + stiff * lateral,
         damping=rod.damping + (creep - rod.damping[0, 0]) * lateral,
     )
+    return rod, creeping, chain_of(scene.ends.tip)
+
+
+def tip_of(scene, rod, load, frequencies):
+    """Return the tip's motion per volt (m) by the small signal's ports, without losses."""
+    bimorph = transfer_matrix.multiport(
+        scene.device, Support(), scene.beam, frequencies, lossy=False
+    )
+    port = terminate(machine_of_ports(bimorph, rod), {"w_tip": load.stiffness_at(frequencies)})
+    return respond(port, {"voltage": 1.0, "current": 0.0}).motion["w_tip"]
 
 
 def test_small_motions_under_the_finger_are_those_of_the_machine():
@@ -323,18 +290,10 @@ def test_small_motions_under_the_finger_are_those_of_the_machine():
     time takes it: creeping under friction, in place of a spring.
     """
     scene, drive, frequency = load_scene("generator", [])[0], 1e-6, 150.0
-    device, load = scene.device, chain_of(scene.ends.tip)
-    pull = network_map(device)
-    place = resting_place(axial_forces(device, pull, 0.0), 0.0, "rising")
-    rod = linearised(device, scene.beam, place, 0.0, pull)
-    rod = creeping(rod, device, place)
-    f = np.array([frequency])
-    bimorph = transfer_matrix.multiport(device, Support(), scene.beam, f, lossy=False)
-    port = terminate(machine_of_ports(bimorph, rod), {"w_tip": load.stiffness_at(f)})
-    exact = respond(port, {"voltage": drive, "current": 0.0}).motion["w_tip"][0]
-
+    _, rod, load = pressed(scene)
+    exact = drive * tip_of(scene, rod, load, np.array([frequency]))[0]
     modes = replace(scene_modes(scene), damping=np.zeros_like(scene_modes(scene).damping))
-    moved = machine(device, modes, pull, load=load, source="current")
+    moved = machine(scene.device, modes, network_map(scene.device), load=load, source="current")
     system, per_period = moved.system, 20_000
     h = 1.0 / frequency / per_period
     # the midpoint rule's own frequency: it turns by as much a step as the drive
@@ -356,45 +315,14 @@ def test_small_motions_under_the_finger_are_those_of_the_machine():
     assert np.abs(found - (exact * period).real).max() < 1e-6 * abs(exact)
 
 
-def test_friction_creeps_where_small_motions_have_a_spring(scene):
-    """A lateral push of a tenth of µN moves a pressed head on, at v_s F/√((µN)² − F²); and when.
-
-    The spring of small motions holds the head at F/k after the time in which it creeps as far.
-    Under the finger the two differ by percents below 2 Hz, and by less than 1 % from 10 to 500 Hz.
-    """
-    device = scene.device
-    pull = network_map(device)
-    place = resting_place(axial_forces(device, pull, 0.0), 0.0, "rising")
-    rod = linearised(device, scene.beam, place, 0.0, pull)
-    law, one = Stop(1e6), np.eye(2)
-    holds = device.contact.friction * place.contact_force
-    push, mass, pressed = 0.1 * holds, 3e-4, place.contact_force * (1.0 + 1.0 / law.stiffness)
-    system = System(
-        mass * one, 0.0 * one, np.diag([0.0, 1.0]), np.array([push, pressed]),
-        np.zeros(2), 0.0, (Element("floor", law, one[1]),),
-        (Friction(0, one[0], device.contact.friction),), None, {"x": Output(one[0], "m", 1e-6)},
-    )  # fmt: skip
-    speed = Friction(0, one[0], 1.0).speed * push / np.sqrt(holds**2 - push**2)
-    start = np.array([0.0, place.contact_force / law.stiffness])
-    run = simulate_steps(
-        system, Sources(), 0.1, 100, position=start, velocity=np.array([speed, 0.0])
-    )
-    assert run.position[-1, 0] == pytest.approx(0.1 * speed, rel=1e-6)
-    sprung = push / rod.stiffness[0, 0]
-    assert sprung / speed == pytest.approx(1.0 / (2.0 * np.pi * 215.4), rel=0.01)  # at 215 Hz
-    assert run.position[-1, 0] > 100.0 * sprung
-
-    load = chain_of(load_scene("generator", [])[0].ends.tip)
+def test_friction_creeps_where_small_motions_have_a_spring():
+    """Under the finger the two differ by percents below 2 Hz, and by less than 1 % from 10 to 500
+    Hz."""
+    scene = load_scene("generator", [])[0]
+    *rods, load = pressed(scene)
     f = np.array([1.0, 10.0, 50.0, 200.0, 500.0])
-    bimorph = transfer_matrix.multiport(device, Support(), scene.beam, f, lossy=False)
-    tips = [
-        respond(
-            terminate(machine_of_ports(bimorph, held), {"w_tip": load.stiffness_at(f)}),
-            {"voltage": 1.0, "current": 0.0},
-        ).motion["w_tip"]
-        for held in (rod, creeping(rod, device, place))
-    ]
-    apart = np.abs(tips[1] / tips[0] - 1.0)
+    spring, creeping = (tip_of(scene, rod, load, f) for rod in rods)
+    apart = np.abs(creeping / spring - 1.0)
     assert apart[0] > 0.02
     assert np.all(apart[1:] < 0.01)
 

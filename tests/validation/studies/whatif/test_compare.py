@@ -1,6 +1,5 @@
 """Two scenes or studies side by side: what differs, and what the error bars cover."""
 
-import itertools
 import json
 import re
 from dataclasses import replace
@@ -20,7 +19,6 @@ from tactgen.validation.studies.whatif.output_files import TABLE
 
 KEY = Key((), "capacitance_free", "solid", "", "")
 SCENE = load_scene("prototype")[0]
-WIDTH = "bimorph.width 1.5 mm"
 HEAD = ",".join(["gap (m)", *COLUMNS])
 
 
@@ -55,16 +53,12 @@ def test_the_largest_change_beyond_the_bars_is_shown():
 
 
 @pytest.mark.parametrize(
-    ("frequencies", "along", "abscissae", "curves"),
-    [
-        (("",), "gap (m)", [1.0, 2.0], (f"load.kind {load}, {WIDTH}" for load in ("none", "mass"))),
-        (("10", "50"), "frequency (Hz)", [10.0, 50.0],
-         (f"load.kind {load}, gap {gap}, {WIDTH}"
-          for load in ("none", "mass") for gap in ("1000 mm", "2000 mm"))),
-    ],
+    ("frequencies", "along", "abscissae", "gaps"),
+    [(("",), "gap (m)", [1.0, 2.0], [""]),
+     (("10", "50"), "frequency (Hz)", [10.0, 50.0], ["gap 1000 mm, ", "gap 2000 mm, "])],
 )  # fmt: skip
 def test_curves_run_along_the_first_axis_of_numbers(
-    monkeypatch, frequencies, along, abscissae, curves
+    monkeypatch, frequencies, along, abscissae, gaps
 ):
     """Words before it and numbers after it tell the curves apart; over frequency all values do.
 
@@ -72,18 +66,18 @@ def test_curves_run_along_the_first_axis_of_numbers(
     """
     drawn = []
     monkeypatch.setattr(compare, "svg", drawn.append)
-    heads = ("load.kind", "gap (m)", "bimorph.width (m)")
-    values = itertools.product(("none", "mass"), ("1", "2"), ("0.0015000000000000001",))
-    points = [tuple(zip(heads, value, strict=True)) for value in values]
     held = {
-        Key(point, "force", "tmm", frequency, ""): Number(n + 1.0, 0.0, "N")
-        for n, point in enumerate(points)
-        for frequency in frequencies
-    }
+        Key((("load.kind", load), ("gap (m)", gap), ("bimorph.width (m)", "0.0015000000000000001")),
+            "force", "tmm", frequency, ""): Number(1.0, 0.0, "N")
+        for load in ("none", "mass") for gap in ("1", "2") for frequency in frequencies
+    }  # fmt: skip
     compare._curves((Side("a", {}, held, 0, SCENE), Side("b", {}, held, 0, SCENE)))
     (axis,) = drawn[0].axes
     assert axis.get_xlabel() == along
-    assert [line.get_label() for line in axis.lines[::2]] == [f"A tmm, {which}" for which in curves]
+    assert [line.get_label() for line in axis.lines[::2]] == [
+        f"A tmm, load.kind {load}, {gap}bimorph.width 1.5 mm"
+        for load in ("none", "mass") for gap in gaps
+    ]  # fmt: skip
     assert axis.lines[0].get_xdata().tolist() == abscissae
 
 
@@ -97,13 +91,8 @@ def test_two_scenes(capsys, tmp_path):
     """Input and numbers are those of the scenes; the page needs nothing from elsewhere."""
     asked = ("--quantity", "static_tip_displacement", "--quantity", "tip_displacement",
              "--frequency", "10:1000:9")  # fmt: skip
-    code, out, err = compared(
-        capsys, "paper", "prototype", "--set", "bimorph.length=20mm", *asked, "--json",
-        "--out", tmp_path,
-    )  # fmt: skip
-    assert code == 0
-    assert err.endswith(f"{tmp_path / 'compare.html'}\n")
-    found = json.loads(out)
+    both = ("paper", "prototype", "--set", "bimorph.length=20mm", *asked)
+    found = json.loads(compared(capsys, *both, "--json", "--out", tmp_path)[1])
     assert {i["key"]: (i["a"], i["b"]) for i in found["inputs"]} == {
         "load.kind": ("finger", "none"), "drive.voltage": ("50 V", "1 V"),
     }  # fmt: skip
@@ -119,14 +108,9 @@ def test_two_scenes(capsys, tmp_path):
     assert static["verdict"] == "beyond the bars"
     assert static["change"] == pytest.approx(1 / 50 - 1)
     written = (tmp_path / "compare.html").read_text(encoding="utf-8")
-    assert "<svg" in written
-    assert written.count("frequency (Hz)") == 2  # at the axis, and in the picture's name
-    assert "tip displacement (µm)" in written
     assert not re.findall(r"""(?:src|href)=["'](?!#|data:)|<link|<script|url\((?!#)""", written)
     assert 'aria-label="tip displacement (µm) over frequency (Hz)"' in written
-    code, out, _ = compared(capsys, "paper", "paper", *asked)
-    assert "the input is the same" in out
-    assert out.count("the same") == 4
+    assert "the input is the same" in compared(capsys, "paper", "paper", *asked)[1]
 
 
 def test_two_scenes_without_a_common_answer(capsys, tmp_path):
@@ -134,10 +118,10 @@ def test_two_scenes_without_a_common_answer(capsys, tmp_path):
     magnet = tmp_path / "magnet.toml"
     magnet.write_text('models = ["network"]\nquantities = ["magnetic_force", "coenergy"]\n')
     same = ("--set", "bimorph.length=14mm", "--frequency", "100")  # so no devices are drawn
-    code, out, _ = compared(capsys, "prototype", magnet, *same, "--out", tmp_path)
-    assert code == 0
-    assert "no answer is on both sides; ask both for one quantity by one model" in out
-    assert "no answer is on both sides" in (tmp_path / "compare.html").read_text("utf-8")
+    _, out, _ = compared(capsys, "prototype", magnet, *same, "--out", tmp_path)
+    said = "no answer is on both sides; ask both for one quantity by one model"
+    assert said in out
+    assert said in (tmp_path / "compare.html").read_text("utf-8")
     rows = {line.split()[0]: line.split()[1:] for line in out.splitlines() if line.strip()}
     assert rows["models"] == ["tmm", "network"]
     assert rows["quantities"][-2:] == ["magnetic_force,", "coenergy"]
@@ -158,19 +142,14 @@ def test_a_browser_has_no_complaint(capsys, tmp_path, driven):
         "--disable-gpu",
     )
     assert found["cells"][:3] == ["drive.voltage", "1 V", "2 V"]
-    assert "+100.000 %" in found["cells"]
     assert found["pictures"] == ["static tip displacement (µm) over bimorph.length (m)"]
     assert found["wide"] <= 0
 
 
 def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
-    for arguments, words in (
-        (("paper", "nowhere"), "neither a readable file"),
-        (("paper", "paper", "--model", "tnm"), 'did you mean "tmm"'),
-    ):
-        code, out, err = compared(capsys, *arguments)
-        assert (code, out, err.count("\n")) == (2, "", 1)
-        assert words in err
+    code, out, err = compared(capsys, "paper", "nowhere")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "neither a readable file" in err
     study = tmp_path / "study"
     study.mkdir()
     (study / "study.json").write_text("{}")
@@ -182,11 +161,8 @@ def test_what_cannot_be_compared_is_refused(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("table", "words"),
-    [
-        (None, "is not the table of a study ([Errno 2]"),
-        ("length,quantity\n", "is not the table of a study (other columns)"),
-        (f"{HEAD}\n1,gap,tmm,,,,1 mm,,,,m,ok,\n", "is not the table of a study (could not convert"),
-    ],
+    [(None, "[Errno 2]"), ("length,quantity\n", "other columns)"),
+     (f"{HEAD}\n1,gap,tmm,,,,1 mm,,,,m,ok,\n", "could not convert")],
 )  # fmt: skip
 def test_a_study_whose_table_is_lost_or_damaged_is_refused(tmp_path, monkeypatch, table, words):
     """With the command that writes it again."""
@@ -196,7 +172,7 @@ def test_a_study_whose_table_is_lost_or_damaged_is_refused(tmp_path, monkeypatch
         (tmp_path / TABLE).write_text(table)
     with pytest.raises(InputError) as caught:
         compare._study(tmp_path)
-    assert f"{tmp_path / TABLE} {words}" in str(caught.value)
+    assert f"{tmp_path / TABLE} is not the table of a study ({words}" in str(caught.value)
     assert str(caught.value).endswith(f"tactgen whatif --resume --out {tmp_path}")
 
 

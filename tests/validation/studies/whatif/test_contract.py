@@ -1,6 +1,7 @@
-"""Accuracy without a model in a study: judged once, at its edges, by what is worst there."""
+"""A study before it runs: its model by the accuracy, judged at its edges, and its plan."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -14,6 +15,7 @@ from tactgen.validation.models.bimorph import solid
 from tactgen.validation.scene.load import load_scene, scene_values
 from tactgen.validation.studies.whatif.defaults import judged_points, under_contract
 from tactgen.validation.studies.whatif.definition import Statement, read_statement
+from tactgen.validation.studies.whatif.study import plan_study, run_study
 
 QUICK = (
     BrickMeshing((2, 2, 2), smallest=1.0, tip=1.0, longest=20.0, pieces=(2.0, 4.0)),
@@ -45,19 +47,14 @@ def forms(monkeypatch):
 
 
 def test_judged_at_the_middle_and_the_ends_of_each_axis():
+    """Of samples at the least and the largest."""
     points = judged_points(
         stated("bimorph.length=14mm:22mm:5", "load.kind=none,finger,mass", "modes=4,2,3")
     )
-    assert points == [
-        {"bimorph.length": length, "load.kind": load, "modes": modes}
-        for length, load, modes in [
-            (0.018, "finger", 2), (0.014, "finger", 2), (0.022, "finger", 2),
-            (0.018, "none", 2), (0.018, "mass", 2), (0.018, "finger", 4),
-        ]
+    assert [tuple(point.values()) for point in points] == [
+        (0.018, "finger", 2), (0.014, "finger", 2), (0.022, "finger", 2),
+        (0.018, "none", 2), (0.018, "mass", 2), (0.018, "finger", 4),
     ]  # fmt: skip
-
-
-def test_of_samples_the_least_and_the_largest_are_judged():
     statement = stated("bimorph.length=normal(18mm,2%)", samples=20)
     lengths = [point["bimorph.length"] for point in statement.points()]
     judged = [point["bimorph.length"] for point in judged_points(statement)]
@@ -107,16 +104,18 @@ def test_what_the_judge_does_not_compute_is_refused():
 def test_a_study_says_why_and_remembers_that_none_was_named(
     forms, own_store, monkeypatch, capsys, tmp_path
 ):
-    """A study that is gone on with is judged anew, one with a model named is not."""
+    """So does its plan; gone on with it is judged anew, with a model named it is not."""
     monkeypatch.setattr(whatif, "_write", lambda *_: None)  # the pictures take longest
     out = tmp_path / "study"
     asked = ["--quantity", *STATIC, "--vary", "bimorph.length=14mm:18mm:3", "--out", str(out)]
-    assert main(["whatif", "prototype", "--set", "accuracy=3%", *asked, "--json"]) == 0
-    said = capsys.readouterr()
-    answer = json.loads(said.out)
+    plain = ["prototype", "--set", "accuracy=3%", *asked[:4], "--json"]
+    for command in (["plan", *plain], ["whatif", *plain, *asked[4:]]):
+        assert main(command) == 0
+        said = capsys.readouterr()
+        assert said.err.count("tmm meets it: modelling error 2 %") == 1
+        answer = json.loads(said.out)
+        assert [rung["model"] for rung in answer["ladders"][0]] == ["tmm", "solid"]
     assert {point["model"] for point in answer["points"]} == {"tmm"}
-    assert [rung["model"] for rung in answer["ladders"][0]] == ["tmm", "solid"]
-    assert said.err.count("tmm meets it: modelling error 2 %") == 1
     assert read_statement(out).by_accuracy
     grown = ["--vary", "bimorph.length=12mm:18mm:3", "--resume", "--out", str(out)]
     assert main(["whatif", *grown]) == 0
@@ -136,14 +135,60 @@ def test_by_the_real_ladder_on_coarse_bricks(monkeypatch):
     assert choice.scenes == 3
 
 
-def test_the_plan_of_a_study_says_which_model_its_accuracy_asks_for(forms, capsys):
-    """In words beside what that model would do, and with what each model was found to miss."""
-    asked = ["plan", "prototype", "--vary", "bimorph.length=14mm:22mm:5", "--set", "accuracy=3%",
-             "--quantity", *STATIC]  # fmt: skip
+def statement(*vary, models=("solid",)):
+    values, _ = scene_values("prototype", ["accuracy=0.1", "modes=1"])
+    return Statement("prototype", values, vary, models, ("short_circuit_frequencies",))
+
+
+@pytest.mark.heavy
+def test_a_surrogate_is_named_and_what_it_is_made_from_counted(own_store, monkeypatch):
+    """And the plan says of each point what the run then does with it."""
+    monkeypatch.setattr(solid, "LEVELS", QUICK)
+    asked = statement("bimorph.length=14mm:18mm:12")
+    (before,) = plan_study(asked)
+    assert (before.points, before.kept, before.solved) == (12, 0, 9)
+    (said,) = before.interpolated
+    assert said.startswith("solid: 12 points differ in bimorph.length only")
+    counts = run_study(asked, 1).counts
+    assert (counts.computed, counts.interpolated) == (9, 12)
+    (after,) = plan_study(asked)
+    assert (after.kept, after.solved) == (9, 0)
+
+
+def test_what_is_solved_alone_kept_or_refused_is_counted(own_store):
+    asked = statement("bimorph.length=14mm,16mm", "coil.current=1mA,2mA", models=("tmm", "solid"))
+    tmm, solids = plan_study(asked)
+    assert (tmm.points, tmm.solved, tmm.kept, tmm.refused) == (4, 2, 0, 0)
+    assert tmm.sentences == ("tmm: 4 points, 2 to be solved, a fraction of a second each",)
+    assert (solids.solved, solids.interpolated, solids.seconds) == (2, (), None)
+    assert "2 to be solved, cost not recorded yet" in solids.sentences[0]
+    both = replace(asked, models=("tmm", "network"), quantities=(*asked.quantities, "coenergy"))
+    assert [model.solved for model in plan_study(both)] == [2, 2]
+    run_study(statement("bimorph.length=14mm", models=("tmm",)))
+    (tmm,) = plan_study(statement("bimorph.length=14mm,16mm,1um", models=("tmm",)))
+    assert (tmm.solved, tmm.kept, tmm.refused) == (1, 1, 1)
+
+
+def test_plan_of_a_study(own_store, capsys):
+    asked = ["plan", "prototype", "--vary", "bimorph.length=14mm:18mm:12", "--model", "solid",
+             "--quantity", "short_circuit_frequencies"]  # fmt: skip
     assert main(asked) == 0
-    out, err = capsys.readouterr()
-    assert "tmm meets it" in err
-    assert out.startswith("study of prototype: 5 points")
+    assert "are interpolated between 9 solutions" in capsys.readouterr().out
     assert main([*asked, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert [rung["model"] for rung in found["ladders"][0]] == ["tmm", "solid"]
+    (model,) = json.loads(capsys.readouterr().out)["study"]
+    assert (model["model"], model["points"], model["solved"]) == ("solid", 12, 9)
+
+
+@pytest.mark.parametrize(
+    ("command", "vary", "words"),
+    [
+        ("plan", "bimorph.length=14mm:22mm:3", "none of the 3 points makes a scene: frequency = "),
+        ("whatif", "bimorph.length=14mm", "the only point makes no scene: frequency = "),
+    ],
+)
+def test_points_of_which_none_makes_a_scene_are_refused_alike(command, vary, words, capsys):
+    asked = [command, "--vary", vary, "--model", "tmm", "--frequency", "abc"]
+    assert main(asked) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert words in err

@@ -1,4 +1,4 @@
-"""Studies that are killed, shared, or whose workers die: nothing is lost, nothing changes."""
+"""Studies killed, shared, on a cluster, or whose workers die: the same answers bit for bit."""
 
 import contextlib
 import csv
@@ -8,11 +8,18 @@ import signal
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
+from tactgen.validation.scene.load import scene_values
+from tactgen.validation.studies.whatif import executor, point_answers
 from tactgen.validation.studies.whatif import point_answers as questions
+from tactgen.validation.studies.whatif.definition import Statement, read_statement
+from tactgen.validation.studies.whatif.study import run_study
 
 #: A command line that writes down each point as its solution begins, also in workers.
 SCRIPT = """
@@ -160,3 +167,178 @@ def test_workers_end_with_their_parent(start, tmp_path, own_store):
     while any(os.path.exists(f"/proc/{worker}") for worker in workers):  # noqa: PTH110
         assert time.monotonic() < deadline
         time.sleep(0.02)
+
+
+ADDRESS = "tcp://127.0.0.1:8786"
+
+
+def statement(count, *sets, models=("lumped", "tmm")):
+    values, _ = scene_values("prototype", ["frequency=100,500", *sets])
+    vary = (f"bimorph.length=14mm:18mm:{count}",)
+    quantities = ("tip_displacement", "short_circuit_frequencies")
+    return Statement("prototype", values, vary, models, quantities)
+
+
+def assert_same(study, other):
+    for (_, _, a), (_, _, b) in zip(study.rows, other.rows, strict=True):
+        assert (a.status, a.warnings) == (b.status, b.warnings) == ("ok", b.warnings)
+        for one, two in zip(a.quantities, b.quantities, strict=True):
+            np.testing.assert_array_equal(one.value, two.value)
+            np.testing.assert_array_equal(one.error, two.error)
+
+
+class KilledWorker(Exception):
+    """As of distributed."""
+
+
+class Future:
+    """As of distributed; it can be a key."""
+
+
+class Cluster:
+    """A scheduler in this process; `deadly` lengths kill whoever solves them."""
+
+    def __init__(self, deadly=(), joined=None):
+        self.deadly, self.joined, self.status, self.batches = deadly, joined, "running", []
+
+    def Client(self, address, **_):
+        self.address = address
+        return self
+
+    def wait_for_workers(self, *_, **__):
+        pass
+
+    def run(self, function, *arguments, on_error):
+        assert on_error == "return"
+        return {"tcp://127.0.0.1:1": function(*arguments)}
+
+    def nthreads(self):
+        return {"tcp://127.0.0.1:1": 1}
+
+    def close(self, **_):
+        self.status = "closed"
+
+    def submit(self, function, questions, models, *, pure):
+        assert not pure
+        self.batches.append(questions)
+        future = Future()
+
+        def result(timeout):
+            lengths = [1e3 * float(asked.values["bimorph"]["length"]) for asked in questions]
+            if any(length in self.deadly for length in lengths):
+                raise KilledWorker
+            build, answers = function(questions, models)
+            return self.joined or build, answers
+
+        future.result = result
+        future.done = lambda: True
+        return future
+
+
+@pytest.fixture
+def as_cluster(own_store, monkeypatch):
+    """Return a function that puts a cluster into the place of Dask's."""
+    point_answers._earlier.clear()
+    monkeypatch.setenv("TACTGEN_THREADS", "1")
+
+    def put(found):
+        module = SimpleNamespace(Client=found.Client, KilledWorker=KilledWorker)
+        monkeypatch.setitem(sys.modules, "distributed", module)
+        return found
+
+    return put
+
+
+def test_a_cluster_answers_as_this_machine_does_and_the_client_keeps_it(
+    as_cluster, monkeypatch, tmp_path
+):
+    there = as_cluster(Cluster())
+    asked = statement(2, "modes=1")
+    study = run_study(asked, scheduler=ADDRESS)
+    assert (there.address, there.status) == (ADDRESS, "closed")
+    counts = [(of.counts.computed, of.counts.recalled) for of in (study, run_study(asked))]
+    assert counts == [(4, 0), (0, 4)]
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "another"))
+    assert_same(study, run_study(asked))
+
+
+def test_a_question_that_kills_every_worker_fails_alone(as_cluster):
+    there = as_cluster(Cluster(deadly=(16.0,)))
+    study = run_study(statement(3, "modes=1", models=("tmm",)), scheduler=ADDRESS)
+    assert [answer.status for _, _, answer in study.rows] == ["ok", "failed", "ok"]
+    assert "every worker of the cluster that solved it" in study.answers[1]["tmm"].reason
+    assert sorted(map(len, there.batches)) == [1, 1, 1, 3]  # one by one after all
+
+
+def test_workers_that_would_answer_otherwise_are_refused(as_cluster):
+    """One that joins later, one with other libraries, one that cannot run this at all."""
+    own = executor.build(("tmm",))
+    as_cluster(Cluster(joined=("tactgen 0", *own[1:])))
+    with pytest.raises(InputError, match="that joined the cluster has tactgen 0, other than here"):
+        run_study(statement(3, "modes=1", models=("tmm",)), scheduler=ADDRESS)
+    executor.check_workers(own, {"a": own})
+    for theirs, words in (
+        ((own[0], "numpy 1.0", *own[2:]), "has numpy 1.0, other than here"),
+        (ModuleNotFoundError("No module named 'tactgen'"), "cannot run this tactgen .No module"),
+    ):
+        with pytest.raises(InputError, match=f"the worker b {words}.*install the same there"):
+            executor.check_workers(own, {"a": own, "b": theirs})
+
+
+def test_schedulers_that_cannot_be_had_are_refused(as_cluster, monkeypatch, capsys, tmp_path):
+    """No address; beside --jobs; nobody there, no worker, no Dask."""
+    varied = ["--vary", "bimorph.length=14mm:18mm:3", "--model", "tmm"]
+
+    def refused(*options, scheduler=ADDRESS):
+        assert main(["whatif", "prototype", *varied, "--scheduler", scheduler, *options]) == 2
+        return capsys.readouterr().err
+
+    def nobody(*_, **__):
+        raise OSError("timed out")
+
+    def lonely(*_, **__):
+        raise TimeoutError
+
+    there = as_cluster(Cluster())
+    assert '"here" is not the address of a Dask scheduler' in refused(scheduler="here")
+    assert f"write for example --scheduler {ADDRESS}" in refused(scheduler="tcp://nowhere")
+    assert "remove one of them" in refused("--jobs", "2")
+    monkeypatch.setattr(sys.modules["distributed"], "Client", nobody)
+    said = refused("--out", str(tmp_path / "study"))
+    assert f"no Dask scheduler answers at {ADDRESS} within 10 s" in said
+    # nothing is lost: the study is stated, and can be gone on with here
+    assert read_statement(tmp_path / "study").vary == (varied[1],)
+    monkeypatch.setattr(there, "wait_for_workers", lonely)
+    monkeypatch.setattr(sys.modules["distributed"], "Client", there.Client)
+    assert "has no worker after 10 s" in refused("--set", "drive.voltage=3V")
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert "pip install -e '.[cluster]'" in refused("--set", "drive.voltage=2V")
+
+
+@pytest.mark.heavy
+@pytest.mark.filterwarnings("ignore")
+def test_a_real_cluster_of_which_a_worker_is_killed(own_store, monkeypatch, tmp_path):
+    """Scheduler and two workers on loopback, one killed in the middle: all answers, bit for bit."""
+    import distributed
+
+    asked = statement(160, models=("tmm",))
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None
+        ) as there,
+        distributed.Client(there) as mine,
+    ):
+        pids = mine.run(os.getpid)
+        killed = []
+
+        def kill_one(text):
+            if not killed and text.startswith("1 of 160"):
+                killed.append(next(iter(pids.values())))
+                os.kill(killed[0], signal.SIGKILL)
+
+        study = run_study(asked, announce=kill_one, scheduler=there.scheduler_address)
+    assert killed
+    assert study.counts.computed == 160
+    monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "another"))
+    monkeypatch.setenv("TACTGEN_THREADS", "1")
+    assert_same(study, run_study(asked, 1))
