@@ -191,7 +191,8 @@ def settled_place(forces: AxialForces, current: float, near: RestingPlace) -> Re
         return None
     way = miss / slope
     for reach in _FURTHER * way:
-        if float(forces.total(current, near.lift + reach)) * miss <= 0.0:
+        there = float(forces.total(current, near.lift + reach))
+        if np.sign(there) != np.sign(miss):
             low, high = sorted((near.lift, near.lift + float(reach)))
             return _place(forces, current, _root(forces, current, low, high))
     return None

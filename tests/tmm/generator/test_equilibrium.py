@@ -1,6 +1,7 @@
 """Where the rod rests: the ideal gap's closed form, hysteresis, and what holds it."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -85,6 +86,9 @@ def test_a_place_settles_where_the_forces_of_now_balance():
         there = resting_place(ideal(), share * PULL_IN, "rising")
         assert found.kind == "floating"
         assert found.lift == pytest.approx(there.lift, rel=1e-9)
+    # what is missing may be so small that its square is 0
+    hardly = SimpleNamespace(total=lambda *_: 1e-200, stiffness=lambda *_: 1.0)
+    assert settled_place(hardly, 0.0, near) is None
     below = resting_place(ideal(), 0.97 * PULL_IN, "rising")
     assert settled_place(ideal(), 1.02 * PULL_IN, below) is None
     assert settled_place(ideal(), 0.7 * PULL_IN, places["unstable"]) is None

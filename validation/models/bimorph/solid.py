@@ -102,8 +102,9 @@ class BrickPair(MeshPair):
     def static_factor(self) -> float:
         """Error of all answers per difference from the estimate."""
         b = self.device.bimorph
-        inside = max(b.tab_length, b.bare_below, b.bare_above) > 0.0
+        inside = max(b.tab_length, b.bare_below, b.bare_above, b.tip_extension) > 0.0
         inside |= "glue" in b.own_materials or self.bricks[0].held == "shim"
+        inside |= any(extent != (0.0, b.length) for extent in b.layers.extents(b.length))
         return SURPLUS_FACTOR_AT_EDGES if inside else SURPLUS_FACTOR
 
     @property
