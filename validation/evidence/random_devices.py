@@ -190,8 +190,8 @@ def solid_bimorph(rng: np.random.Generator) -> list[str] | None:
     """Overrides of a bimorph of all that could be built, and more, for solid models.
 
     Lengths 3 to 60 mm, widths 0.3 to 10 mm, layers 20 µm to 1 mm; three ceramics, two shims;
-    tabs, bare ends, glue; masses and springs at the tip; springs and clamps at the base.  None
-    if it is too stout, too slender or too wide to be a bimorph.
+    tabs, bare ends, glue, longer shims; masses and springs at the tip; springs and clamps at the
+    base.  None if it is too stout, too slender or too wide to be a bimorph.
     """
     limits = ((0.02, 1.0), (0.02, 1.0), (3.0, 60.0), (0.3, 10.0))
     piezo, shim, length, width = (between(rng, *of) for of in limits)
@@ -215,6 +215,7 @@ def solid_bimorph(rng: np.random.Generator) -> list[str] | None:
         f"load.mass={mass:.3g}mg": chance[6] < 0.2,
         "load.kind=spring_damper": 0.2 <= chance[6] < 0.4,
         f"load.stiffness={stiffness:.3g}N/m": 0.2 <= chance[6] < 0.4,
+        f"bimorph.tip_extension={rng.uniform(0.05, 0.5) * length:.3g}mm": rng.random() < 0.2,
     }
     return [
         f"bimorph.length={length:.4g}mm", f"bimorph.width={width:.4g}mm",

@@ -175,11 +175,12 @@ ASSUMED_GAIN = 1.6
 BRICK_FACTOR = SAFETY / (ASSUMED_GAIN - 1.0)
 #: Error of bricks per difference that polynomials of one degree more make by their residual,
 #: those of displacement and those of potential apart.  Theirs is most of what is missing, but less
-#: where the solution is singular at an edge inside the body: at the end of a tab, of glue or of an
-#: electrode, or where a base holds the shim alone.  Chosen on 31 bimorphs drawn at random, so that
-#: 19 of 20 errors are within their bars; of 35 drawn after it 98 % were, with half the bars at most
-#: 4.2 times the error (validation/evidence/coverage_bimorph.py).  With one factor for all, those
-#: without such an edge had to have bars of ten errors for those with one to be covered.
+#: where the solution is singular at an edge inside the body: at the end of a tab, of glue, of a
+#: patch, of a thin ceramic or of an electrode, or where a base holds the shim alone.  Chosen on 31
+#: bimorphs drawn at random, so that 19 of 20 errors are within their bars; of 35 drawn after it
+#: 98 % were, with half the bars at most 4.2 times the error (validation/evidence/
+#: coverage_bimorph.py).  With one factor for all, those without such an edge had to have bars of
+#: ten errors for those with one to be covered.
 SURPLUS_FACTOR, SURPLUS_FACTOR_AT_EDGES = 2.5, 5.0
 #: Least gain in error of halved elements that is counted with.  Less is seen where rounding is all
 #: that separates two meshes; then what does separate them is the bar, with the safety factor.

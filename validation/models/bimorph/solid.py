@@ -8,8 +8,9 @@ from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING
 
 from tactgen.geometry.bimorph.bricks import LEVELS, Bricks, bimorph_bricks
+from tactgen.geometry.bimorph.segments import bimorph_stack
 from tactgen.geometry.device.checks import check_bonded, check_boxes, check_constant_section
-from tactgen.geometry.device.parameters import Device
+from tactgen.geometry.device.parameters import Device, Piezo
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.geometry.meshing.structured_tets import whole_mesh
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from tactgen.fem.piezo.system import SolidSystem
 
 
+#: Share of the whole thickness below which a ceramic's ends are edges inside the body.
+_THIN = 1.0 / 30.0
 #: Relative error bar of static deflection, capacitances and first frequencies that each level
 #: stays below on the paper's bimorph and on job J1 (tests/validation/engine/test_error_bars.py).
 _BRICK_BARS = (1e-1, 8e-4, 2.5e-4, 2e-4, 6e-5)
@@ -105,6 +108,9 @@ class BrickPair(MeshPair):
         inside = max(b.tab_length, b.bare_below, b.bare_above, b.tip_extension) > 0.0
         inside |= "glue" in b.own_materials or self.bricks[0].held == "shim"
         inside |= any(extent != (0.0, b.length) for extent in b.layers.extents(b.length))
+        stack = bimorph_stack(self.device)
+        thin = _THIN * sum(of.thickness for of in stack)
+        inside |= any(of.thickness < thin for of in stack if isinstance(of.material, Piezo))
         return SURPLUS_FACTOR_AT_EDGES if inside else SURPLUS_FACTOR
 
     @property
