@@ -283,7 +283,7 @@ def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str, str]]:
         peak = representative(q)
         at = engineering(q.extreme.frequency, "Hz")
         value = f"{engineering(peak.value, q.unit, _DIGITS)} at {at}"
-        yield peak.what, value, format_error(peak.value, peak.error, q.unit), _of_extreme(q)
+        yield peak.what, value, format_error(peak.value, peak.error, q.unit), peak.modelling
 
 
 def modelling_at(q: Quantity, place: Any) -> str:
@@ -293,13 +293,6 @@ def modelling_at(q: Quantity, place: Any) -> str:
     values = (q.value, q.modelling.expected, q.modelling.error)
     value, expected, error = (np.asarray(one)[place if np.ndim(one) else ()] for one in values)
     return format_modelling(value, expected, float(error))
-
-
-def _of_extreme(q: Quantity) -> str:
-    """Modelling error of the largest or least value over a band."""
-    if q.extreme is None or MODELS[q.model].detailed:
-        return NONE
-    return format_modelling(q.extreme.value, q.extreme.expected, q.extreme.expected_error)
 
 
 def bracketed(modelling: str) -> str:
@@ -363,8 +356,9 @@ def representative(q: Quantity) -> Representative:
         found, other = q.extreme, QUANTITIES[q.name].peak_of
         what = f"at largest {QUANTITIES[other].label}" if other else what
         return Representative(
-            found.value, found.error, q.unit, what, found.frequency, modelling=_of_extreme(q)
-        )
+            found.value, found.error, q.unit, what, found.frequency,
+            modelling=modelling_at(q.alone_at_extreme, ()),
+        )  # fmt: skip
     if not np.isfinite(size).any():
         return Representative(np.nan, np.nan, q.unit, what)
     best = np.nanargmin if what == "least" else np.nanargmax

@@ -289,7 +289,7 @@ def judge_harvester(rng: np.random.Generator) -> list[Judged]:
         beam, peak = found.get(name, "tmm"), found.get(name, "solid").extreme
         assert beam.extreme is not None
         assert peak is not None
-        bar = beam.extreme_modelling_error
+        bar = float(beam.alone_at_extreme.modelling_error)
         answers += relative(" ".join(overrides), name, beam.extreme.value, bar, peak.value)
     return answers
 

@@ -87,20 +87,10 @@ class Quantity(Estimate):
     def modelling_error(self) -> Any:
         """Absolute difference from the most detailed model that is possible; nan if not known."""
         if self.modelling is None:
-            return np.full(np.shape(self.value), 0.0 if self._of_most_detailed else np.nan)
+            # a stated level is of no model
+            detailed = not self.model or MODELS[self.model].detailed
+            return np.full(np.shape(self.value), 0.0 if detailed else np.nan)
         return np.abs(self.value - self.modelling.expected) + self.modelling.error
-
-    @property
-    def extreme_error(self) -> float:
-        """Numerical error of the largest or least value over a band; 0 if there is none."""
-        return self.extreme.error if self.extreme is not None else 0.0
-
-    @property
-    def extreme_modelling_error(self) -> float:
-        """The same of the modelling error; nan if not known."""
-        if self.extreme is None or self._of_most_detailed:
-            return 0.0
-        return abs(self.extreme.value - self.extreme.expected) + self.extreme.expected_error
 
     @property
     def alone_at_extreme(self) -> Quantity:
@@ -115,11 +105,6 @@ class Quantity(Estimate):
             self, value=np.asarray(value), error=np.asarray(self.extreme.error), frequency=None,
             modelling=modelling,
         )  # fmt: skip
-
-    @property
-    def _of_most_detailed(self) -> bool:
-        """Whether no model knows more; a stated level is of no model."""
-        return not self.model or MODELS[self.model].detailed
 
 
 @storable

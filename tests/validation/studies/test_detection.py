@@ -80,7 +80,7 @@ def test_aims_ask_for_it(felt):
                           ("tip_displacement",))  # fmt: skip
     aims = parse_aims(["first(tip_displacement / threshold) >= 0"])
     (found,) = verdicts(run_study(statement), aims)
-    paper, own = (judged.margins[0][0] for judged in found.judged)
+    paper, own = (judged.margins[0].value for judged in found.judged)
     assert own == pytest.approx(paper / 2.0, rel=1e-9)
 
 

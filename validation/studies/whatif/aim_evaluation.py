@@ -9,10 +9,8 @@ from typing import Any
 
 from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.formats import FINE, engineering, with_error
 from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
 from tactgen.validation.catalogue.models import ranked
-from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.load import checked_scene
@@ -20,7 +18,7 @@ from tactgen.validation.scene.variation import value_of
 from tactgen.validation.studies.whatif.aims import (
     THRESHOLD,
     Aim,
-    Peak,
+    Margin,
     at_threshold,
     of_key,
     parse_aim,
@@ -35,28 +33,30 @@ _NORMAL = 1.959963984540054
 
 @dataclass(frozen=True)
 class Judged:
-    """A point by one choice of models: margins of all aims with their bars, in SI units."""
+    """A point by one choice of models, with its margins to all aims."""
 
     number: int
     models: str
-    margins: tuple[tuple[float, float], ...]
-    #: Modelling error of each margin; nan where it is not known, empty where it was not asked for
-    modelling: tuple[float, ...] = ()
-    peaks: tuple[Peak | None, ...] = ()  #: Where what each aim asks for is largest over the band
+    margins: tuple[Margin, ...]
+
+    @property
+    def conditions(self) -> list[Margin]:
+        """Margins to the conditions."""
+        return [margin for margin in self.margins if margin.aim.kind == "condition"]
+
+    @property
+    def goals(self) -> list[Margin]:
+        """Values of the goals."""
+        return [margin for margin in self.margins if margin.aim.kind == "goal"]
 
     @property
     def values(self) -> dict[str, Any]:
         """Margins, bars and modelling errors as JSON values; nan where one is not known."""
-        found: dict[str, Any] = {
-            "margins": [m for m, _ in self.margins], "bars": [bar for _, bar in self.margins],
-            "peaks": [peak and peak._asdict() for peak in self.peaks],
+        return {
+            "margins": [m.value for m in self.margins], "bars": [m.bar for m in self.margins],
+            "peaks": [m.peak and m.peak._asdict() for m in self.margins],
+            "modelling_errors": [m.modelling for m in self.margins],
         }  # fmt: skip
-        return {**found, "modelling_errors": list(self.modelling)} if self.modelling else found
-
-    def near(self, n: int) -> bool:
-        """Whether a margin is less than its modelling error, and more than its bar."""
-        margin, bar = self.margins[n]
-        return bool(self.modelling) and bar < abs(margin) <= self.modelling[n]
 
 
 @dataclass(frozen=True)
@@ -112,11 +112,9 @@ def judged(
     found = []
     for models, given in choices.items():
         needed = at_threshold({name: given[name] for name in wanted} | keys, felt)
-        margins = tuple(aim.margin_with_bar(needed) for aim in aims)
-        if all(math.isfinite(margin) for margin, _ in margins):
-            modelling = tuple(aim.modelling_error(needed) for aim in aims)
-            peaks = tuple(aim.peak(needed) for aim in aims)
-            found.append(Judged(number, models, margins, modelling, peaks))
+        margins = tuple(aim.judged(needed) for aim in aims)
+        if all(math.isfinite(margin.value) for margin in margins):
+            found.append(Judged(number, models, margins))
     return found
 
 
@@ -131,17 +129,13 @@ def verdicts(study: Study, aims: tuple[Aim, ...]) -> tuple[Verdict, ...]:
 
 
 def _verdict(models: str, aims: tuple[Aim, ...], every: Sequence[Judged]) -> Verdict:
-    conditions = [n for n, aim in enumerate(aims) if aim.kind == "condition"]
-    met = [j for j in every if all(j.margins[n][0] >= 0.0 for n in conditions)]
-    undecided = [
-        j for j in every if any(abs(j.margins[n][0]) <= j.margins[n][1] for n in conditions)
-    ]
-    goals = [n for n, aim in enumerate(aims) if aim.kind == "goal"]
-    if len(goals) == 2:
-        best = [met[n] for n in pareto(*([j.margins[goal] for j in met] for goal in goals))]
+    met = [j for j in every if all(m.value >= 0.0 for m in j.conditions)]
+    undecided = [j for j in every if any(abs(m.value) <= m.bar for m in j.conditions)]
+    if met and len(met[0].goals) == 2:
+        first, second = zip(*([(m.value, m.bar) for m in j.goals] for j in met), strict=True)
+        best = [met[n] for n in pareto(first, second)]
     else:
-        by = (goals or conditions)[0]
-        best = sorted(met, key=lambda j: -j.margins[by][0])
+        best = sorted(met, key=lambda j: -(j.goals or j.conditions)[0].value)
     return Verdict(models, aims, tuple(every), tuple(met), tuple(undecided), tuple(best))
 
 
@@ -229,8 +223,7 @@ def _sentences(study: Study, found: Verdict) -> list[str]:
                 f"nearer to the edge than the numerical error: {len(found.undecided)} of {total} "
                 "points, which may or may not meet it"
             )
-        asked = [n for n, aim in enumerate(found.aims) if aim.kind == "condition"]
-        if near := sum(any(one.near(n) for n in asked) for one in found.judged):
+        if near := sum(any(m.near for m in one.conditions) for one in found.judged):
             lines.append(
                 f"nearer to the edge than the modelling error: {near} of {total} points, on which "
                 "the most detailed model may differ"
@@ -246,40 +239,10 @@ def _sentences(study: Study, found: Verdict) -> list[str]:
         what = "best" if goals else f"farthest inside {conditions[0]}"
         lines.append(f"{what} by {found.models}:")
         listed = found.best[:_LISTED]
-    return lines + [f"  {_line(study, found, one)}" for one in listed]
-
-
-def _line(study: Study, found: Verdict, one: Judged) -> str:
-    margins = ", ".join(margin_in_words(aim, one, n) for n, aim in enumerate(found.aims))
-    return f"{shown_point(study.points[one.number])}: {margins}"
-
-
-#: What is said of a peak that the band cuts off.
-_AT_END = ", an end of the band"
-
-
-def margin_in_words(aim: Aim, one: Judged, n: int) -> str:
-    """Value of a goal or margin of a condition, the n-th, with both errors."""
-    (margin, bar), unit = one.margins[n], aim.unit if takes_prefix(aim) else "1"
-    value = aim.sign * margin if aim.kind == "goal" else margin
-    fine = bar < FINE * abs(value)
-    text = engineering(value, unit) if fine else with_error(value, bar, unit)
-    if unit != aim.unit:
-        text += f" {aim.unit}"
-    if aim.kind == "condition":
-        text = f"margin {text}"
-    modelling = one.modelling[n] if one.modelling else 0.0
-    beside = "?" if math.isnan(modelling) else f"± {engineering(modelling, unit, 2)}"
-    text = f"{text} ({beside})" if modelling else text
-    peak = one.peaks[n] if one.peaks else None
-    if peak is None:
-        return text
-    return f"{text} at {engineering(peak.frequency, 'Hz', 4)}{_AT_END if peak.at_end else ''}"
-
-
-def takes_prefix(aim: Aim) -> bool:
-    """Whether an aim's unit is one of a quantity: base units take no prefix."""
-    return aim.unit in {row.unit for row in QUANTITIES.values()}
+    return lines + [
+        f"  {shown_point(study.points[one.number])}: {', '.join(m.text for m in one.margins)}"
+        for one in listed
+    ]
 
 
 def as_values(study: Study, found: Verdict) -> dict[str, Any]:

@@ -12,6 +12,7 @@ lengths.
 from __future__ import annotations
 
 import ast
+import math
 import operator
 import re
 from collections.abc import Callable
@@ -22,6 +23,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
+from tactgen.geometry.formats import FINE, engineering, with_error
 from tactgen.geometry.names import nearest
 from tactgen.geometry.units import quoted, unit_registry
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
@@ -133,18 +135,19 @@ class Aim:
         base = f"{found.to_base_units().units:~C}"
         return next((unit for unit in units if found.check(unit_registry()(unit))), base)
 
-    def margin_with_bar(self, known: dict[str, Quantity]) -> tuple[float, float]:
-        """Margin and its numerical error bar: each quantity moved by its own, added."""
-        return self.margin(known), self._moved(known, lambda q: (q.error, q.extreme_error))
+    @property
+    def takes_prefix(self) -> bool:
+        """Whether its unit is one of a quantity: base units take no prefix."""
+        return self.unit in {row.unit for row in QUANTITIES.values()}
 
-    def modelling_error(self, known: dict[str, Quantity]) -> float:
-        """Margin's distance from that by the most detailed models that is possible.
+    def judged(self, known: dict[str, Quantity]) -> Margin:
+        """Margin of a point with its errors: each quantity moved by its own, added."""
+        bar, modelling = (
+            self._moved(known, of) for of in (lambda q: q.error, lambda q: q.modelling_error)
+        )
+        return Margin(self, self.margin(known), bar, modelling, self._peak(known))
 
-        nan where the modelling error of a quantity is not known.
-        """
-        return self._moved(known, lambda q: (q.modelling_error, q.extreme_modelling_error))
-
-    def peak(self, known: dict[str, Quantity]) -> Peak | None:
+    def _peak(self, known: dict[str, Quantity]) -> Peak | None:
         """Where the first largest or least value over the band that it names was found."""
         for name in self.quantities:
             q = known[name]
@@ -153,19 +156,52 @@ class Aim:
                 return Peak(at, at in (min(q.frequency or ()), max(q.frequency or ())))
         return None
 
-    def _moved(
-        self, known: dict[str, Quantity], by: Callable[[Quantity], tuple[Any, float]]
-    ) -> float:
+    def _moved(self, known: dict[str, Quantity], by: Callable[[Quantity], Any]) -> float:
         """How far errors of all values and their extremes move the margin, added."""
         margin, found = self.margin(known), 0.0
         for name in self.quantities:
-            q, (error, of_extreme) = known[name], by(known[name])
+            q, error = known[name], by(known[name])
+            of_extreme = by(q.alone_at_extreme) if q.extreme else 0.0
             moved = [
                 self.margin({**known, name: _moved(q, s * error, s * of_extreme)}) - margin
                 for s in (1.0, -1.0)
             ]
             found += max(abs(change) for change in moved)
         return found
+
+
+class Margin(NamedTuple):
+    """Margin of a point to a condition, or value of a goal, with its errors, in SI units."""
+
+    aim: Aim
+    value: float
+    bar: float  #: Numerical error
+    modelling: float = 0.0  #: Possible distance from that by the most detailed models, maybe nan
+    peak: Peak | None = None  #: Where what the aim asks for is largest over the band
+
+    @property
+    def near(self) -> bool:
+        """Whether it is less than its modelling error, and more than its bar."""
+        return self.bar < abs(self.value) <= self.modelling
+
+    @property
+    def text(self) -> str:
+        """As people read it, with both errors."""
+        aim, unit = self.aim, self.aim.unit if self.aim.takes_prefix else "1"
+        value = aim.sign * self.value if aim.kind == "goal" else self.value
+        fine = self.bar < FINE * abs(value)
+        text = engineering(value, unit) if fine else with_error(value, self.bar, unit)
+        if unit != aim.unit:
+            text += f" {aim.unit}"
+        if aim.kind == "condition":
+            text = f"margin {text}"
+        if self.modelling:
+            unknown = math.isnan(self.modelling)
+            text += " (?)" if unknown else f" (± {engineering(self.modelling, unit, 2)})"
+        if self.peak is None:
+            return text
+        end = ", an end of the band" if self.peak.at_end else ""
+        return f"{text} at {engineering(self.peak.frequency, 'Hz', 4)}{end}"
 
 
 def _moved(q: Quantity, by: Any, extreme_by: float) -> Quantity:

@@ -7,6 +7,7 @@ checked here as a scene checks them.
 
 from __future__ import annotations
 
+import math
 import re
 import zlib
 from collections.abc import Mapping, Sequence
@@ -131,9 +132,27 @@ def as_stated(point: Mapping[str, Any]) -> dict[str, Any]:
 class Distribution:
     """Distribution of one number (SI): its ends, or its middle and deviation."""
 
-    kind: str
+    kind: str  #: ``uniform`` or ``loguniform`` between two ends, ``normal`` or ``lognormal``
     first: float
     second: float
+
+    def at(self, share: float) -> float:
+        """Value at a share from 0 to 1 of the way between two ends."""
+        share = min(max(share, 0.0), 1.0)
+        if share in (0.0, 1.0):  # to the last bit
+            return self.second if share else self.first
+        if self.kind == "loguniform":
+            return float(self.first * (self.second / self.first) ** share)
+        return float(self.first + share * (self.second - self.first))
+
+    def share(self, value: float) -> float:
+        """Share of the way at which a value lies, or the nearer end."""
+        if self.kind == "loguniform":
+            way = math.log(self.second / self.first)
+            found = math.log(max(value, self.first) / self.first) / way
+        else:
+            found = (value - self.first) / (self.second - self.first)
+        return min(max(found, 0.0), 1.0)
 
     def draw(self, count: int, seed: int, key: str) -> Floats:
         """`count` independent values.

@@ -6,7 +6,7 @@ import csv
 import html
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -113,15 +113,14 @@ def _scene(
     scene, origins = load_scene(name, [*overrides, f"models={','.join(which[0])}"])
     announce(f"scene {name}")
     solution = solve(scene, *which, announce)
-    rows = (row for q in solution.quantities for row in quantity_rows(q))
+    peaks = [
+        replace(q.alone_at_extreme, name=f"{q.name}, {representative(q).what}")
+        for q in solution.quantities if q.extreme is not None
+    ]  # fmt: skip
+    rows = (row for q in (*solution.quantities, *peaks) for row in quantity_rows(q))
     numbers, missing = _numbered(
         ((), ["" if cell is None else str(cell) for cell in row]) for row in rows
     )
-    for q in solution.quantities:
-        if q.extreme is not None:
-            peak = Key((), f"{q.name}, {representative(q).what}", q.model, "", "")
-            errors = q.extreme_error, q.extreme_modelling_error
-            numbers[peak] = Number(q.extreme.value, errors[0], q.unit, errors[1])
     return Side(name, _inputs(scene, origins), numbers, missing, scene)
 
 

@@ -24,9 +24,9 @@ from tactgen.validation.engine.answers import Answer
 from tactgen.validation.engine.solve import check_models
 from tactgen.validation.scene.load import checked_scene
 from tactgen.validation.scene.variation import value_of
-from tactgen.validation.studies.whatif.aim_evaluation import Judged, judged, margin_in_words
+from tactgen.validation.studies.whatif.aim_evaluation import Judged, judged
 from tactgen.validation.studies.whatif.aims import Aim
-from tactgen.validation.studies.whatif.axes import scene_field
+from tactgen.validation.studies.whatif.axes import Distribution, scene_field
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import StudySolver
 
@@ -47,53 +47,25 @@ _SEED = 1
 _RANGE = re.compile(r"[^:]+:[^:]+(:\s*log\s*)?")
 
 
-@dataclass(frozen=True)
-class Range:
-    """A key that may lie anywhere between two values (SI), spaced by ratio if `logarithmic`."""
-
-    key: str
-    low: float
-    high: float
-    logarithmic: bool = False
-
-    def at(self, share: float) -> float:
-        """Value at a share from 0 to 1 of the range."""
-        share = min(max(share, 0.0), 1.0)
-        if share in (0.0, 1.0):  # to the last bit
-            return self.high if share else self.low
-        if self.logarithmic:
-            return float(self.low * (self.high / self.low) ** share)
-        return float(self.low + share * (self.high - self.low))
-
-    def share(self, value: float) -> float:
-        """Share of the range at which a value lies, or its nearer end."""
-        if self.logarithmic:
-            found = math.log(max(value, self.low) / self.low) / math.log(self.high / self.low)
-        else:
-            found = (value - self.low) / (self.high - self.low)
-        return min(max(found, 0.0), 1.0)
-
-
-def _ranges_of(statement: Statement) -> tuple[Range, ...]:
-    """Ranges that a statement's axes state.
+def _ranges_of(statement: Statement) -> dict[str, Distribution]:
+    """Ranges that a statement's axes state, by key.
 
     Raises InputError for an axis that is not a range of a number.
     """
     texts = {text: text.partition("=")[2] for text in statement.vary}
     no_range = [text for text, stated in texts.items() if stated and not _RANGE.fullmatch(stated)]
-    found = []
+    found = {}
     for axis in () if no_range else statement.axes:
         if axis.drawn is None or scene_field(axis.key).whole:  # words may hold a colon
             no_range.append(f"{axis.key}={axis.text}")
         else:
-            drawn = axis.drawn
-            found.append(Range(axis.key, drawn.first, drawn.second, drawn.kind == "loguniform"))
+            found[axis.key] = axis.drawn
     if no_range:
         raise InputError(
             f"--vary {quoted(no_range[0])} is not a range to search; write KEY=LOW:HIGH of a "
             "continuous key, for example --vary bimorph.length=14mm:22mm"
         )
-    return tuple(found)
+    return found
 
 
 @dataclass(frozen=True)
@@ -110,7 +82,7 @@ class SearchResult:
     """Result of a search."""
 
     statement: Statement  #: What was asked, scene and models among it
-    ranges: tuple[Range, ...]
+    ranges: dict[str, Distribution]  #: By key
     aims: tuple[Aim, ...]
     best: Tried  #: The best point, or, if none meets all conditions, the one that comes nearest
     met: bool  #: Whether it meets them
@@ -122,7 +94,7 @@ class SearchResult:
     @property
     def at_end(self) -> tuple[str, ...]:
         """Keys whose best value is an end of the range."""
-        shares = {r.key: r.share(self.best.values[r.key]) for r in self.ranges}
+        shares = {key: of.share(self.best.values[key]) for key, of in self.ranges.items()}
         return tuple(key for key, share in shares.items() if min(share, 1.0 - share) < _END)
 
 
@@ -130,12 +102,13 @@ def as_values(found: SearchResult) -> dict[str, Any]:
     """Result as plain JSON values, SI units."""
 
     def point(one: Tried) -> dict[str, Any]:
-        return {"at": one.values, **(one.judged or Judged(0, "", ())).values}
+        unknown: dict[str, Any] = {"margins": [], "bars": [], "peaks": []}
+        return {"at": one.values, **(one.judged.values if one.judged else unknown)}
 
     return {
         "scene": found.statement.scene, "conditions": found.statement.conditions,
         "models": list(found.statement.models),
-        "ranges": {r.key: [r.low, r.high] for r in found.ranges},
+        "ranges": {key: [of.first, of.second] for key, of in found.ranges.items()},
         "aims": [aim.text for aim in found.aims], "met": found.met, "best": point(found.best),
         "present": point(found.present), "ends": list(found.at_end), "points": found.tried,
         "interpolated": found.interpolated,
@@ -158,14 +131,13 @@ def sentences(found: SearchResult) -> list[str]:
     ]
     best, present = found.best.judged, found.present.judged
     assert best is not None
-    for n, aim in enumerate(found.aims):
-        margin, bar = best.margins[n]
+    for n, margin in enumerate(best.margins):
         edge = ""
-        if aim.kind == "condition" and (abs(margin) <= bar or best.near(n)):
-            kind = "modelling" if best.near(n) else "numerical"
+        if margin in best.conditions and (abs(margin.value) <= margin.bar or margin.near):
+            kind = "modelling" if margin.near else "numerical"
             edge = f", nearer to the edge than the {kind} error"
-        before = margin_in_words(aim, present, n) if present else "unknown"
-        lines.append(f"  {aim.text}: {margin_in_words(aim, best, n)}{edge}; before: {before}")
+        before = present.margins[n].text if present else "unknown"
+        lines.append(f"  {margin.aim.text}: {margin.text}{edge}; before: {before}")
     lines += [f"{key} is at an end of its range, beyond which there may be better"
               for key in found.at_end if any(aim.kind == "goal" for aim in found.aims)]  # fmt: skip
     among = f", {found.interpolated} of their answers interpolated" if found.interpolated else ""
@@ -178,7 +150,7 @@ class Points:
     """All points that were tried, by their shares of the ranges."""
 
     statement: Statement
-    ranges: tuple[Range, ...]
+    ranges: dict[str, Distribution]
     aims: tuple[Aim, ...]
     here: Floats
     announce: Callable[[str], None]
@@ -189,7 +161,7 @@ class Points:
         self.solver = StudySolver(
             self.statement,
             announce=lambda text: self.announce(f"{len(self.tried)} points tried: {text}"),
-            ranges={r.key: (r.low, r.high) for r in self.ranges},
+            ranges={key: (of.first, of.second) for key, of in self.ranges.items()},
         )
 
     def ask(self, shares: Floats) -> list[Tried]:
@@ -198,7 +170,8 @@ class Points:
         new = [place for place in dict.fromkeys(places) if place not in self.tried]
         if new:
             values = [
-                {r.key: r.at(v) for r, v in zip(self.ranges, place, strict=True)} for place in new
+                {key: of.at(v) for (key, of), v in zip(self.ranges.items(), place, strict=True)}
+                for place in new
             ]
             answers = self.solver.answers(values)
             for place, at, given in zip(new, values, answers, strict=True):
@@ -217,13 +190,13 @@ class Points:
 
     def rescale(self) -> None:
         """Set each aim's scale to what its margin differs by over the points, 1 if it does not."""
-        margins = [[m for m, _ in one.judged.margins] for one in self.tried.values() if one.judged]
-        over = np.ptp(np.array(margins), axis=0)
+        found = (one.judged for one in self.tried.values() if one.judged)
+        over = np.ptp([[m.value for m in one.margins] for one in found], axis=0)
         self.scales = [float(scale) if scale > 0.0 else 1.0 for scale in over]
 
     def shortfall(self, found: Judged) -> float:
         """By how much the conditions are missed, in scales, 0 if all are met."""
-        return sum(max(-margin, 0.0) for margin in self._margins(found, "condition"))
+        return sum(max(-margin, 0.0) for margin in self._scaled(found, "condition"))
 
     def best(self) -> list[tuple[float, ...]]:
         """Places of all points that have answers, the best first."""
@@ -245,7 +218,7 @@ class Points:
 
         def margins(shares: Floats) -> Sequence[float]:
             found = self.ask(shares[None])[0].judged
-            return self._margins(found, "condition") if found else [-1.0] * conditions
+            return self._scaled(found, "condition") if found else [-1.0] * conditions
 
         held = [NonlinearConstraint(margins, 0.0, np.inf)] if conditions else []
         minimize(
@@ -258,14 +231,14 @@ class Points:
                      "final_tr_radius": _FINE},
         )  # fmt: skip
 
-    def _margins(self, found: Judged, kind: str) -> list[float]:
+    def _scaled(self, found: Judged, kind: str) -> list[float]:
         """Margins of the conditions, or values of the goals, in scales."""
-        each = zip(self.aims, found.margins, self.scales, strict=True)
-        return [margin / scale for aim, (margin, _), scale in each if aim.kind == kind]
+        each = zip(found.margins, self.scales, strict=True)
+        return [margin.value / scale for margin, scale in each if margin.aim.kind == kind]
 
     def _worth(self, shares: Floats, found: Judged) -> float:
         """Merit of a point: by the goal, or by its nearness to the scene's own."""
-        goals = self._margins(found, "goal")
+        goals = self._scaled(found, "goal")
         return goals[0] if goals else -float(((shares - self.here) ** 2).sum())
 
 
@@ -296,8 +269,8 @@ def search(
     scene = checked_scene(
         {**statement.values, "models": list(statement.models), "quantities": ["all"]}
     )
-    own = {r.key: float(value_of(scene, r.key)) for r in ranges}
-    here = np.array([r.share(own[r.key]) for r in ranges])
+    own = {key: float(value_of(scene, key)) for key in ranges}
+    here = np.array([of.share(own[key]) for key, of in ranges.items()])
     points = Points(statement, ranges, aims, here, announce)
     spread = points.ask(_spread(here))
     if all(one.judged is None for one in spread):
@@ -307,7 +280,7 @@ def search(
         points.go_on(start)
     found = points.tried[points.best()[0]]
     met = found.judged is not None and points.shortfall(found.judged) == 0.0
-    inside = all(r.low <= own[r.key] <= r.high for r in ranges)
+    inside = all(of.first <= own[key] <= of.second for key, of in ranges.items())
     present = spread[0] if inside else points.outside(own)
     return SearchResult(statement, ranges, aims, found, met, present, len(points.tried),
                  points.solver.interpolated)  # fmt: skip

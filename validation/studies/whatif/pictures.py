@@ -23,7 +23,7 @@ from tactgen.validation.show.figures import (
     plain_numbers,
     svg,
 )
-from tactgen.validation.studies.whatif.aim_evaluation import Judged, Verdict, takes_prefix
+from tactgen.validation.studies.whatif.aim_evaluation import Judged, Verdict
 from tactgen.validation.studies.whatif.axes import Axis, scene_field, shown_point
 from tactgen.validation.studies.whatif.output_files import column, heading
 from tactgen.validation.studies.whatif.study import Study
@@ -238,11 +238,11 @@ def _of_aim(found: Verdict, n: int) -> _Direction:
     """Values of a goal, or margins of a condition."""
     aim = found.aims[n]
     sign, what = (aim.sign, aim.text) if aim.kind == "goal" else (1.0, f"margin of {aim.text}")
-    largest = max(abs(one.margins[n][0]) for one in found.judged)
-    scale, unit = prefixed(largest, aim.unit) if takes_prefix(aim) else (1.0, aim.unit)
+    largest = max(abs(one.margins[n].value) for one in found.judged)
+    scale, unit = prefixed(largest, aim.unit) if aim.takes_prefix else (1.0, aim.unit)
 
     def direction(which: Sequence[Judged]) -> tuple[Floats, Floats, str]:
-        both = np.array([one.margins[n] for one in which]).reshape(-1, 2)
+        both = np.array([(one.margins[n].value, one.margins[n].bar) for one in which])
         label = f"{what} ({unit})" if unit not in ("", "1") else what
         return sign * scale * both[:, 0], scale * both[:, 1], label
 
