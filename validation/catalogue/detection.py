@@ -10,7 +10,7 @@ A scene may name a table of its own in its place.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -56,27 +56,18 @@ class ThresholdCurve:
         f = np.asarray(frequencies, dtype=float)
         beyond = self.outside(f)
         inside = np.where(beyond, self.range[0], f)
-        level = np.interp(np.log(inside), np.log(self._frequencies), np.log(self._amplitudes))
+        level = np.interp(np.log(inside), *self._knots)
         return np.asarray(np.where(beyond, np.nan, np.exp(level)))
 
     def weights(self, frequency: float) -> Floats:
         """D ln threshold(frequency) / d ln amplitude of each point, shape (points,)."""
-        knots = np.log(self._frequencies)
+        knots, _ = self._knots
         return np.array([np.interp(np.log(frequency), knots, row) for row in np.eye(knots.size)])
 
-    def scaled(self, number: int, factor: float) -> ThresholdCurve:
-        """Curve with the amplitude of one point multiplied."""
-        point = self.points[number]
-        changed = replace(point, amplitude=point.amplitude * factor)
-        return replace(self, points=(*self.points[:number], changed, *self.points[number + 1 :]))
-
     @property
-    def _frequencies(self) -> Floats:
-        return np.array([p.frequency for p in self.points])
-
-    @property
-    def _amplitudes(self) -> Floats:
-        return np.array([p.amplitude for p in self.points])
+    def _knots(self) -> Floats:
+        """Logarithms of frequencies and amplitudes, (2, points)."""
+        return np.log([(p.frequency, p.amplitude) for p in self.points]).T
 
 
 #: The only threshold of which the text gives values.  "Starts at around 2 µm": the first
@@ -124,12 +115,6 @@ def threshold_of(threshold: Threshold) -> ThresholdCurve:
             for f, a, line in zip(frequencies, amplitudes, table.lines, strict=True)
         )
     )
-
-
-#: Above this frequency (Hz) the threshold is below this amplitude (m): a bound, not a value.
-LITERATURE_BOUND = ThresholdPoint(
-    100.0, 1e-6, "paper section 1, after its reference 9 (pen-hold posture)"
-)
 
 
 @dataclass(frozen=True)

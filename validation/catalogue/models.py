@@ -12,45 +12,38 @@ from typing import Literal
 
 from tactgen.validation.catalogue.quantities import QUANTITIES, Actuator, Need, QuantityRow
 
-#: Conditions of keys, whichever analysis reads them.
-CONDITIONS: Mapping[str, str] = {
-    "load.stiffness": "load.kind=spring_damper",
-    "spring.eccentricity_angle": "spring.eccentricity",
-    "load.damping": "load.kind=spring_damper",
-    "load.mass": "load.kind=mass",
-    "load.offset": "load.kind=mass",
-    "load.rotational_inertia": "load.kind=mass",
-    "load.file": "load.kind=table",
-    "load.extrapolation": "load.kind=table",
-    "load.pad_modulus": "load.kind=pad",
-    "load.pad_loss_factor": "load.kind=pad",
-    "load.pad_thickness": "load.kind=pad",
-    "load.pad_radius": "load.kind=pad",
-    "load.pad_weight": "load.kind=pad",
-    "load.pad_backing": "load.kind=pad",
-    "drive.voltage": "circuit.kind=source",
-    "circuit.resistance": "circuit.kind!=open",
-    "circuit.inductance": "circuit.kind!=open",
-    "circuit.capacitance": "circuit.kind!=open",
-    "circuit.connection": "circuit.kind!=open",
-    "bimorph.piezo_thickness": "no bimorph.layers",
-    "bimorph.shim_thickness": "no bimorph.layers",
-    "bimorph.piezo_thickness_profile": "no bimorph.layers",
-    "bimorph.shim_thickness_profile": "no bimorph.layers",
-    "bimorph.glue_thickness": "no bimorph.layers",
-    "bimorph.poling": "no bimorph.layers",
-    "piezo": "layer of piezo",
-    "shim": "layer of shim",
-    "threshold.file": "threshold.kind=table",
-    "support.file": "support.kind=table",
-    "guide.guided_length": "guide.clearance",
-    "steel.relative_permeability": "steel.curve=linear",
-    "support.rotational_stiffness": "support.kind=spring",
-    "support.lateral_stiffness": "support.kind=spring",
-    "support.rotational_damping": "support.kind=spring",
-    "support.rotational_inertia": "support.kind=spring",
-    "skin": "load.kind!=none",
-}
+#: Keys that count under a condition only, whichever analysis reads them.
+_UNDER: Mapping[str, tuple[str, ...]] = {
+    "load.kind=spring_damper": ("load.stiffness", "load.damping"),
+    "spring.eccentricity": ("spring.eccentricity_angle",),
+    "load.kind=mass": ("load.mass", "load.offset", "load.rotational_inertia"),
+    "load.kind=table": ("load.file", "load.extrapolation"),
+    "load.kind=pad": (
+        "load.pad_modulus", "load.pad_loss_factor", "load.pad_thickness", "load.pad_radius",
+        "load.pad_weight", "load.pad_backing",
+    ),
+    "circuit.kind=source": ("drive.voltage",),
+    "circuit.kind!=open": (
+        "circuit.resistance", "circuit.inductance", "circuit.capacitance", "circuit.connection",
+    ),
+    "no bimorph.layers": (
+        "bimorph.piezo_thickness", "bimorph.shim_thickness", "bimorph.piezo_thickness_profile",
+        "bimorph.shim_thickness_profile", "bimorph.glue_thickness", "bimorph.poling",
+    ),
+    "layer of piezo": ("piezo",),
+    "layer of shim": ("shim",),
+    "threshold.kind=table": ("threshold.file",),
+    "support.kind=table": ("support.file",),
+    "guide.clearance": ("guide.guided_length",),
+    "steel.curve=linear": ("steel.relative_permeability",),
+    "support.kind=spring": (
+        "support.rotational_stiffness", "support.lateral_stiffness", "support.rotational_damping",
+        "support.rotational_inertia",
+    ),
+    "load.kind!=none": ("skin",),
+}  # fmt: skip
+#: Condition of each of these keys.
+CONDITIONS = {key: condition for condition, keys in _UNDER.items() for key in keys}
 #: Dimensions of the ceramic that a profile gives instead, where no tab below it has them, too.
 PROFILED = ("bimorph.width", "bimorph.piezo_thickness", "bimorph.shim_thickness")
 
@@ -128,11 +121,6 @@ SETTINGS: Mapping[str, tuple[str, ...]] = {
 }
 
 
-def plain_keys(entries: tuple[str, ...]) -> tuple[str, ...]:
-    """Keys and groups without their conditions."""
-    return tuple(dict.fromkeys(entry.partition(" if ")[0] for entry in entries))
-
-
 #: Equations that a model solves: two of one theory differ by no more than their error bars.
 Theory = Literal["beam", "calibrated", "solid", "circuit", "field"]
 
@@ -167,10 +155,6 @@ class ModelRow:
     def detailed(self) -> bool:
         """Whether no theory here knows more, so that its modelling error is zero."""
         return self.theory in ("solid", "field")
-
-    def reads(self, key: str) -> bool:
-        """Whether some stage reads a scene key or group."""
-        return any(key in plain_keys(entries) for entries in self.stages.values())
 
     def stages_for(self, quantity: QuantityRow) -> tuple[str, ...]:
         """Names of the stages that a quantity needs, in order."""

@@ -21,7 +21,7 @@ from tactgen.tmm.ports.excitation import (
     Excitation,
 )
 from tactgen.tmm.ports.readout import MECHANICAL, ModalReadout, PortMatrix, Readout
-from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 
 if TYPE_CHECKING:
     from tactgen.tmm.beam.ceramic_stress import DrivenCeramic
@@ -115,12 +115,6 @@ class QuantityRow:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "label", self.label or self.name.replace("_", " "))
-
-    def at_threshold(self, threshold: ThresholdCurve) -> QuantityRow:
-        """Row with a level, if it has one, that is this detection threshold."""
-        if not self.has_level:
-            return self
-        return replace(self, read=replace(self.port_readout, level=threshold.at))
 
     @cached_property
     def needs(self) -> tuple[Need, ...]:

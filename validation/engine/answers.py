@@ -1,37 +1,27 @@
-"""Table of answers: one row a number, written for screen, JSON, CSV and netCDF.
+"""Table of answers: one row a number, written for screen and JSON.
 
 Numbers are in SI units; complex ones are peak amplitudes, apart in real and imaginary part.
 """
 
 from __future__ import annotations
 
-import csv
-import io
-import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tactgen.geometry.files import write_text, written_whole
 from tactgen.geometry.formats import engineering, share, two_digits, with_share
 from tactgen.geometry.store.values import storable
 from tactgen.geometry.units import AMPLITUDES
-from tactgen.validation.catalogue.models import MODELS, gives
+from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.models.model import Extreme, Modelling, Quantity
 
-if TYPE_CHECKING:
-    from xarray import Dataset
-
 Array = NDArray[Any]
 
-#: Statuses by their number in a netCDF file.
-STATUSES = ("ok", "failed", "refused")
 #: Frequencies of a response on the screen, at most.
 _FREQUENCIES = 12
 #: Relative modelling error that is rounding.
@@ -71,50 +61,21 @@ COLUMNS = (
 Row = tuple[Any, ...]
 
 
-def rows(model: str, names: Iterable[str], answer: Answer) -> Iterator[Row]:
-    """Yield every number of an answer; one row for a quantity that is missing."""
-    for name in names:
-        found = answer.get(name)
-        if found is not None:
-            yield from quantity_rows(found, answer.status, answer.reason)
-        elif gives(model, name):
-            none = (None,) * 7
-            yield name, model, *none, QUANTITIES[name].unit, answer.status, answer.reason
-
-
-def quantity_rows(q: Quantity, status: str = "ok", reason: str = "") -> Iterator[Row]:
+def quantity_rows(q: Quantity) -> Iterator[Row]:
     """Yield every number of a quantity."""
     errors, imaginary = np.broadcast_to(q.error, q.value.shape), np.iscomplexobj(q.value)
     modelling = np.broadcast_to(q.modelling_error, q.value.shape)
-    for place in itertools.product(*map(range, q.value.shape)):
-        value, (frequency, index) = q.value[place], _labels(q, place)
+    over = 0 if q.frequency is None else 1  # how many dimensions are of frequency
+    for place in np.ndindex(q.value.shape):
+        value, inner = q.value[place], place[over:]
+        frequency = None if q.frequency is None else q.frequency[place[0]]
+        index = int(np.ravel_multi_index(inner, q.value.shape[over:])) + 1 if inner else None
         kind = q.classes[place[0]] if q.classes else None
         parts = (
             float(value.real), float(value.imag) if imaginary else None, float(errors[place]),
             float(modelling[place]) if np.isfinite(modelling[place]) else None,
         )  # fmt: skip
-        yield q.name, q.model, frequency, index, kind, *parts, q.unit, status, reason
-
-
-def _labels(q: Quantity, place: tuple[int, ...]) -> tuple[float | None, int | None]:
-    """Frequency and index of one place in a quantity's array."""
-    if q.frequency is None:
-        return None, place[0] + 1 if place else None
-    inner = place[1:]
-    index = int(np.ravel_multi_index(inner, q.value.shape[1:])) + 1 if inner else None
-    return q.frequency[place[0]], index
-
-
-def write_csv(path: Path, axes: Iterable[str], table: Iterable[Sequence[Any]]) -> Path:
-    """Write rows that start with the values of axes, whole or not at all (RFC 4180, UTF-8).
-
-    Numbers are written so that reading gives the same double; what is missing is empty.
-    """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*axes, *COLUMNS])
-    writer.writerows(table)
-    return write_text(path, text.getvalue())
+        yield q.name, q.model, frequency, index, kind, *parts, q.unit, "ok", ""
 
 
 def stated_as(q: Quantity, way: str) -> Quantity:
@@ -148,22 +109,16 @@ def quantity_json(q: Quantity) -> dict[str, Any]:
         "uncertainty": plain(q.error),
         "uncertainty_method": q.method,
         "modelling_error": plain(q.modelling_error),
-        "modelling": _modelling_json(q),
+        "modelling": q.modelling
+        and {
+            "expected": _real_parts(np.asarray(q.modelling.expected)),
+            "error": plain(np.asarray(q.modelling.error)),
+            "method": q.modelling.method,
+        },
         "seconds": q.seconds,
         **({} if q.frequency is None else {"frequency": list(q.frequency)}),
         **({} if q.classes is None else {"classes": list(q.classes)}),
         **({} if q.extreme is None else {"extreme": plain(q.extreme)}),
-    }
-
-
-def _modelling_json(q: Quantity) -> dict[str, Any] | None:
-    """Value that the most detailed model is expected to give, its error and their origin."""
-    if q.modelling is None:
-        return None
-    return {
-        "expected": _real_parts(np.asarray(q.modelling.expected)),
-        "error": plain(np.asarray(q.modelling.error)),
-        "method": q.modelling.method,
     }
 
 
@@ -194,15 +149,6 @@ def quantity_from_json(entry: Mapping[str, Any]) -> Quantity:
             *_numbers(beside["expected"], beside["error"]), beside["method"]
         ),
     )  # fmt: skip
-
-
-def answer_json(answer: Answer) -> dict[str, Any]:
-    """Answer as plain JSON values."""
-    return {
-        "status": answer.status, "reason": answer.reason, "seconds": answer.seconds,
-        "quantities": [quantity_json(q) for q in answer.quantities],
-        "warnings": list(answer.warnings),
-    }  # fmt: skip
 
 
 def plain(value: Any) -> Any:
@@ -370,135 +316,3 @@ def representative(q: Quantity) -> Representative:
         q.frequency[int(place[0])] if several else None,
         modelling=NOT_KNOWN if matrix else modelling_at(q, place),
     )  # fmt: skip
-
-
-# ---- arrays over the axes of a study, and netCDF ----
-
-#: An array with the names of its dimensions, its unit and its meaning.
-Variable = tuple[tuple[str, ...], Array, dict[str, Any]]
-
-
-def variable(dimensions: tuple[str, ...], values: Any, meaning: str, unit: str = "") -> Variable:
-    """Array over named dimensions, as xarray takes it."""
-    return (
-        dimensions,
-        np.asarray(values),
-        {"long_name": meaning} | ({"units": unit} if unit else {}),
-    )
-
-
-def dataset(
-    axes: Mapping[str, Variable],
-    shape: Mapping[str, int],
-    quantities: Sequence[str],
-    answers: Sequence[Mapping[str, Answer]],
-) -> Dataset:
-    """Answers over model, the axes' dimensions and their own; nan where there is none.
-
-    With errors as ``NAME_uncertainty``, `status` (places in :data:`STATUSES`), `reason`, `seconds`.
-
-    Parameters
-    ----------
-    axes : dict of str to Variable
-        Coordinates by scene key.
-    shape : dict of str to int
-        Dimensions of the points with their sizes.
-    quantities : sequence of str
-        Names.
-    answers : sequence of dict
-        By model, one for each point (in C order over `shape`).
-    """
-    from xarray import Dataset  # slow to import
-
-    models = list(answers[0])
-    over, sizes = ("model", *shape), (len(models), *shape.values())
-    coordinates = {**axes, "model": variable(("model",), models, "model")}
-    variables: dict[str, Variable] = {}
-    for name in quantities:
-        found = [[answer[m].get(name) for answer in answers] for m in models]
-        known = [q for each in found for q in each if q is not None]
-        if not known:
-            continue
-        value, error, modelling = _filled(found, known)
-        names: tuple[str, ...] = ("mode",) if known[0].value.ndim else ()
-        if known[0].frequency is not None:
-            names = ("frequency", "effort", "motion")[: known[0].value.ndim]
-            if "frequency" in axes:
-                value, error, names = value[:, :, 0], error[:, :, 0], names[1:]
-                modelling = modelling[:, :, 0]
-        inner = value.shape[2:]
-        for own, size in zip(names, inner, strict=True):
-            if own == "frequency":
-                values: Any = known[0].frequency
-                coordinates[own] = variable((own,), values, "frequency of the drive", "Hz")
-            elif own not in coordinates or coordinates[own][1].size < size:
-                counted = "number, from 1, of the mode or of the row or column of the port matrix"
-                coordinates[own] = variable((own,), np.arange(1, size + 1), counted)
-        row, dimensions, of = QUANTITIES[name], (*over, *names), (*sizes, *inner)
-        variables[name] = variable(dimensions, value.reshape(of), row.meaning, row.unit)
-        bars = f"numerical error bar of {name}, absolute, of the magnitude"
-        variables[f"{name}_uncertainty"] = variable(dimensions, error.reshape(of), bars, row.unit)
-        beside = f"modelling error of {name}, absolute, beside the most detailed model"
-        variables[f"{name}_modelling_error"] = variable(
-            dimensions, modelling.reshape(of), beside, row.unit
-        )
-        if any(q.classes for q in known):
-            kinds = _classes(found, value.shape).reshape(of)
-            variables[f"{name}_class"] = variable(dimensions, kinds, "class of the mode's motion")
-
-    def each(of: Callable[[Answer], Any], kind: Any, meaning: str, unit: str = "") -> Variable:
-        values = [[of(answer[m]) for answer in answers] for m in models]
-        return variable(over, np.array(values, dtype=kind).reshape(sizes), meaning, unit)
-
-    variables |= {
-        "status": each(lambda a: STATUSES.index(a.status), np.int8, "whether answered"),
-        "reason": each(lambda a: a.reason, np.str_, "why there is no answer"),
-        "seconds": each(lambda a: a.seconds, float, "cost of the answer when it was computed", "s"),
-    }
-    flags = {"flag_values": np.arange(len(STATUSES), dtype=np.int8)}
-    variables["status"][2].update(flags, flag_meanings=" ".join(STATUSES))
-    return Dataset(variables, coordinates)
-
-
-def _filled(
-    found: list[list[Quantity | None]], known: list[Quantity]
-) -> tuple[Array, Array, Array]:
-    """Values, errors and modelling errors over model and point, nan where there are none."""
-    inner = tuple(max(sizes) for sizes in zip(*(q.value.shape for q in known), strict=True))
-    kind = np.result_type(*(q.value for q in known))
-    value = np.full((len(found), len(found[0]), *inner), np.nan, kind)
-    error, modelling = np.full(value.shape, np.nan), np.full(value.shape, np.nan)
-    for m, n in np.ndindex(value.shape[:2]):
-        q = found[m][n]
-        if q is not None:
-            place: Any = (m, n, *(slice(size) for size in q.value.shape))
-            value[place], error[place], modelling[place] = q.value, q.error, q.modelling_error
-    return value, error, modelling
-
-
-def _classes(found: list[list[Quantity | None]], shape: tuple[int, ...]) -> Array:
-    """Class of each mode over model, point and mode; empty where there is none."""
-    kinds = np.full(shape, "", dtype=object)
-    for m, n in np.ndindex(shape[:2]):
-        q = found[m][n]
-        if q is not None and q.classes:
-            kinds[m, n, : len(q.classes)] = q.classes
-    return kinds.astype(np.str_)
-
-
-def write_netcdf(path: Path, found: Dataset, attributes: Mapping[str, str]) -> Path:
-    """Write arrays with units, errors and provenance as netCDF 3, whole or not at all.
-
-    Real and imaginary parts apart: netCDF knows no complex numbers.
-
-    Raises InputError if the file cannot be written.
-    """
-    for name, values in found.data_vars.items():
-        if np.iscomplexobj(values):
-            parts = {f"{name}_re": values.real, f"{name}_im": values.imag}
-            found = found.drop_vars([name]).assign(
-                {part: of.assign_attrs(values.attrs) for part, of in parts.items()}
-            )
-    with written_whole(path) as temporary:
-        found.assign_attrs(attributes).to_netcdf(temporary, engine="scipy")
-    return path

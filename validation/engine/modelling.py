@@ -13,7 +13,6 @@ from functools import cache
 import numpy as np
 
 from tactgen.geometry.errors import InputError
-from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES, Need
 from tactgen.validation.engine.extremes import extreme
@@ -37,19 +36,14 @@ def with_modelling(
         "beam": of_beam, "calibrated": of_beam,
         "circuit": cache(lambda: _corrected(models.get("network"))),
     }  # fmt: skip
-    known: dict[tuple[str, str], Estimate] = {}
-    judged = []
-    for q in found:
+    estimate = cache(lambda name, judge: read(QUANTITIES[name], judge))
+
+    def judged(q: Quantity) -> Quantity:
         made = judges.get(MODELS[q.model].theory)
         judge = made() if made is not None and _asked(scene, q) else None
-        if judge is None:
-            judged.append(q)
-            continue
-        key = (q.name, judge.name)
-        if key not in known:
-            known[key] = _read(q.name, judge)
-        judged.append(_judged(q, known[key], judge))
-    return tuple(judged)
+        return q if judge is None else _judged(q, estimate(q.name, judge), judge)
+
+    return tuple(map(judged, found))
 
 
 def _asked(scene: Scene, q: Quantity) -> bool:
@@ -75,13 +69,6 @@ def _corrected(network: Model | None) -> Model | None:
     from tactgen.validation.models.reluctance.model import CalibratedNetwork, NetworkModel
 
     return CalibratedNetwork(network) if isinstance(network, NetworkModel) else None
-
-
-def _read(name: str, judge: Model) -> Estimate:
-    row = QUANTITIES[name]
-    if row.has_level:
-        row = row.at_threshold(threshold_of(judge.scene.threshold))
-    return read(row, judge)
 
 
 def _judged(q: Quantity, found: Estimate, judge: Model) -> Quantity:

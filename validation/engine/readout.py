@@ -26,6 +26,7 @@ from tactgen.tmm.ports.excitation import (
 from tactgen.tmm.ports.loads import OF_THE_TABLE, disturbed
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport, Response, reduce, wired
 from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
+from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.quantities import (
     AnswerReadout,
     CircuitReadout,
@@ -45,8 +46,11 @@ _OF_A_MOMENT = 1e-10
 
 
 def read(row: QuantityRow, model: Model) -> Estimate:
-    """Quantity by a model that gives it."""
+    """Quantity by a model that gives it; a level is the detection threshold of its scene."""
     ends = model.scene.ends
+    if row.has_level:
+        level = threshold_of(model.scene.threshold).at
+        row = replace(row, read=replace(row.port_readout, level=level))
     found = _read(row, model, ends)
     measured_base = ends.base is not None and ends.base.law is not None
     if not (row.loaded or measured_base) or isinstance(row.read, AnswerReadout):
@@ -71,24 +75,12 @@ def _read(row: QuantityRow, model: Model, ends: Ends) -> Estimate:
             return _frequencies(answers[0], model.scene.modes)
         case ModalReadout():
             return _combination(row.read, answers)
-        case DrivenReadout():
-            excitation = row.read.under or _excitation(model.scene)
-            of_ceramic = _of_ceramic(row.read, model.scene, ends, excitation)
-            return _of_response(
-                of_ceramic, model, answers[0], ends, excitation, rounding=_OF_A_MOMENT
-            )
-        case LoadReadout():
-            of_load = _of_load(row.read, model.scene, ends)
-            # the power goes with the square of the motion
-            return _of_response(
-                of_load, model, answers[0], ends, _excitation(model.scene), gain=2.0
-            )
-        case CircuitReadout():
-            return _of_circuit(row.read, model, answers[0], ends)
-        case PortMatrix():
-            return _matrix(model, answers[0], ends)
         case Readout():
             return _at_ports(row.read, model, answers[0], ends)
+        case PortMatrix() | CircuitReadout():
+            return _of_ports(row.read, model.scene, answers[0], ends)
+        case DrivenReadout() | LoadReadout():
+            return _of_tip(row.read, model, answers[0], ends)
 
 
 def _judge(
@@ -107,25 +99,27 @@ def _judge(
     return Estimate(value, np.asarray(bar, dtype=float), refined.method)
 
 
-def _excitation(scene: Scene) -> Excitation:
-    return excitation_of(scene.circuit, scene.drive)
-
-
-def _matrix(model: Model, refined: Refined[Multiport], ends: Ends) -> Estimate:
-    """The whole matrix D(Ω), wired."""
-    rounding = rounding_of_ports(refined, attach(refined.fine, ends))
-
-    def of(port: Multiport) -> Array:
-        return reduce(
-            wired(port, model.scene.bimorph.wiring), [port.name for port in BIMORPH]
-        ).stiffness
-
-    return _judge(refined, of, rounding[:, None, None], balanced_size)
+def _of_ports(
+    readout: PortMatrix | CircuitReadout, scene: Scene, refined: Refined[Multiport], ends: Ends
+) -> Estimate:
+    """The whole matrix D(Ω), or something off what the circuit takes."""
+    wiring, excitation = scene.bimorph.wiring, excitation_of(scene.circuit, scene.drive)
+    if isinstance(readout, CircuitReadout):
+        # power goes with the square of the motion
+        return _judge(
+            refined, lambda port: readout.of(electrical(wired(port, wiring), ends, excitation)),
+            2.0 * _rounding(refined, ends, excitation),
+        )  # fmt: skip
+    rounding, names = _rounding(refined, ends), [port.name for port in BIMORPH]
+    return _judge(
+        refined, lambda port: reduce(wired(port, wiring), names).stiffness,
+        rounding[:, None, None], balanced_size,
+    )  # fmt: skip
 
 
 def _at_ports(readout: Readout, model: Model, refined: Refined[Multiport], ends: Ends) -> Estimate:
     """Variable of a port under the readout's excitation."""
-    excitation = readout.under or _excitation(model.scene)
+    excitation = readout.under or excitation_of(model.scene.circuit, model.scene.drive)
     if readout.static:
         ends, excitation = ends.lossless, excitation.at_rest
 
@@ -140,26 +134,13 @@ def _at_ports(readout: Readout, model: Model, refined: Refined[Multiport], ends:
     )
 
 
-def _rounding(refined: Refined[Multiport], ends: Ends, excitation: Excitation) -> Array:
-    """Relative rounding (n,) of a response at the ports."""
+def _rounding(
+    refined: Refined[Multiport], ends: Ends, excitation: Excitation | None = None
+) -> Array:
+    """Relative rounding (n,) of the ports, or of a response to an excitation."""
     found = np.asarray(rounding_of_ports(refined, attach(refined.fine, ends)))
-    return found + rounding_of_inertia(refined.fine) if excitation.acceleration else found
-
-
-def _of_circuit(
-    readout: CircuitReadout, model: Model, refined: Refined[Multiport], ends: Ends
-) -> Estimate:
-    """Read something off what the circuit takes."""
-    scene = model.scene
-    excitation = _excitation(scene)
-
-    def of_port(port: Multiport) -> Array:
-        return np.asarray(
-            readout.of(electrical(wired(port, scene.bimorph.wiring), ends, excitation))
-        )
-
-    # power goes with the square of the motion
-    return _judge(refined, of_port, 2.0 * _rounding(refined, ends, excitation))
+    accelerated = excitation is not None and excitation.acceleration
+    return found + rounding_of_inertia(refined.fine) if accelerated else found
 
 
 def balanced_size(matrix: Array) -> Array:
@@ -168,29 +149,28 @@ def balanced_size(matrix: Array) -> Array:
     return np.asarray(np.maximum(np.abs(matrix), own[:, :, None] * own[:, None, :]))
 
 
-def _of_ceramic(
-    readout: DrivenReadout, scene: Scene, ends: Ends, excitation: Excitation
-) -> Callable[[Response], Array]:
-    """Read the ceramic's load off the tip's motion and the charge."""
-    frequencies = np.asarray(scene.frequency, dtype=float)
+def _of_tip(
+    readout: DrivenReadout | LoadReadout, model: Model, refined: Refined[Multiport], ends: Ends
+) -> Estimate:
+    """Read the ceramic's or the load's value off the motion of the tip and the charge."""
+    scene, frequencies = model.scene, np.asarray(model.scene.frequency, dtype=float)
+    excitation = excitation_of(scene.circuit, scene.drive)
+    if isinstance(readout, LoadReadout):
+        stiffness, omega = tip_stiffness(ends.tip, frequencies), 2.0 * np.pi * frequencies
 
-    def of(response: Response) -> Array:
-        driven = driven_ceramic(scene.device, scene.beam, ends, frequencies, response, excitation)
+        def on_load(found: Response) -> Array:
+            moved = load_motion(ends.tip, found.motion["w_tip"], found.motion["psi_tip"])
+            return np.asarray(readout.of(stiffness, moved, omega))
+
+        # the power goes with the square of the motion
+        return _of_response(on_load, model, refined, ends, excitation, gain=2.0)
+    excitation = readout.under or excitation
+
+    def in_ceramic(found: Response) -> Array:
+        driven = driven_ceramic(scene.device, scene.beam, ends, frequencies, found, excitation)
         return np.asarray(readout.of(driven, scene.limits))
 
-    return of
-
-
-def _of_load(readout: LoadReadout, scene: Scene, ends: Ends) -> Callable[[Response], Array]:
-    """Read the load's value off the tip's motion."""
-    frequencies = np.asarray(scene.frequency, dtype=float)
-    stiffness, omega = tip_stiffness(ends.tip, frequencies), 2.0 * np.pi * frequencies
-
-    def of(found: Response) -> Array:
-        moved = load_motion(ends.tip, found.motion["w_tip"], found.motion["psi_tip"])
-        return np.asarray(readout.of(stiffness, moved, omega))
-
-    return of
+    return _of_response(in_ceramic, model, refined, ends, excitation, rounding=_OF_A_MOMENT)
 
 
 def _of_response(

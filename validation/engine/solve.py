@@ -19,7 +19,6 @@ from tactgen.geometry.store.store import (
     store_folder,
     write_entry,
 )
-from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives, stage_reads
 from tactgen.validation.catalogue.quantities import NEEDS, QUANTITIES, Actuator
 from tactgen.validation.engine.answers import plain, quantity_json
@@ -312,8 +311,6 @@ def check_request(
 def evaluate(name: str, model: Model) -> Quantity:
     """Quantity by a model, with its numerical error bar and the cost of all stages it needs."""
     row, scene = QUANTITIES[name], model.scene
-    if row.has_level:
-        row = row.at_threshold(threshold_of(scene.threshold))
     found, seconds = read(row, model), model.stages.seconds
     return Quantity(
         name=name,

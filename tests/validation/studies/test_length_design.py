@@ -1,12 +1,14 @@
 """The length map, its minima, the optimiser and what the optimum rests on."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports import loads as finger
-from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
+from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.variation import value_of, with_values
@@ -319,7 +321,9 @@ def test_threshold_sensitivity(paper, found):
     slopes = {row.key: row.slopes[0] for row in dependences(found, origins)}
     points = sum(slopes[f"threshold at {f} Hz"] for f in (10, 250, 1000))
     assert points == pytest.approx(-slopes["drive.voltage"], rel=1e-9)
-    aims = [Aim(threshold=DISPLAY_THRESHOLD.scaled(2, s)) for s in (1.01, 0.99)]
+    *others, last = DISPLAY_THRESHOLD.points
+    moved = (replace(last, amplitude=s * last.amplitude) for s in (1.01, 0.99))
+    aims = [Aim(threshold=ThresholdCurve((*others, point))) for point in moved]
     up, down = (design(scene, aim).length for aim in aims)
     again = np.log(up / down) / np.log(1.01 / 0.99)
     assert slopes["threshold at 1000 Hz"] == pytest.approx(again, rel=1e-3)

@@ -168,12 +168,13 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
 
 def _write(folder: Path, study: Study, found: Sequence[Verdict] | None) -> None:
     from tactgen.validation.studies.whatif import output_files as output
+    from tactgen.validation.studies.whatif.arrays import write_netcdf
     from tactgen.validation.studies.whatif.page import write_page
 
     output.write_tidy(folder, study)
     if study.statement.samples:
         output.write_statistics(folder, study, output.sample_statistics(study))
-    output.write_netcdf(folder, study)
+    write_netcdf(folder, study)
     if any(answer.status == "ok" for _, _, answer in study.rows):
         write_page(folder, study, found)
 

@@ -1,96 +1,57 @@
-"""A study's numbers as files, table and JSON, and the statistics of drawn points.
+"""A study's numbers as tidy table (CSV), lines and JSON, and the statistics of drawn points (CSV).
 
-Files are a tidy table (CSV), arrays over the axes (netCDF 3), and the statistics (CSV): mean,
-standard deviation and percentiles of each quantity by model.
+Statistics are mean, standard deviation and percentiles of each quantity by model.
 """
 
 from __future__ import annotations
 
-import hashlib
-import json
+import csv
+import io
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from tactgen.geometry.csv_tables import write_csv
+from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering
-from tactgen.validation.catalogue.models import MODELS, gives
-from tactgen.validation.engine import answers
-from tactgen.validation.engine.answers import Representative, representative
+from tactgen.validation.catalogue.models import gives
+from tactgen.validation.catalogue.quantities import QUANTITIES
+from tactgen.validation.engine.answers import (
+    COLUMNS,
+    Representative,
+    quantity_json,
+    quantity_rows,
+    representative,
+)
 from tactgen.validation.studies.whatif.axes import shown_value
-from tactgen.validation.studies.whatif.definition import FORMAT
-from tactgen.validation.studies.whatif.point_answers import code_of
 from tactgen.validation.studies.whatif.study import Study
 
-if TYPE_CHECKING:
-    from xarray import Dataset
-
 #: Files in a study's folder.
-TABLE, ARRAYS, STATISTICS = "study.csv", "study.nc", "statistics.csv"
+TABLE, STATISTICS = "study.csv", "statistics.csv"
 #: The percentiles of the statistics (%).
 PERCENTILES = (5, 50, 95)
-#: What the global attribute `title` says.
-TITLE = "tactgen what-if study"
-#: Libraries whose versions are written down.
-_LIBRARIES = ("tactgen", "numpy", "scipy", "scikit-fem")
 
 
 def write_tidy(folder: Path, study: Study) -> Path:
-    """Write a point's axes with every number there, whole or not at all."""
-    rows = (
-        (*point.values(), *row)
-        for point, model, answer in study.rows
-        for row in answers.rows(model, study.statement.quantities, answer)
-    )
-    return answers.write_csv(folder / TABLE, (axis.label for axis in study.statement.axes), rows)
+    """Write a point's axes with every number there, whole or not at all (RFC 4180, UTF-8).
 
-
-def dataset(study: Study) -> Dataset:
-    """Study's arrays."""
-    stated = study.statement
-    axes = {
-        axis.key: answers.variable(
-            (dimension,), np.array(values, dtype=None if axis.numeric else np.str_),
-            f"scene key {axis.key}", axis.unit,
-        )
-        for axis in stated.axes
-        for dimension, values in (stated.columns[axis.key],)
-    }  # fmt: skip
-    by_model = [{m: at[m] for m in stated.models} for at in study.answers]
-    return answers.dataset(axes, stated.shape, stated.quantities, by_model)
-
-
-def write_netcdf(folder: Path, study: Study) -> Path:
-    """Write the study's arrays with units, errors and provenance, whole or not at all.
-
-    Raises InputError if the file cannot be written.
+    Numbers are written so that reading gives the same double; what is missing is empty, and a
+    quantity that is missing has one row.
     """
-    return answers.write_netcdf(folder / ARRAYS, dataset(study), _provenance(study))
-
-
-def _provenance(study: Study) -> dict[str, str]:
-    """Provenance of the numbers."""
-    stated = study.statement
-    scene = json.dumps(stated.values, sort_keys=True, default=str)
-    return {
-        "title": TITLE,
-        "format": str(FORMAT),
-        "conventions": "SI units; complex numbers are peak amplitudes, time factor e^(+j Omega t); "
-        "NAME_uncertainty is the numerical error bar of NAME",
-        "scene": stated.scene,
-        "scene_values": scene,
-        "scene_sha256": hashlib.sha256(scene.encode()).hexdigest(),
-        "vary": "\n".join(stated.vary),
-        "seed": str(stated.seed),
-        "models": "\n".join(f"{name}: {MODELS[name].description}" for name in stated.models),
-        "code_sha256": "\n".join(f"{name}: {code_of(name)}" for name in stated.models),
-        "versions": ", ".join(f"{name} {version(name)}" for name in _LIBRARIES),
-    }
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([*(axis.label for axis in study.statement.axes), *COLUMNS])
+    for point, model, answer in study.rows:
+        for name in study.statement.quantities:
+            found, unit = answer.get(name), QUANTITIES[name].unit
+            none = name, model, *(None,) * 7, unit, answer.status, answer.reason
+            for row in quantity_rows(found) if found else [none] if gives(model, name) else ():
+                writer.writerow([*point.values(), *row])
+    return write_text(folder / TABLE, text.getvalue())
 
 
 #: Lines that are shown at most; of longer studies evenly spaced points by every model.
@@ -255,7 +216,12 @@ def as_json(study: Study) -> dict[str, Any]:
             for a in stated.axes
         ],
         "points": [
-            {"at": point, "model": model, **answers.answer_json(answer)}
+            {
+                "at": point, "model": model, "status": answer.status, "reason": answer.reason,
+                "seconds": answer.seconds,
+                "quantities": [quantity_json(q) for q in answer.quantities],
+                "warnings": list(answer.warnings),
+            }
             for point, model, answer in study.rows
         ],
         "counts": {

@@ -12,6 +12,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene, scene_values
 from tactgen.validation.studies.whatif import executor
 from tactgen.validation.studies.whatif import point_answers as questions
+from tactgen.validation.studies.whatif.arrays import dataset
 from tactgen.validation.studies.whatif.definition import Statement, read_statement
 from tactgen.validation.studies.whatif.point_answers import Question
 from tactgen.validation.studies.whatif.study import Counts, Study, run_study
