@@ -115,24 +115,3 @@ def threshold_of(threshold: Threshold) -> ThresholdCurve:
             for f, a, line in zip(frequencies, amplitudes, table.lines, strict=True)
         )
     )
-
-
-@dataclass(frozen=True)
-class StatedVoltage:
-    """An excitation voltage that the text states for feeling something."""
-
-    frequencies: tuple[float, float]  #: (float, float) From, to (Hz); equal for a single frequency
-    #: (float, float) Lowest and highest amplitude (V); equal for a single value
-    voltages: tuple[float, float]
-    source: str
-
-
-_MEAN = "paper section 6, Fig 17 right: mean of 10 subjects, 50 g preload"
-
-#: Mean voltages at the detection threshold, in the order of the text.
-STATED_VOLTAGES: tuple[StatedVoltage, ...] = (
-    StatedVoltage((10.0, 10.0), (8.0, 8.0), f"{_MEAN}; start of the curve, taken as 10 Hz"),
-    StatedVoltage((100.0, 100.0), (11.0, 11.0), _MEAN),
-    StatedVoltage((250.0, 250.0), (3.0, 3.0), _MEAN),
-    StatedVoltage((250.0, 1000.0), (2.5, 4.0), f"{_MEAN}; varies over this range"),
-)

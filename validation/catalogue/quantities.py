@@ -242,31 +242,10 @@ TIP_VELOCITY = QuantityRow(
     Readout("w_tip", "motion", rate=1),
     curve=Unit("m/s", "velocity", "12.3 mm/s", limits=(1e-12, _LARGEST)),
 )  # fmt: skip
-TIP_ROTATION = QuantityRow(
-    "tip_rotation", "rad", "section rotation psi of the tip (about -dw/dz)",
-    Readout("psi_tip", "motion"),
-)  # fmt: skip
-INPUT_CURRENT = QuantityRow(
-    "input_current", "A", "current drawn at the drive voltage",
-    Readout(ELECTRICAL, "effort", rate=1),
-    curve=Unit("A", "current", "12.3 uA", limits=(1e-15, _LARGEST)),
-)  # fmt: skip
 ADMITTANCE = QuantityRow(
     "admittance", "S", "input current per drive voltage",
     Readout(ELECTRICAL, "effort", rate=1, under=UNIT_VOLTAGE),
     curve=Unit("S", "admittance", "12.3 uS", limits=(1e-15, _LARGEST)),
-)  # fmt: skip
-BLOCKED_FORCE = QuantityRow(
-    "blocked_force", "N", "force that holds the tip, rotation free",
-    Readout("w_tip", "effort", held=("w_tip",)),
-)  # fmt: skip
-THRESHOLD_VOLTAGE = QuantityRow(
-    "threshold_voltage", "V", "voltage that alone moves the tip by the detection threshold",
-    Readout("w_tip", "motion", under=UNIT_VOLTAGE, level=DISPLAY_THRESHOLD.at),
-)  # fmt: skip
-DETECTION_RATIO = QuantityRow(
-    "detection_ratio", "1", "tip displacement under the drive over the detection threshold",
-    Readout("w_tip", "motion", level=DISPLAY_THRESHOLD.at),
 )  # fmt: skip
 STATIC_TIP_DISPLACEMENT = QuantityRow(
     "static_tip_displacement", "m", "tip displacement at 0 Hz, lossless, no finger",
@@ -294,11 +273,6 @@ CAPACITANCE_BLOCKED = QuantityRow(
     Readout(ELECTRICAL, "effort", static=True, under=UNIT_VOLTAGE, held=MECHANICAL),
     label="blocked capacitance",
 )  # fmt: skip
-DYNAMIC_STIFFNESS = QuantityRow(
-    "dynamic_stiffness", "SI",
-    "5x5 matrix [F_base, M_base, F_tip, M_tip, Q] per [w_base, psi_base, w_tip, psi_tip, U]",
-    PortMatrix(),
-)  # fmt: skip
 
 CERAMIC_STRESS = QuantityRow(
     "ceramic_stress", "Pa",
@@ -314,23 +288,7 @@ VOLTAGE_LIMIT = QuantityRow(
     is_limit=True,
 )  # fmt: skip
 
-LOAD_IMPEDANCE = QuantityRow(
-    "load_impedance", "N*s/m", "lateral impedance of the load, force per velocity",
-    AnswerReadout("load", attrgetter("impedance")),
-)  # fmt: skip
-LOAD_FORCE = QuantityRow(
-    "load_force", "N", "force of the tip on the load at the drive voltage",
-    LoadReadout(lambda stiffness, tip, _: stiffness * tip),
-)  # fmt: skip
-LOAD_POWER = QuantityRow(
-    "load_power", "W", "mean power into the load at the drive voltage",
-    LoadReadout(lambda stiffness, tip, omega: 0.5 * omega * stiffness.imag * np.abs(tip) ** 2),
-)  # fmt: skip
 
-TIP_ACCELERATION = QuantityRow(
-    "tip_acceleration", "m/s^2", "absolute acceleration of the tip, that of the base included",
-    Readout("w_tip", "motion", rate=2, absolute=True), by_name=True,
-)  # fmt: skip
 ELECTRODE_VOLTAGE = QuantityRow(
     "electrode_voltage", "V", "voltage across the electrodes",
     Readout(ELECTRICAL, "motion"), by_name=True,
@@ -338,14 +296,6 @@ ELECTRODE_VOLTAGE = QuantityRow(
 CIRCUIT_POWER = QuantityRow(
     "circuit_power", "W", "mean power into the circuit's resistance",
     CircuitReadout(lambda found: found.power), by_name=True,
-)  # fmt: skip
-OPTIMUM_RESISTANCE = QuantityRow(
-    "optimum_resistance", "ohm", "resistance across the electrodes that takes the most power",
-    CircuitReadout(lambda found: found.optimum_resistance), by_name=True, peak_of="optimum_power",
-)  # fmt: skip
-OPTIMUM_POWER = QuantityRow(
-    "optimum_power", "W", "mean power into the optimum resistance, by tip force and acceleration",
-    CircuitReadout(lambda found: found.optimum_power), by_name=True,
 )  # fmt: skip
 
 
@@ -363,7 +313,18 @@ def _sensed(
 
 _FORCE, _ACCELERATION = Excitation(force=1.0), Excitation(acceleration=1.0)
 _SENSORS = (
-    TIP_ACCELERATION, ELECTRODE_VOLTAGE, CIRCUIT_POWER, OPTIMUM_RESISTANCE, OPTIMUM_POWER,
+    QuantityRow("tip_acceleration", "m/s^2",
+        "absolute acceleration of the tip, that of the base included",
+        Readout("w_tip", "motion", rate=2, absolute=True), by_name=True),
+    ELECTRODE_VOLTAGE,
+    CIRCUIT_POWER,
+    QuantityRow("optimum_resistance", "ohm",
+        "resistance across the electrodes that takes the most power",
+        CircuitReadout(lambda found: found.optimum_resistance), by_name=True,
+        peak_of="optimum_power"),
+    QuantityRow("optimum_power", "W",
+        "mean power into the optimum resistance, by tip force and acceleration",
+        CircuitReadout(lambda found: found.optimum_power), by_name=True),
     _sensed("voltage", "V/N", "tip force", _FORCE),
     _sensed("charge", "C/N", "tip force", _FORCE),
     _sensed("voltage", "V*s^2/m", "base acceleration", _ACCELERATION),
@@ -371,10 +332,35 @@ _SENSORS = (
 )  # fmt: skip
 
 _BIMORPH = (
-    TIP_DISPLACEMENT, TIP_VELOCITY, TIP_ROTATION, INPUT_CURRENT, ADMITTANCE, BLOCKED_FORCE,
-    THRESHOLD_VOLTAGE, DETECTION_RATIO, STATIC_TIP_DISPLACEMENT, SHORT_CIRCUIT_FREQUENCIES,
-    OPEN_CIRCUIT_FREQUENCIES, COUPLING_FACTOR, CAPACITANCE_FREE, CAPACITANCE_BLOCKED,
-    DYNAMIC_STIFFNESS, CERAMIC_STRESS, VOLTAGE_LIMIT, LOAD_IMPEDANCE, LOAD_FORCE, LOAD_POWER,
+    TIP_DISPLACEMENT,
+    TIP_VELOCITY,
+    QuantityRow("tip_rotation", "rad", "section rotation psi of the tip (about -dw/dz)",
+        Readout("psi_tip", "motion")),
+    QuantityRow("input_current", "A", "current drawn at the drive voltage",
+        Readout(ELECTRICAL, "effort", rate=1),
+        curve=Unit("A", "current", "12.3 uA", limits=(1e-15, _LARGEST))),
+    ADMITTANCE,
+    QuantityRow("blocked_force", "N", "force that holds the tip, rotation free",
+        Readout("w_tip", "effort", held=("w_tip",))),
+    QuantityRow("threshold_voltage", "V",
+        "voltage that alone moves the tip by the detection threshold",
+        Readout("w_tip", "motion", under=UNIT_VOLTAGE, level=DISPLAY_THRESHOLD.at)),
+    QuantityRow("detection_ratio", "1",
+        "tip displacement under the drive over the detection threshold",
+        Readout("w_tip", "motion", level=DISPLAY_THRESHOLD.at)),
+    STATIC_TIP_DISPLACEMENT, SHORT_CIRCUIT_FREQUENCIES, OPEN_CIRCUIT_FREQUENCIES, COUPLING_FACTOR,
+    CAPACITANCE_FREE, CAPACITANCE_BLOCKED,
+    QuantityRow("dynamic_stiffness", "SI",
+        "5x5 matrix [F_base, M_base, F_tip, M_tip, Q] per [w_base, psi_base, w_tip, psi_tip, U]",
+        PortMatrix()),
+    CERAMIC_STRESS,
+    VOLTAGE_LIMIT,
+    QuantityRow("load_impedance", "N*s/m", "lateral impedance of the load, force per velocity",
+        AnswerReadout("load", attrgetter("impedance"))),
+    QuantityRow("load_force", "N", "force of the tip on the load at the drive voltage",
+        LoadReadout(lambda stiffness, tip, _: stiffness * tip)),
+    QuantityRow("load_power", "W", "mean power into the load at the drive voltage",
+        LoadReadout(lambda stiffness, tip, omega: 0.5 * omega * stiffness.imag * np.abs(tip) ** 2)),
 )  # fmt: skip
 
 

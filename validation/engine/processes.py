@@ -2,45 +2,34 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import threading
-from collections.abc import Callable
-from concurrent.futures import Future, ProcessPoolExecutor
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
 
-class Processes:
-    """Processes that end when this one does, or an error leaves the block."""
+@contextlib.contextmanager
+def processes(count: int) -> Iterator[ProcessPoolExecutor]:
+    """Give processes that end when this one does, or an error leaves the block."""
+    import multiprocessing
 
-    def __init__(self, count: int) -> None:
-        self._count = count
-
-    def __enter__(self) -> Processes:
-        import multiprocessing
-
-        context = multiprocessing.get_context("spawn")
-        self._theirs, self._mine = context.Pipe(duplex=False)
-        self._pool = ProcessPoolExecutor(
-            self._count, context, initializer=_begin, initargs=(self._theirs, os.getpid())
-        )
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is not None:
-            self._mine.close()  # the processes see it, and end amid their work
-        self._pool.shutdown(wait=True, cancel_futures=True)
-        self._mine.close()
-        self._theirs.close()
-
-    def submit(self, work: Callable[..., Any], *given: Any) -> Future[Any]:
-        """Begin a function of a module.
-
-        Raises BrokenProcessPool if a process has died since the block began.
-        """
-        return self._pool.submit(work, *given)
+    context = multiprocessing.get_context("spawn")
+    theirs, mine = context.Pipe(duplex=False)
+    pool = ProcessPoolExecutor(count, context, initializer=_begin, initargs=(theirs, os.getpid()))
+    try:
+        yield pool
+    except BaseException:
+        mine.close()  # the processes see it, and end amid their work
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+        mine.close()
+        theirs.close()
 
 
 def _begin(line: Connection, parent: int) -> None:

@@ -16,7 +16,6 @@ others, plus the model's own, interpolated, too.  Outside the range it grows as 
 
 from __future__ import annotations
 
-import itertools
 import math
 import time
 from collections import Counter
@@ -26,8 +25,9 @@ from typing import Any
 
 import numpy as np
 
-from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers
+from tactgen.geometry.arrays import Bools, Floats, Numbers
 from tactgen.geometry.errors import InputError
+from tactgen.tmm.chebyshev import weighted_powers
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.model import Quantity
@@ -113,18 +113,11 @@ class Box:
     def basis(self, place: Floats, degree: int) -> Floats:
         """Products of Chebyshev polynomials (n, terms) up to a total degree."""
         alone = np.polynomial.chebyshev.chebvander(place, degree)  # (n, keys, degree + 1)
-        terms = _terms(place.shape[1], degree)
+        terms = weighted_powers([1.0] * place.shape[1], degree)
         found = np.ones((len(place), len(terms)))
         for key in range(place.shape[1]):
             found *= alone[:, key, terms[:, key]]
         return found
-
-
-def _terms(keys: int, degree: int) -> Ints:
-    """Exponents (terms, keys) of all products up to a total degree."""
-    chosen = itertools.combinations(range(keys + degree), keys)
-    gaps = [np.diff([-1, *each, keys + degree])[:-1] - 1 for each in chosen]
-    return np.array(gaps, dtype=np.int64)
 
 
 def design_points(ranges: Ranges) -> list[dict[str, float]]:

@@ -21,7 +21,7 @@ from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.comparison import ComparedRow, compare
-from tactgen.validation.engine.processes import Processes
+from tactgen.validation.engine.processes import processes
 from tactgen.validation.engine.solve import Solution, asks_display, solve
 from tactgen.validation.evidence.case import Outcome, run_check
 from tactgen.validation.evidence.verification import group_rows
@@ -79,8 +79,8 @@ class Study:
         if not jobs or core_count() < 2:
             yield
             return
-        with Processes(1) as processes:
-            self._begun = {name: processes.submit(*job) for name, job in jobs.items()}
+        with processes(1) as pool:
+            self._begun = {name: pool.submit(*job) for name, job in jobs.items()}
             yield
 
     def begun(self, name: str, work: Callable[[], Any]) -> Any:

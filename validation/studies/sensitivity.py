@@ -22,7 +22,6 @@ from tactgen.validation.engine.answers import modelling_at
 from tactgen.validation.engine.derivatives import NEAREST, Changed, Derivatives, derivatives, misfit
 from tactgen.validation.engine.solve import check_models, check_request
 from tactgen.validation.engine.warnings import check_held
-from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.inputs import keys_read
 from tactgen.validation.scene.keys import check_key, number_keys, read_as
 from tactgen.validation.scene.load import scene_values
@@ -117,7 +116,8 @@ def all_columns(
 def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
     """One column for each frequency; of other lists the first value."""
     q = result.quantity
-    values, peak = np.atleast_1d(q.value), q.frequency is None and q.extreme is not None
+    values, peak = np.atleast_1d(q.value), q.extreme if q.frequency is None else None
+    at_peak = peak.frequency if peak is not None else None
     if not np.isfinite(values).any():
         raise InputError(
             f"{q.name} has no value by {q.model} in this scene; check piezo.d31, drive.voltage and "
@@ -145,7 +145,7 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
             SensitivityColumn(
                 quantity=q.name,
                 unit=QUANTITIES[q.name].unit,
-                frequency=_frequency(q, i),
+                frequency=float(q.frequency[i]) if q.frequency else at_peak,
                 extreme=_extreme(QUANTITIES[q.name]) if peak else "",
                 value=value,
                 derivatives=slopes,
@@ -165,13 +165,6 @@ def _extreme(row: QuantityRow) -> str:
     return "at peak" if row.peak_of else "least" if row.is_limit else "largest"
 
 
-def _frequency(q: Quantity, i: int) -> float | None:
-    """Frequency (Hz) of a value, or at which it is largest or least."""
-    if q.frequency is not None:
-        return float(q.frequency[i])
-    return q.extreme.frequency if q.extreme is not None else None
-
-
 def readable_keys(
     scene: Scene, changed: Changed, model: str, keys: Sequence[str] | None = None
 ) -> tuple[list[str], str]:
@@ -185,15 +178,14 @@ def readable_keys(
         return misfit(changed, key, value, NEAREST * abs(value))
 
     if keys is not None:
-        chosen = list(dict.fromkeys(keys))
-        for key in chosen:
+        for key in keys:
             check_key(key)
             reason = _refusal(scene, key, model)
             if not reason and (error := unfit(key)):
                 reason = f"cannot be varied: next to its value {error}; leave the key out"
             if reason:
                 raise InputError(f"--key {quoted(key)} {reason}")
-        return chosen, ""
+        return list(dict.fromkeys(keys)), ""
     able = [key for key in number_keys(scene) if not _refusal(scene, key, model)]
     stuck = [key for key in able if unfit(key)]
     sentence = (

@@ -26,7 +26,7 @@ from tactgen.geometry.store.store import library_versions
 from tactgen.geometry.units import quoted
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.engine.answers import Answer
-from tactgen.validation.engine.processes import Processes
+from tactgen.validation.engine.processes import processes
 from tactgen.validation.studies.whatif.point_answers import Question, code_of
 
 #: Most questions of one batch: few enough for progress to be seen.
@@ -73,7 +73,7 @@ def schedule(asked: Mapping[int, Question]) -> list[Batch]:
 
 def execute(
     asked: Mapping[int, Question],
-    processes: int = 0,
+    jobs: int = 0,
     scheduler: str = "",
     announce: Callable[[str], None] = lambda _: None,
     *,
@@ -81,7 +81,7 @@ def execute(
 ) -> Iterator[tuple[int, Answer]]:
     """Yield the answer to every question by its number as it is there, kept.
 
-    `processes` work at a time (0: one for each processor if a model takes long, else this one
+    `jobs` processes work at a time (0: one for each processor if a model takes long, else this one
     alone), or the workers of a Dask cluster whose address `scheduler` is.  With `retry` answers
     that are kept as failed give way.
 
@@ -100,12 +100,12 @@ def execute(
     announce(f"0 of {len(asked)} answers")
     models = tuple(dict.fromkeys(question.model for question in asked.values()))
     quick = all(MODELS[model].quick for model in models)
-    processes = min(processes or (1 if quick else core_count()), len(batches))
+    count = min(jobs or (1 if quick else core_count()), len(batches))
     with contextlib.ExitStack() as stack:
         if scheduler:
             found = _pooled(batches, stack.enter_context(_connected(scheduler, models)))
-        elif processes > 1:
-            found = _pooled(batches, stack.enter_context(_Processes(processes, retry)))
+        elif count > 1:
+            found = _pooled(batches, _Processes(count, retry, stack))
         else:
             found = (
                 (number, question.keep(partial(question.solve, stage), stage, retry=retry))
@@ -147,7 +147,7 @@ def _pooled(batches: Sequence[Batch], pool: Any) -> Iterator[tuple[int, Answer]]
 # -- processes of this machine ------------------------------------------------------------------
 
 
-class _Processes(Processes):
+class _Processes:
     """Processes that keep their answers; when one dies the others are started anew."""
 
     death = (
@@ -155,17 +155,17 @@ class _Processes(Processes):
         "out; take fewer --jobs or a coarser mesh"
     )
 
-    def __init__(self, processes: int, retry: bool) -> None:
-        super().__init__(processes)
-        self.most, self._retry = 2 * processes, retry
+    def __init__(self, count: int, retry: bool, stack: contextlib.ExitStack) -> None:
+        self.most, self._count, self._retry, self._stack = 2 * count, count, retry, stack
+        self._pool = stack.enter_context(processes(count))
 
     def begin(self, questions: Sequence[Question]) -> Future[list[Answer]]:
         try:
-            return self.submit(_in_process, questions, self._retry)
+            return self._pool.submit(_in_process, questions, self._retry)
         except BrokenProcessPool:
-            self.__exit__(None)
-            self.__enter__()
-            return self.submit(_in_process, questions, self._retry)
+            self._stack.close()
+            self._pool = self._stack.enter_context(processes(self._count))
+            return self._pool.submit(_in_process, questions, self._retry)
 
     def ended(self, running: Iterable[Future[list[Answer]]]) -> Iterable[Future[list[Answer]]]:
         return wait(running, return_when=FIRST_COMPLETED).done

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import json
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -13,7 +12,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
-from tactgen.validation.show.page import plain_page, table
+from tactgen.validation.show.page import data_script, plain_page, table
 from tactgen.validation.studies.whatif.aim_evaluation import Verdict, sentences
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.output_files import (
@@ -36,9 +35,13 @@ _MOST = 20_000
 def write_page(folder: Path, study: Study, found: Sequence[Verdict] | None = None) -> Path:
     """Write the page, whole or not at all; `found` is what the models say of the aims."""
     stated = study.statement
-    parts = [f"<p>{html.escape(_asked(stated))}</p>"]
+    axes = ", ".join(f"{axis.key} = {axis.text}" for axis in stated.axes)
+    samples = f", {stated.samples} samples" if stated.samples else ""
+    asked = f"Scene {stated.scene}; {axes}{samples}; models {', '.join(stated.models)}."
+    parts = [f"<p>{html.escape(f'{asked} {stated.conditions}')}</p>"]
     if found is not None:
-        parts += ["<h2>Aims</h2>", _text(sentences(study, found))]
+        text = html.escape("\n".join(sentences(study, found)))
+        parts += ["<h2>Aims</h2>", f'<pre style="white-space: pre-wrap">{text}</pre>']
         if found:
             parts += _figure(lambda: aim_picture(study, found))
     if _has_sliders(stated):
@@ -57,22 +60,11 @@ def write_page(folder: Path, study: Study, found: Sequence[Verdict] | None = Non
     return write_text(folder / FILE, plain_page(f"What if: {stated.scene}", parts))
 
 
-def _text(lines: list[str]) -> str:
-    return f'<pre style="white-space: pre-wrap">{html.escape(chr(10).join(lines))}</pre>'
-
-
 def _figure(draw: Callable[[], str]) -> list[str]:
     try:
         return [f"<figure>{draw()}</figure>"]
     except InputError as error:  # no axis is a number
         return [f"<p>No picture: {html.escape(str(error))}</p>"]
-
-
-def _asked(stated: Statement) -> str:
-    axes = ", ".join(f"{axis.key} = {axis.text}" for axis in stated.axes)
-    samples = f", {stated.samples} samples" if stated.samples else ""
-    models = ", ".join(stated.models)
-    return f"Scene {stated.scene}; {axes}{samples}; models {models}. {stated.conditions}"
 
 
 def _has_sliders(stated: Statement) -> bool:
@@ -98,13 +90,12 @@ def _sliders(study: Study) -> list[str]:
             for m in stated.models
         ],
     }  # fmt: skip
-    text = json.dumps(data, allow_nan=False).replace("<", "\\u003c")
     return [
         "<h2>Slide</h2>",
         '<div id="sliders"></div><div class="wide"><table id="answers"></table></div>',
         '<p><label>Curve of <select id="quantity"></select></label></p>',
         '<figure><svg id="curve" viewBox="0 0 900 320" role="img"></svg></figure>',
-        f'<script type="application/json" id="study-data">{text}</script>',
+        data_script("study-data", data),
         f"<script>{_SCRIPT.read_text(encoding='utf-8')}</script>",
     ]
 

@@ -103,7 +103,8 @@ class Study:
         points, models = (dict.fromkeys(of) for of in list(zip(*said, strict=True))[1:])
         head = f"at {len(points)} of {len(self.points)} points by {', '.join(models)}"
         if len({text for text, *_ in said}) > 1:
-            said = sorted(said, key=lambda each: _severity(each[0]))
+            # the first number of a warning grows with what it warns of
+            said = sorted(said, key=lambda each: [float(n) for n in _NUMBER.findall(each[0])])
             head += f", worst by {said[-1][2]} at {shown_point(self.points[said[-1][1]])}"
         return f"{head}: {said[-1][0]}"
 
@@ -118,11 +119,6 @@ def _alike(one: Mapping[str, Answer], other: Mapping[str, Answer]) -> bool:
         )
         for model, answer in one.items()
     )
-
-
-def _severity(text: str) -> list[float]:
-    """Numbers of a warning: its first one grows with what it warns of."""
-    return [float(number) for number in _NUMBER.findall(text)]
 
 
 def run_study(
