@@ -19,7 +19,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.ports.readout import ModalReadout
 from tactgen.validation.catalogue.models import MODELS, gives, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES, Actuator, QuantityRow, quantities_of
-from tactgen.validation.engine.answers import NONE, format_modelling
+from tactgen.validation.engine.answers import NONE, NOT_KNOWN, modelling_at
 from tactgen.validation.engine.solve import recorded, solve
 from tactgen.validation.models.classes import model_class
 from tactgen.validation.models.model import Quantity
@@ -113,14 +113,13 @@ def compare(scene: Scene, quantities: Sequence[Quantity], actuator: Actuator) ->
 
 
 def _cell(scene: Scene, row: QuantityRow, q: Quantity, reference: Quantity) -> Cell:
-    (value, bar, expected, of_form), (base, base_bar, *_) = _first(q), _first(reference)
+    (value, bar, modelling, words), (base, base_bar, *_) = _first(q), _first(reference)
     difference = 0.0 if value == base else np.inf
     if base != 0.0:
         difference = value / base - 1.0
-    shown = NONE if MODELS[q.model].detailed else format_modelling(value, expected, of_form)
 
     def cell(verdict: Verdict, why: str = "") -> Cell:
-        return Cell(q.model, value, bar, shown, difference, verdict, why)
+        return Cell(q.model, value, bar, words, difference, verdict, why)
 
     if q is reference:
         return cell("reference")
@@ -135,7 +134,6 @@ def _cell(scene: Scene, row: QuantityRow, q: Quantity, reference: Quantity) -> C
         if abs(difference) < _SAME_THEORY:
             return cell("agrees")
         return cell("differs", f"{_SAME_EQUATIONS}; cause unknown")
-    modelling = abs(value - expected) + of_form
     if math.isfinite(modelling):
         covered = apart <= bars + modelling
         return cell("explained") if covered else cell("differs", _BEYOND)
@@ -144,23 +142,17 @@ def _cell(scene: Scene, row: QuantityRow, q: Quantity, reference: Quantity) -> C
     return cell("model form", f"{reason}; {_ON_ROD}" if on_rod else reason)
 
 
-def _first(q: Quantity) -> tuple[float, float, float, float]:
-    """Scalar, or the first bending mode in x of a list.
+def _first(q: Quantity) -> tuple[float, float, float, str]:
+    """Scalar, or the first bending mode in x of a list; nan if there is none.
 
-    With its numerical error, what the most detailed model is expected to give, and the error of
-    that.
+    With its numerical and its modelling error, the latter in words, too.
     """
-    none = float("nan")
-    values = [np.asarray(q.value), np.asarray(q.error)]
-    if q.modelling is not None:
-        values += [np.asarray(q.modelling.expected), np.asarray(q.modelling.error)]
-    if q.classes is not None:
-        if "bending_x" not in q.classes:
-            return none, none, none, none
-        values = [one[q.classes.index("bending_x")] for one in values]
-    value, error, *rest = (float(one) for one in values)
-    expected, of_form = rest or (none, none)
-    return value, error, expected, of_form
+    if q.classes is not None and "bending_x" not in q.classes:
+        return math.nan, math.nan, math.nan, NONE if MODELS[q.model].detailed else NOT_KNOWN
+    place = () if q.classes is None else (q.classes.index("bending_x"),)
+    parts = (q.value, q.error, q.modelling_error)
+    value, error, modelling = (float(np.asarray(one)[place]) for one in parts)
+    return value, error, modelling, modelling_at(q, place)
 
 
 # The cheapest model of a wanted accuracy

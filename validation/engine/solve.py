@@ -6,6 +6,7 @@ import contextlib
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -48,8 +49,11 @@ class Plan:
 
     run: tuple[Step, ...]
     models: tuple[str, ...]
-    #: Stages that run, with the key of each
-    keys: dict[str, str]
+
+    @cached_property
+    def keys(self) -> dict[str, str]:
+        """Stages that run, with the key of each."""
+        return {step.stage: step.key for step in self.run}
 
     @property
     def skipped(self) -> dict[str, str]:
@@ -81,7 +85,7 @@ def make_plan(scene: Scene, models: Sequence[str], quantities: Sequence[str]) ->
         stages = [first, *(stage for stage in stages if stage != first)]
     keys = stage_keys(stages, scene)
     run = tuple(Step(stage, "for " + _list(reasons[stage]), keys[stage]) for stage in stages)
-    return Plan(run, tuple(models), keys)
+    return Plan(run, tuple(models))
 
 
 def check_scene(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> None:
@@ -274,7 +278,7 @@ def solve(
         map_of(scene, stages)
     if awaited:
         map_of(scene)
-        warnings += held_warnings(scene, names, quantities)
+        warnings += (*held_warnings(scene, names, quantities),)
     made = {name: make_model(name, scene, stages) for name in names}
     same = reuse.quantities if reuse is not None and reuse.scene == scene else ()
     known = {(quantity.name, quantity.model): quantity for quantity in same}

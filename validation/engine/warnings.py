@@ -59,13 +59,13 @@ def request_warnings(
     """
     scene = scene.asking(models)
     _check_base(scene, quantities)
-    found = [*_no_bending(scene, quantities), *load_warnings(scene, quantities)]
-    found += _of_constants(scene, quantities)
-    found += _of_threshold(scene, quantities)
-    found += _of_support_over_frequency(scene, quantities)
-    if not scene.awaits_map:
-        found += held_warnings(scene, models, quantities)
-    return (*found, *field_warnings(scene, quantities))
+    return (
+        *_no_bending(scene, quantities), *load_warnings(scene, quantities),
+        *_of_constants(scene, quantities), *_of_threshold(scene, quantities),
+        *_of_support_over_frequency(scene, quantities),
+        *(() if scene.awaits_map else held_warnings(scene, models, quantities)),
+        *field_warnings(scene, quantities),
+    )  # fmt: skip
 
 
 def _check_base(scene: Scene, quantities: Sequence[str]) -> None:
@@ -122,15 +122,29 @@ def _no_bending(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
         )
 
 
-def held_warnings(
-    scene: Scene, models: Sequence[str], quantities: Sequence[str]
-) -> tuple[str, ...]:
-    """Warnings about where the rod rests, if the lateral actuator stands on its contact.
+def held_warnings(scene: Scene, models: Sequence[str], quantities: Sequence[str]) -> Iterator[str]:
+    """Where a current holds the rod of the contact, or that the spring does not hold it up.
 
     Raises InputError if a rigid-body motion is free and a value at 0 Hz is asked for.
     """
     check_held(scene, quantities)
-    return tuple(_of_rest(scene, models))
+    if scene.rest is None:
+        return
+    place, springs = scene.rest
+    if scene.coil.current == 0.0 and place.kind == "floating":
+        yield (
+            f"spring.preload = {1e3 * scene.device.spring.preload:g} mN does not press the rod on "
+            f"its upper stop: the equilibrium is {-1e6 * place.lift:.4g} um below; increase "
+            "spring.preload, for example to 110 mN"
+        )
+    elif scene.coil.current and any(MODELS[name].actuator == "bimorph" for name in models):
+        where = f"at its {place.kind}" if "stop" in place.kind else "between its stops"
+        yield (
+            f"with coil.current = {1e3 * scene.coil.current:g} mA ({scene.coil.history}) the rod "
+            f"is {where} with a contact force of {1e3 * place.contact_force:.4g} mN (model "
+            f"{scene.map_model}), which gives a support of {springs.rotational_stiffness:.3g} "
+            "N m/rad; for the spring alone set coil.current = 0 mA"
+        )
 
 
 def number_warnings(scene: Scene, found: Sequence[Quantity]) -> tuple[str, ...]:
@@ -265,27 +279,6 @@ def check_held(scene: Scene, quantities: Sequence[str]) -> None:
     )
 
 
-def _of_rest(scene: Scene, models: Sequence[str]) -> Iterator[str]:
-    """Where a current holds the rod, or that the spring does not hold it up."""
-    if scene.rest is None:
-        return
-    place, springs = scene.rest
-    if scene.coil.current == 0.0 and place.kind == "floating":
-        yield (
-            f"spring.preload = {1e3 * scene.device.spring.preload:g} mN does not press the rod on "
-            f"its upper stop: the equilibrium is {-1e6 * place.lift:.4g} um below; increase "
-            "spring.preload, for example to 110 mN"
-        )
-    elif scene.coil.current and any(MODELS[name].actuator == "bimorph" for name in models):
-        where = f"at its {place.kind}" if "stop" in place.kind else "between its stops"
-        yield (
-            f"with coil.current = {1e3 * scene.coil.current:g} mA ({scene.coil.history}) the rod "
-            f"is {where} with a contact force of {1e3 * place.contact_force:.4g} mN (model "
-            f"{scene.map_model}), which gives a support of {springs.rotational_stiffness:.3g} "
-            "N m/rad; for the spring alone set coil.current = 0 mA"
-        )
-
-
 def _of_support_over_frequency(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
     """Quantities that take a support that goes with frequency at one frequency."""
     resonates = scene.contact.board_stiffness or scene.spring.tilts_both_planes
@@ -334,14 +327,14 @@ def load_warnings(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
                 f"{share_of(usual)} in the mean; the errors contain it"
                 f"{beyond if outside.any() else ''}"
             )
-    elif outside.all():
-        low, high = FINGER_RANGE
+        return
+    low, high = FINGER_RANGE
+    if outside.all():
         raise InputError(
             f"frequency = {scene.frequency[0]:g} Hz is outside the range of the finger's load "
             f"model ({low:g} to {high:g} Hz); choose frequencies inside it, or another load.kind"
         )
-    elif outside.any():
-        low, high = FINGER_RANGE
+    if outside.any():
         yield (
             f"{int(outside.sum())} of {outside.size} frequencies are outside the range in which "
             f"the finger was measured ({low:g} to {high:g} Hz); there its stiffness and damping "

@@ -7,7 +7,6 @@ import html
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -59,6 +58,11 @@ class Number:
     error: float
     unit: str
     modelling: float = 0.0  #: Modelling error, absolute; nan where it is not known
+
+    @property
+    def size(self) -> float:
+        """Real value itself, of a complex one the magnitude."""
+        return self.value.real if self.value.imag == 0.0 else abs(self.value)
 
 
 @dataclass(frozen=True)
@@ -223,19 +227,13 @@ INPUTS = ("key", "A", "B")
 ANSWERS = ("quantity", "model", "at", "A", "B", "change", "bars")
 
 
-@dataclass(frozen=True)
-class Comparison:
+class Comparison(NamedTuple):
     """Two sides, and what differs between them."""
 
     first: Side
     second: Side
 
     @property
-    def sides(self) -> tuple[Side, Side]:
-        """Both, A first."""
-        return self.first, self.second
-
-    @cached_property
     def inputs(self) -> list[tuple[str, str, str]]:
         """Keys whose values differ with both, in the order of the scene; - where one has none."""
         first, second = self.first.inputs, self.second.inputs
@@ -243,7 +241,7 @@ class Comparison:
         found = [(k, first.get(k, "") or "-", second.get(k, "") or "-") for k in keys]
         return [each for each in found if each[1] != each[2]]
 
-    @cached_property
+    @property
     def answers(self) -> list[AnswerDifference]:
         """Largest difference of every quantity and model that both have."""
         first, second = self.first.numbers, self.second.numbers
@@ -265,23 +263,18 @@ class Comparison:
 
 def _beyond(first: Number, second: Number) -> bool:
     """Whether two numbers differ by more than both bars together."""
-    if _unknown(first) or _unknown(second):
-        return _unknown(first) != _unknown(second)
+    unknown = math.isnan(first.size), math.isnan(second.size)
+    if any(unknown):
+        return not all(unknown)
     rounding = _ROUNDING * max(abs(first.value), abs(second.value))
     bars = sum(0.0 if math.isnan(each.error) else each.error for each in (first, second))
     return bool(abs(first.value - second.value) > bars + rounding)
 
 
-def _unknown(number: Number) -> bool:
-    return bool(np.isnan(number.value))
-
-
 def _relative(first: Number, second: Number) -> float:
-    if _unknown(first) or _unknown(second):
+    before, after = first.size, second.size
+    if math.isnan(before) or math.isnan(after):
         return 0.0
-    before, after = (
-        (each.value.real if each.value.imag == 0.0 else abs(each.value)) for each in (first, second)
-    )
     if before == after:
         return abs(first.value - second.value) / abs(before) if before else 0.0
     return after / before - 1.0 if before else math.inf
@@ -301,13 +294,12 @@ def lines(of: Comparison) -> list[str]:
         found += ["input that differs:", *aligned([INPUTS, *of.inputs])]
     else:
         found.append("the input is the same")
-    if of.answers:
-        rows = [ANSWERS, *(d.cells for d in of.answers)]
-        found += ["", "answers, where they differ most:", *aligned(rows)]
+    rows = [d.cells for d in of.answers]
+    if rows:
+        found += ["", "answers, where they differ most:", *aligned([ANSWERS, *rows])]
     else:
         found += ["", NOTHING_SHARED]
-    missing = [side for side in of.sides if side.missing]
-    return found + [f"{s.name} has no answer to {s.missing} questions" for s in missing]
+    return found + [f"{s.name} has no answer to {s.missing} questions" for s in of if s.missing]
 
 
 def place(key: Key) -> str:
@@ -338,7 +330,7 @@ def _shown(number: Number) -> str:
 
     The modelling error, which both sides mostly share, stands in brackets.
     """
-    value = number.value.real if number.value.imag == 0.0 else abs(number.value)
+    value = number.size
     beside = bracketed(NOT_KNOWN)
     if not math.isnan(number.modelling):
         off = number.modelling / abs(value) if value else 0.0
@@ -362,7 +354,7 @@ def as_values(of: Comparison) -> dict[str, Any]:
              "unit": d.first.unit, "change": d.relative, "verdict": d.verdict}
             for d in of.answers
         ],
-        "missing": [side.missing for side in of.sides],
+        "missing": [side.missing for side in of],
     }  # fmt: skip
 
 
@@ -384,7 +376,7 @@ _TALLEST = 26.0
 
 def write_page(folder: Path, of: Comparison) -> Path:
     """Write the page, whole or not at all."""
-    first, second = of.sides
+    first, second = of
     parts = [f"<p>A is {html.escape(first.name)}, B is {html.escape(second.name)}.</p>"]
     differ = table(INPUTS, of.inputs) if of.inputs else "<p>None.</p>"
     parts += ["<h2>Input that differs</h2>", differ, "<h2>Answers, where they differ most</h2>"]
@@ -395,8 +387,7 @@ def write_page(folder: Path, of: Comparison) -> Path:
         "numerical, how far a number is from the same model solved exactly; in brackets stands the "
         "modelling error, how far it may be from the most detailed model.</p>"
     )
-    picture = _curves(of.sides)
-    if picture:
+    if picture := _curves(of):
         parts += ["<h2>Curves</h2>", f"<figure>{picture}</figure>"]
     parts += _devices(of)
     title = f"Comparison of {first.name} and {second.name}"
@@ -468,7 +459,7 @@ def _devices(of: Comparison) -> list[str]:
     if not any(key.startswith(shapes) for key, *_ in of.inputs):
         return []
     try:
-        pictures = solids_pictures([scene_solids(side.scene) for side in of.sides])
+        pictures = solids_pictures([scene_solids(side.scene) for side in of])
     except InputError as error:  # not every bimorph has CAD solids; a library may be missing
         return [f"<p>No picture of the devices: {html.escape(str(error))}</p>"]
     heights = [int.from_bytes(png[20:24], "big") for png in pictures]  # as a PNG states it
@@ -476,6 +467,6 @@ def _devices(of: Comparison) -> list[str]:
         f'<figure><img alt="device {name}" src="{inline(png)}" '
         f'style="height:{_TALLEST * height / max(heights):.2f}rem">'
         f"<figcaption>{name}: {html.escape(side.name)}</figcaption></figure>"
-        for png, height, name, side in zip(pictures, heights, "AB", of.sides, strict=True)
+        for png, height, name, side in zip(pictures, heights, "AB", of, strict=True)
     )
     return ["<h2>Devices, at one scale</h2>", f'<div class="pair">{figures}</div>']

@@ -95,18 +95,16 @@ def with_tolerances(
     known = {key: spread for key, spread in ranges(scene).items() if spread.low < spread.high}
     if not vary:
         for key in (key for key in scene.tolerances if key in known):
-            refused = _refusal(values, key, known[key])
-            if refused:
+            if refused := _refusal(values, key, known[key]):
                 notes.append(f"{key} is not drawn: {refused}")
             else:
                 alone.append(key)
-        if notes and not alone:
-            raise InputError(f"--sample is given, but {notes[0]}")
         if not alone:
-            raise InputError(
-                "--sample is given, but nothing is varied and the scene states no tolerance; write "
-                'one, such as --set "bimorph.width=2.10 ± 0.05 mm", or --vary KEY'
+            nothing = (
+                "nothing is varied and the scene states no tolerance; write one, such as --set "
+                '"bimorph.width=2.10 ± 0.05 mm", or --vary KEY'
             )
+            raise InputError(f"--sample is given, but {notes[0] if notes else nothing}")
         vary = alone
     drawn = {}
     for key in alone:
