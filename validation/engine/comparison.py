@@ -8,6 +8,7 @@ enough, without a field solution.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -224,8 +225,7 @@ def choose(
     ladders, models = [], []
     for actuator in actuators:
         wanted = tuple(q for q in quantities if QUANTITIES[q].actuator == actuator)
-        judge = _judge(actuator, scenes, wanted)
-        rungs = _worst([ladder(scene, actuator, wanted, announce, judge) for scene in scenes])
+        rungs = ladder(scenes, actuator, wanted, announce)
         meeting = [rung.model for rung in rungs if rung.meets]
         if not meeting:
             raise InputError(
@@ -242,47 +242,48 @@ def _where(scenes: int) -> str:
     return "" if scenes == 1 else f" (worst of {scenes} points for each model)"
 
 
-def _worst(ladders: Sequence[tuple[FidelityLevel, ...]]) -> tuple[FidelityLevel, ...]:
-    """Rungs of several scenes as one ladder, with the largest errors of each model."""
-    found = []
-    for rungs in zip(*ladders, strict=True):
-        worst = max(rungs, key=lambda rung: (not rung.meets, rung.form + rung.numerical))
-        costs = [rung.seconds for rung in rungs if rung.seconds is not None]
-        found.append(replace(worst, seconds=max(costs, default=None)))
-    return tuple(found)
-
-
 def ladder(
-    scene: Scene,
+    scenes: Sequence[Scene],
     actuator: Actuator,
     quantities: tuple[str, ...],
-    announce: Callable[[str], None],
-    judge: str,
+    announce: Callable[[str], None] = lambda _: None,
 ) -> tuple[FidelityLevel, ...]:
-    """Model hierarchy with the errors in these quantities, cheapest first, the judge last."""
-    costs, rungs = recorded(), []
+    """Model hierarchy with the largest errors of each in these quantities, cheapest first.
+
+    The last is the judge; a model that does not take one of the scenes is left out.
+    """
+    judge = _judge(actuator, scenes, quantities)
+    every = []
     for model in (m for m in _LADDERS[actuator][:-1] if all(gives(m, q) for q in quantities)):
-        try:
-            found = solve(scene, (model,), quantities, announce)
-        except InputError:  # a scene that this model does not take
-            continue
-        errors = {q.name: _errors(q, scene) for q in found.quantities}
-        form = {name: both[0] for name, both in errors.items() if not math.isnan(both[0])}
-        numerical = max((both[1] for both in errors.values()), default=0.0)
-        worst = max(form, key=form.__getitem__, default="")
-        total = form.get(worst, math.inf) + numerical
-        rungs.append(FidelityLevel(
-            model, form.get(worst, math.inf), numerical,
-            sum(found.stages.seconds.values()), total <= scene.accuracy, worst,
-        ))  # fmt: skip
-    finest = model_class(judge).finest(scene)
+        with contextlib.suppress(InputError):  # of a scene that it does not take
+            every.append([_level(scene, model, quantities, announce) for scene in scenes])
     stages = {s for q in quantities for s in MODELS[judge].stages_for(QUANTITIES[q])}
-    known = [costs[stage] for stage in stages if stage in costs]
-    rungs.append(FidelityLevel(
-        judge, 0.0, max(finest, scene.accuracy), sum(known) if known else None,
-        finest <= scene.accuracy, "",
-    ))  # fmt: skip
-    return tuple(rungs)
+    known = [cost for stage, cost in recorded().items() if stage in stages]
+    cost = sum(known) if known else None
+    finest = [(model_class(judge).finest(scene), scene.accuracy) for scene in scenes]
+    every.append([FidelityLevel(judge, 0.0, max(f, of), cost, f <= of, "") for f, of in finest])
+    return tuple(map(_worst, every))
+
+
+def _level(
+    scene: Scene, model: str, quantities: tuple[str, ...], announce: Callable[[str], None]
+) -> FidelityLevel:
+    """Model that is no judge, with its errors on one scene."""
+    found = solve(scene, (model,), quantities, announce)
+    errors = {q.name: _errors(q, scene) for q in found.quantities}
+    form = {name: both[0] for name, both in errors.items() if not math.isnan(both[0])}
+    numerical = max((both[1] for both in errors.values()), default=0.0)
+    worst = max(form, key=form.__getitem__, default="")
+    largest, seconds = form.get(worst, math.inf), sum(found.stages.seconds.values())
+    meets = largest + numerical <= scene.accuracy
+    return FidelityLevel(model, largest, numerical, seconds, meets, worst)
+
+
+def _worst(levels: Sequence[FidelityLevel]) -> FidelityLevel:
+    """One model's level over several scenes."""
+    worst = max(levels, key=lambda level: (not level.meets, level.form + level.numerical))
+    costs = [level.seconds for level in levels if level.seconds is not None]
+    return replace(worst, seconds=max(costs, default=None))
 
 
 def _judge(actuator: Actuator, scenes: Sequence[Scene], quantities: Sequence[str]) -> str:

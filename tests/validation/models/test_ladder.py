@@ -22,7 +22,7 @@ def scene_with(accuracy):
 def test_the_model_form_covers_the_difference():
     """What a rung says is the modelling error, which reaches the solid's answer."""
     scene = scene_with("10%")
-    rungs = {rung.model: rung for rung in ladder(scene, "bimorph", STATIC, lambda _: None, "solid")}
+    rungs = {rung.model: rung for rung in ladder((scene,), "bimorph", STATIC)}
     beam = solve(scene, ("tmm",), STATIC).quantities[0]
     assert rungs["tmm"].form == pytest.approx(float(beam.modelling_error / abs(beam.value)))
     assert rungs["calibrated"].form < 0.2 * rungs["tmm"].form
@@ -38,6 +38,14 @@ def test_what_no_model_meets_is_refused():
     with pytest.raises(InputError, match=r"no model meets accuracy = 1e-07: lumped does not"):
         choose((scene_with("1e-7"),), STATIC)
     assert MODELS["solid"].finest == solid._BRICK_BARS[-1]
+
+
+def test_a_model_that_takes_only_some_of_the_scenes_is_left_out():
+    """Beams take no bimorph that is shorter than it is thick; the judge takes both."""
+    lengths = ("0.6mm", "14mm")
+    scenes = [load_scene("j1", ["accuracy=50%", f"bimorph.length={l}"])[0] for l in lengths]
+    assert [rung.model for rung in choose(scenes, STATIC).ladders[0]] == ["solid"]
+    assert choose(scenes[1:], STATIC).models == ("lumped",)
 
 
 def test_costs_are_written_down(own_store):
