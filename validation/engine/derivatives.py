@@ -41,8 +41,7 @@ class Derivatives:
 
     quantity: Quantity  #: Its value at the scene, with its error
     #: By scene key dq/dp (SI) of the shape of the value, and its error
-    slopes: dict[str, Numbers]
-    bars: dict[str, Floats]
+    slopes: dict[str, tuple[Numbers, Floats]]
     method: str  #: How derivatives and errors come about, for the reader
 
 
@@ -62,8 +61,7 @@ def derivatives(
     """
     base = solve(scene, (model,), quantities, announce)
     start = _with_extremes(base, model, quantities)
-    slopes: list[dict[str, Numbers]] = [{} for _ in start]
-    bars: list[dict[str, Floats]] = [{} for _ in start]
+    slopes: list[dict[str, tuple[Numbers, Floats]]] = [{} for _ in start]
     exact = not any(np.any(q.error > _EXACT * np.abs(q.value)) for q in start)
     far = _CLOSE if exact else _FAR
     for number, key in enumerate(keys):
@@ -85,12 +83,12 @@ def derivatives(
                     "scene; leave the key out, or the quantity"
                 )
             values = np.array([q.value, *others])
-            slopes[n][key], bars[n][key] = extrapolated(values, q.error, distance)
+            slopes[n][key] = extrapolated(values, q.error, distance)
     method = (
         f"central differences at up to {100 * far:g} and {50 * far:g} %, extrapolated; the bar "
         "holds the truncation, the scatter of the values and the relative error of the value"
     )
-    return [Derivatives(q, s, b, method) for q, s, b in zip(start, slopes, bars, strict=True)]
+    return [Derivatives(q, own, method) for q, own in zip(start, slopes, strict=True)]
 
 
 def _with_extremes(found: Solution, model: str, names: Sequence[str]) -> list[Quantity]:

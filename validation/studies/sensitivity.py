@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any
 
 import numpy as np
 
@@ -134,12 +133,9 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
                 "relation to its size; give drive.voltage and piezo.d31 a value, or ask at "
                 "another frequency or of another quantity"
             )
-
-        def here(by_key: dict[str, Any], i: int = i) -> dict[str, Any]:
-            return {key: np.atleast_1d(entry)[i] for key, entry in by_key.items()}
-
         phase = np.conj(values[i]) / value if np.iscomplexobj(values) else 1.0
-        slopes = {key: float((phase * slope).real) for key, slope in here(result.slopes).items()}
+        here = {key: [np.atleast_1d(of)[i] for of in both] for key, both in result.slopes.items()}
+        slopes = {key: float((phase * slope).real) for key, (slope, _) in here.items()}
         scales = {key: float(value_of(scene, key)) / value for key in slopes}
         columns.append(
             SensitivityColumn(
@@ -151,7 +147,7 @@ def _columns(scene: Scene, result: Derivatives) -> list[SensitivityColumn]:
                 derivatives=slopes,
                 logarithmic={key: slope * scales[key] for key, slope in slopes.items()},
                 model=q.model,
-                bars={k: float(bar) * abs(scales[k]) for k, bar in here(result.bars).items()},
+                bars={key: float(bar) * abs(scales[key]) for key, (_, bar) in here.items()},
                 method=result.method,
                 modelling=modelling_at(q, i if np.ndim(q.value) else ()),
                 modelling_error=float(np.atleast_1d(q.modelling_error)[i]),

@@ -27,9 +27,6 @@ from tactgen.validation.studies.whatif.axes import shown_point
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.study import Study
 
-#: 97.5 % quantile of the normal distribution.
-_NORMAL = 1.959963984540054
-
 
 @dataclass(frozen=True)
 class Judged:
@@ -187,11 +184,10 @@ def pareto(
 
 def yield_interval(met: int, of: int) -> tuple[float, float]:
     """95 % interval of a share that was counted (Wilson 1927)."""
-    z2 = _NORMAL**2
-    share = met / of
-    centre = (share + z2 / (2 * of)) / (1.0 + z2 / of)
-    half = _NORMAL / (1.0 + z2 / of) * math.sqrt(share * (1 - share) / of + z2 / (4 * of**2))
-    return max(0.0, centre - half), min(1.0, centre + half)
+    from scipy.stats import binomtest  # slow to import
+
+    low, high = binomtest(met, of).proportion_ci(method="wilson")
+    return float(low), float(high)
 
 
 #: Most points that are listed.
@@ -247,10 +243,10 @@ def _sentences(study: Study, found: Verdict) -> list[str]:
 
 def as_values(study: Study, found: Verdict) -> dict[str, Any]:
     """Verdict as plain JSON values, SI units."""
-    share = list(yield_interval(len(found.met), len(found.judged)))
+    counts, sampled = (len(found.met), len(found.judged)), study.statement.samples
     return {
         "models": found.models, "aims": [aim.text for aim in found.aims],
-        "judged": len(found.judged), "met": len(found.met), "undecided": len(found.undecided),
-        "yield_interval_95": share if study.statement.samples else None,
+        "judged": counts[1], "met": counts[0], "undecided": len(found.undecided),
+        "yield_interval_95": list(yield_interval(*counts)) if sampled else None,
         "best": [{"at": study.points[one.number], **one.values} for one in found.best],
     }  # fmt: skip
