@@ -196,22 +196,6 @@ def screen_lines(quantities: Iterable[Quantity]) -> Iterator[str]:
             yield f"{q.name:26} {q.model:12} {label:>10}  {value:>28}  {error:>9}  {modelling:>16}"
 
 
-def format_modelling(value: Any, expected: Any, error: float) -> str:
-    """Known relative difference from the most detailed model, and its own error.
-
-    Of complex numbers the largest relative difference that is possible.
-    """
-    size = float(abs(expected))
-    if not (np.isfinite(size) and np.isfinite(error)) or not size:
-        return NONE if value == expected and error == 0.0 else NOT_KNOWN
-    if abs(value - expected) + error < _NOTHING * size:
-        return NONE
-    if np.iscomplexobj(value) or np.iscomplexobj(expected):
-        return f"± {share((abs(value - expected) + error) / size)}"
-    percent = 100.0 * (float(value) / float(expected) - 1.0)
-    return f"{'' if value == expected else f'{two_digits(percent):+g} '}± {share(error / size)}"
-
-
 def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str, str]]:
     if q.value.ndim > 1:
         yield "", f"5x5 at {len(q.frequency or ())} frequencies: --json", "", ""
@@ -233,12 +217,24 @@ def _screen_cells(q: Quantity) -> Iterator[tuple[str, str, str, str]]:
 
 
 def modelling_at(q: Quantity, place: Any) -> str:
-    """Modelling error of one value of a quantity as people read it."""
+    """Modelling error of one value of a quantity as people read it.
+
+    The known relative difference from the most detailed model, and its own error; of complex
+    numbers the largest relative difference that is possible.
+    """
     if q.modelling is None:
         return NONE if MODELS[q.model].detailed else NOT_KNOWN
     values = (q.value, q.modelling.expected, q.modelling.error)
     value, expected, error = (np.asarray(one)[place if np.ndim(one) else ()] for one in values)
-    return format_modelling(value, expected, float(error))
+    size, error = float(abs(expected)), float(error)
+    if not (np.isfinite(size) and np.isfinite(error)) or not size:
+        return NONE if value == expected and error == 0.0 else NOT_KNOWN
+    if abs(value - expected) + error < _NOTHING * size:
+        return NONE
+    if np.iscomplexobj(value) or np.iscomplexobj(expected):
+        return f"± {share((abs(value - expected) + error) / size)}"
+    percent = 100.0 * (float(value) / float(expected) - 1.0)
+    return f"{'' if value == expected else f'{two_digits(percent):+g} '}± {share(error / size)}"
 
 
 def bracketed(modelling: str) -> str:
@@ -269,7 +265,7 @@ class Representative:
     what: str
     at: float | None = None  #: Frequency (Hz) of the largest or least
     suffix: str = ""  #: The mode's class as of :func:`class_suffix`
-    modelling: str = NOT_KNOWN  #: Modelling error as of :func:`format_modelling`
+    modelling: str = NOT_KNOWN  #: Modelling error as of :func:`modelling_at`
 
     @property
     def text(self) -> str:

@@ -15,13 +15,7 @@ import numpy as np
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import engineering, percent, prefixed, share, with_error
-from tactgen.validation.engine.answers import (
-    COLUMNS,
-    NOT_KNOWN,
-    bracketed,
-    quantity_rows,
-    representative,
-)
+from tactgen.validation.engine.answers import COLUMNS, quantity_rows, representative
 from tactgen.validation.scene.load import checked_scene, load_scene, scene_values
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene
@@ -331,7 +325,7 @@ def _shown(number: Number) -> str:
     The modelling error, which both sides mostly share, stands in brackets.
     """
     value = number.size
-    beside = bracketed(NOT_KNOWN)
+    beside = " (?)"
     if not math.isnan(number.modelling):
         off = number.modelling / abs(value) if value else 0.0
         beside = f" (± {share(off)})" if off else ""
