@@ -208,10 +208,10 @@ def _show(
     where = f", written to {options.out}" if options.out else ""
     size = len(study.points)
     by = f" by {many} models" if (many := len(study.statement.models)) > 1 else ""
-    between = f", {counts.interpolated} interpolated" if counts.interpolated else ""
+    between = f", {counts['interpolated']} interpolated" if counts["interpolated"] else ""
     print(
-        f"{size} point{'s' if size > 1 else ''}{by}: {counts.computed} answers computed"
-        f"{between}, {counts.recalled} kept "
-        f"from before, {counts.failed} failed, {counts.refused} refused{where}",
+        f"{size} point{'s' if size > 1 else ''}{by}: {counts['computed']} answers computed"
+        f"{between}, {counts['recalled']} kept "
+        f"from before, {counts['failed']} failed, {counts['refused']} refused{where}",
         file=sys.stderr,
     )

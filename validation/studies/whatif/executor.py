@@ -103,7 +103,7 @@ def execute(
     count = min(jobs or (1 if quick else core_count()), len(batches))
     with contextlib.ExitStack() as stack:
         if scheduler:
-            found = _pooled(batches, stack.enter_context(_connected(scheduler, models)))
+            found = _pooled(batches, _connected(scheduler, models, stack))
         elif count > 1:
             found = _pooled(batches, _Processes(count, retry, stack))
         else:
@@ -223,9 +223,8 @@ def check_workers(own: Build, workers: Mapping[str, Build | Exception]) -> None:
         )
 
 
-@contextlib.contextmanager
-def _connected(address: str, models: Sequence[str]) -> Iterator[_Cluster]:
-    """Give the workers of a scheduler; InputError if there are none of use."""
+def _connected(address: str, models: Sequence[str], stack: contextlib.ExitStack) -> _Cluster:
+    """Workers of a scheduler, until the stack closes; InputError if there are none of use."""
     try:
         from distributed import Client
     except ImportError:
@@ -240,19 +239,17 @@ def _connected(address: str, models: Sequence[str]) -> Iterator[_Cluster]:
             f"no Dask scheduler answers at {address} within {PATIENCE:g} s "
             f"({type(error).__name__}); start one with dask scheduler, or leave --scheduler out"
         ) from None
+    stack.callback(client.close, timeout=PATIENCE)
     try:
-        try:
-            client.wait_for_workers(1, timeout=PATIENCE)
-        except TimeoutError:
-            raise InputError(
-                f"the scheduler at {address} has no worker after {PATIENCE:g} s; start some with "
-                f"dask worker {address} --nthreads 1"
-            ) from None
-        own = build(models)
-        check_workers(own, client.run(build, models, on_error="return"))
-        yield _Cluster(client, models, own)
-    finally:
-        client.close(timeout=PATIENCE)
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError:
+        raise InputError(
+            f"the scheduler at {address} has no worker after {PATIENCE:g} s; start some with "
+            f"dask worker {address} --nthreads 1"
+        ) from None
+    own = build(models)
+    check_workers(own, client.run(build, models, on_error="return"))
+    return _Cluster(client, models, own)
 
 
 class _Cluster:

@@ -283,7 +283,7 @@ def search(
     inside = all(of.first <= own[key] <= of.second for key, of in ranges.items())
     present = spread[0] if inside else points.outside(own)
     return SearchResult(statement, ranges, aims, found, met, present, len(points.tried),
-                 points.solver.interpolated)  # fmt: skip
+                 points.solver.counts["interpolated"])  # fmt: skip
 
 
 def _apart(places: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:

@@ -9,7 +9,7 @@ import csv
 import io
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -224,7 +224,5 @@ def as_json(study: Study) -> dict[str, Any]:
             }
             for point, model, answer in study.rows
         ],
-        "counts": {
-            "points": len(study.points), "models": len(stated.models), **asdict(study.counts),
-        },
+        "counts": {"points": len(study.points), "models": len(stated.models), **study.counts},
     }  # fmt: skip

@@ -29,21 +29,8 @@ _Place = tuple[int, str]
 _Asked = int | Answer
 #: A sentence, the number of its point, its model.
 _Said = tuple[str, int, str]
+_COUNTED = ("recalled", "computed", "failed", "refused", "interpolated")
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
-
-
-@dataclass(frozen=True)
-class Counts:
-    """Counts of answers recalled, computed, failed and refused.
-
-    `interpolated` points were read off surrogates besides.
-    """
-
-    recalled: int
-    computed: int
-    failed: int
-    refused: int
-    interpolated: int = 0
 
 
 @dataclass(frozen=True)
@@ -54,7 +41,8 @@ class Study:
     #: Values of the axes by key, in the order of :meth:`Statement.points`
     points: tuple[dict[str, Any], ...]
     answers: tuple[dict[str, Answer], ...]  #: By model, one for each point
-    counts: Counts
+    #: How many answers were recalled, computed, failed, refused and read off surrogates besides
+    counts: dict[str, int]
 
     @property
     def rows(self) -> Iterator[tuple[dict[str, Any], str, Answer]]:
@@ -141,7 +129,7 @@ def run_study(
     solver = StudySolver(statement, processes, scheduler, announce, retry=retry)
     answers = solver.answers(points)
     _refuse_if_no_scene(len(points), [found for each in answers for found in each.values()])
-    return Study(statement, points, answers, solver.counts(answers))
+    return Study(statement, points, answers, solver.counts)
 
 
 class StudySolver:
@@ -167,15 +155,8 @@ class StudySolver:
         self._numbers: dict[str, int] = {}
         self._solved: dict[int, Answer] = {}
         self._surrogates: dict[str, Surrogate | None] = {}
-        self.recalled = self.computed = self.interpolated = 0
-
-    def counts(self, answers: Sequence[dict[str, Answer]]) -> Counts:
-        """Where answers came from."""
-        every = [found.status for each in answers for found in each.values()]
-        return Counts(
-            self.recalled, self.computed, every.count("failed"), every.count("refused"),
-            self.interpolated,
-        )  # fmt: skip
+        #: Of answers, as of :class:`Study`
+        self.counts = dict.fromkeys(_COUNTED, 0)
 
     def answers(self, points: Sequence[dict[str, Any]]) -> tuple[dict[str, Answer], ...]:
         """Answers by model at points (values by key), refusals among them."""
@@ -189,6 +170,8 @@ class StudySolver:
         self._solve()
         for place, one in asked.items():
             found[place] = one if isinstance(one, Answer) else self._solved[one]
+        for status in ("failed", "refused"):
+            self.counts[status] += sum(each.status == status for each in found.values())
         models = self._statement.models
         return tuple({m: found[number, m] for m in models} for number in range(len(points)))
 
@@ -252,7 +235,7 @@ class StudySolver:
         if surrogate is None:
             return {}
         answers = part.answers(surrogate, points, self._announce)
-        self.interpolated += sum(each.status == "ok" for each in answers.values())
+        self.counts["interpolated"] += sum(each.status == "ok" for each in answers.values())
         return {(number, part.model): answer for number, answer in answers.items()}
 
     def _solve(self) -> None:
@@ -261,8 +244,8 @@ class StudySolver:
         kept = {n: a for n, q in new.items() if (a := q.recall(retry=self._retry))}
         left = {n: asked for n, asked in new.items() if n not in kept}
         self._solved |= kept
-        self.recalled += len(kept)
-        self.computed += len(left)
+        self.counts["recalled"] += len(kept)
+        self.counts["computed"] += len(left)
         self._solved.update(execute(left, *self._workers, self._announce, retry=self._retry))
 
 
