@@ -52,6 +52,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.warnings import modelling_warnings
 from tactgen.validation.scene.parameter_list import parameter_rows
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.scene.variation import with_values
 from tactgen.validation.studies.length_map import (
     actuator,
     band_points,
@@ -312,8 +313,7 @@ def design(scene: Scene, aim: Aim) -> Design:
 
 def _doubts(scene: Scene, length: float) -> tuple[str, ...]:
     """Warning of a large modelling error at a length (m)."""
-    bimorph = scene.bimorph.model_copy(update={"length": length})
-    asked = scene.model_copy(update={"bimorph": bimorph})
+    asked = with_values(scene, {_LENGTH: length})
     found = solve(asked, ("tmm",), (STATIC_TIP_DISPLACEMENT.name,))
     return tuple(modelling_warnings(found.quantities))
 

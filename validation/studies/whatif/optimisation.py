@@ -81,20 +81,16 @@ class Tried:
 class SearchResult:
     """Result of a search."""
 
-    statement: Statement  #: What was asked, scene and models among it
-    ranges: dict[str, Distribution]  #: By key
-    aims: tuple[Aim, ...]
+    points: Points  #: All that were tried, with what was asked
     best: Tried  #: The best point, or, if none meets all conditions, the one that comes nearest
     met: bool  #: Whether it meets them
     present: Tried  #: The scene's own values, within the ranges or not
-    #: Number of points, and of answers from a surrogate among them
-    tried: int
-    interpolated: int
 
     @property
     def at_end(self) -> tuple[str, ...]:
         """Keys whose best value is an end of the range."""
-        shares = {key: of.share(self.best.values[key]) for key, of in self.ranges.items()}
+        ranges = self.points.ranges.items()
+        shares = {key: of.share(self.best.values[key]) for key, of in ranges}
         return tuple(key for key, share in shares.items() if min(share, 1.0 - share) < _END)
 
 
@@ -105,27 +101,28 @@ def as_values(found: SearchResult) -> dict[str, Any]:
         unknown: dict[str, Any] = {"margins": [], "bars": [], "peaks": []}
         return {"at": one.values, **(one.judged.values if one.judged else unknown)}
 
+    points, stated = found.points, found.points.statement
     return {
-        "scene": found.statement.scene, "conditions": found.statement.conditions,
-        "models": list(found.statement.models),
-        "ranges": {key: [of.first, of.second] for key, of in found.ranges.items()},
-        "aims": [aim.text for aim in found.aims], "met": found.met, "best": point(found.best),
-        "present": point(found.present), "ends": list(found.at_end), "points": found.tried,
-        "interpolated": found.interpolated,
+        "scene": stated.scene, "conditions": stated.conditions, "models": list(stated.models),
+        "ranges": {key: [of.first, of.second] for key, of in points.ranges.items()},
+        "aims": [aim.text for aim in points.aims], "met": found.met, "best": point(found.best),
+        "present": point(found.present), "ends": list(found.at_end), "points": len(points.tried),
+        "interpolated": points.solver.counts["interpolated"],
     }  # fmt: skip
 
 
 def sentences(found: SearchResult) -> list[str]:
     """Result in sentences."""
-    models = ", ".join(found.statement.models)
+    points, stated = found.points, found.points.statement
+    models, has_goal = ", ".join(stated.models), any(aim.kind == "goal" for aim in points.aims)
     if not found.met:
         head = f"No point of the ranges meets all aims by {models}; this one comes nearest:"
-    elif any(aim.kind == "goal" for aim in found.aims):
+    elif has_goal:
         head = f"Best by {models}:"
     else:
         head = f"Nearest to the scene's own that meets all aims by {models}:"
     lines = [
-        *filter(None, [found.statement.conditions]),
+        *filter(None, [stated.conditions]),
         head,
         *(f"  {key} = {scene_field(key).show(v)}" for key, v in found.best.values.items()),
     ]
@@ -139,9 +136,10 @@ def sentences(found: SearchResult) -> list[str]:
         before = present.margins[n].text if present else "unknown"
         lines.append(f"  {margin.aim.text}: {margin.text}{edge}; before: {before}")
     lines += [f"{key} is at an end of its range, beyond which there may be better"
-              for key in found.at_end if any(aim.kind == "goal" for aim in found.aims)]  # fmt: skip
-    among = f", {found.interpolated} of their answers interpolated" if found.interpolated else ""
-    lines.append(f"{found.tried} points tried{among}.")
+              for key in found.at_end if has_goal]  # fmt: skip
+    interpolated = points.solver.counts["interpolated"]
+    among = f", {interpolated} of their answers interpolated" if interpolated else ""
+    lines.append(f"{len(points.tried)} points tried{among}.")
     return lines
 
 
@@ -282,8 +280,7 @@ def search(
     met = found.judged is not None and points.shortfall(found.judged) == 0.0
     inside = all(of.first <= own[key] <= of.second for key, of in ranges.items())
     present = spread[0] if inside else points.outside(own)
-    return SearchResult(statement, ranges, aims, found, met, present, len(points.tried),
-                 points.solver.counts["interpolated"])  # fmt: skip
+    return SearchResult(points, found, met, present)
 
 
 def _apart(places: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:

@@ -14,7 +14,6 @@ from tactgen.validation.catalogue.models import gives
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.show.page import data_script, plain_page, table
 from tactgen.validation.studies.whatif.aim_evaluation import Verdict, sentences
-from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.output_files import (
     column,
     heading,
@@ -44,7 +43,9 @@ def write_page(folder: Path, study: Study, found: Sequence[Verdict] | None = Non
         parts += ["<h2>Aims</h2>", f'<pre style="white-space: pre-wrap">{text}</pre>']
         if found:
             parts += _figure(lambda: aim_picture(study, found))
-    if _has_sliders(stated):
+    # a grid of points over axes of which one at least is a number
+    is_grid = not stated.zipped and not stated.samples and stated.size <= _MOST
+    if is_grid and any(axis.numeric for axis in stated.axes):
         parts += _sliders(study)
     parts += ["<h2>Picture</h2>", *_figure(lambda: study_picture(study))]
     if statistics := sample_statistics(study):
@@ -65,12 +66,6 @@ def _figure(draw: Callable[[], str]) -> list[str]:
         return [f"<figure>{draw()}</figure>"]
     except InputError as error:  # no axis is a number
         return [f"<p>No picture: {html.escape(str(error))}</p>"]
-
-
-def _has_sliders(stated: Statement) -> bool:
-    """Whether the points are a grid over axes of which one at least is a number."""
-    plain = not stated.zipped and not stated.samples
-    return plain and stated.size <= _MOST and any(axis.numeric for axis in stated.axes)
 
 
 def _sliders(study: Study) -> list[str]:
