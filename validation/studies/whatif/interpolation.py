@@ -111,22 +111,18 @@ class Part:
         found: dict[int, Answer] = {}
         for start in range(0, len(self.numbers), _BLOCK):
             announce(f"{self.model}: {start} of {len(self.numbers)} points interpolated")
-            block, scenes = [], []
+            scenes: dict[int, Scene] = {}
             for number in self.numbers[start : start + _BLOCK]:
                 try:
-                    scenes.append(self.scene(points[number]))
+                    scenes[number] = self.scene(points[number])
                 except InputError as error:
                     found[number] = Answer("refused", reason(error))
-                else:
-                    block.append(number)
-            if not block:
-                continue
             values: dict[str, Floats] = {
-                key: np.array([float(points[n][key]) for n in block]) for key in self.ranges
+                key: np.array([float(points[n][key]) for n in scenes]) for key in self.ranges
             }
-            for number, scene, given in zip(block, scenes, surrogate.answers(values), strict=True):
-                answer = _with_warnings(scene, self.model, given)
-                if answer is not None:
+            known = surrogate.answers(values) if scenes else ()
+            for (number, scene), given in zip(scenes.items(), known, strict=True):
+                if answer := _with_warnings(scene, self.model, given):
                     found[number] = answer
         return found
 
