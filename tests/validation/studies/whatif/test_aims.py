@@ -22,16 +22,15 @@ from tactgen.validation.studies.whatif.aim_evaluation import (
     Verdict,
     as_values,
     judged,
-    margin_in_words,
     pareto,
     parse_aims,
     sentences,
     verdicts,
     yield_interval,
 )
-from tactgen.validation.studies.whatif.aims import at_threshold, parse_aim
+from tactgen.validation.studies.whatif.aims import Margin, at_threshold, parse_aim
+from tactgen.validation.studies.whatif.axes import Distribution
 from tactgen.validation.studies.whatif.definition import Statement
-from tactgen.validation.studies.whatif.optimisation import Range
 from tactgen.validation.studies.whatif.study import run_study
 
 
@@ -74,7 +73,7 @@ def test_aims_mean_what_they_say(text, margin):
 def test_an_aim_carries_the_error_bars():
     """A ratio of two numbers: the larger change of each, added."""
     aim = parse_aim("first(short_circuit_frequencies) / first(tip_displacement) >= 0 Hz / 1 um")
-    _, bar = aim.margin_with_bar(KNOWN)
+    bar = aim.judged(KNOWN).bar
     assert bar == pytest.approx(2.0 / 4e-6 + 400.0 * (1 / 3.9e-6 - 1 / 4e-6), rel=1e-9)
 
 
@@ -158,13 +157,13 @@ def test_a_margin_within_the_modelling_error_is_said():
     """5 % too much by beam theory: what lies that close to the edge the solid may see otherwise."""
     found = study("bimorph.length=18mm,22mm")
     (met,) = verdicts(found, parse_aims(["static_tip_displacement >= 0.78 um"]))
-    assert [one.near(0) for one in met.judged] == [True, False]
+    assert [one.margins[0].near for one in met.judged] == [True, False]
     for one, at in zip(met.judged, found.answers, strict=True):
-        assert one.modelling == pytest.approx([at["tmm"].quantities[0].modelling_error], rel=1e-6)
-        assert one.values["modelling_errors"] == list(one.modelling)
+        off = at["tmm"].quantities[0].modelling_error
+        assert one.values["modelling_errors"] == pytest.approx([off], rel=1e-6)
     said = sentences(found, [met])
     assert any("than the modelling error: 1 of 2 points" in line for line in said)
-    assert f"(± {1e9 * met.judged[1].modelling[0]:.2g} nm)" in said[-2]
+    assert f"(± {1e9 * met.judged[1].margins[0].modelling:.2g} nm)" in said[-2]
 
 
 def test_each_model_has_a_verdict_of_its_own():
@@ -207,19 +206,18 @@ def test_the_command_says_yield_and_best(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("text", "margin", "modelling", "words"),
     [
-        ("minimise 2 * magnetic_force", -18.6e-3, (), "18.60 ± 0.10 mN"),
-        ("min_over(tip_displacement / threshold) >= 1", 0.5, (), "margin 0.50 ± 0.10"),
-        ("min_over(tip_displacement - threshold) >= 2 um", -2e-6, (), "margin -2.00 ± 0.10 µm"),
-        ("magnetic_force * static_tip_displacement <= 1 nJ", 5.0, (),
+        ("minimise 2 * magnetic_force", -18.6e-3, 0.0, "18.60 ± 0.10 mN"),
+        ("min_over(tip_displacement / threshold) >= 1", 0.5, 0.0, "margin 0.50 ± 0.10"),
+        ("min_over(tip_displacement - threshold) >= 2 um", -2e-6, 0.0, "margin -2.00 ± 0.10 µm"),
+        ("magnetic_force * static_tip_displacement <= 1 nJ", 5.0, 0.0,
          "margin 5.00 ± 0.10 kg*m**2/s**2"),
-        ("minimise magnetic_force", -18.6e-3, (1e-3,), "18.60 ± 0.10 mN (± 1 mN)"),
+        ("minimise magnetic_force", -18.6e-3, 1e-3, "18.60 ± 0.10 mN (± 1 mN)"),
     ],
 )  # fmt: skip
 def test_margins_carry_the_unit_of_what_is_compared(text, margin, modelling, words):
     """As a quantity has it; where none named has it, in base units without a prefix."""
     aim, bar = parse_aim(text), {"N": 0.1e-3, "m": 0.1e-6}
-    judged = Judged(0, "tmm", ((margin, bar.get(aim.unit, 0.1)),), modelling)
-    assert margin_in_words(aim, judged, 0) == words
+    assert Margin(aim, margin, bar.get(aim.unit, 0.1), modelling).text == words
 
 
 def test_keys_of_a_scene_are_values_of_a_point():
@@ -229,8 +227,8 @@ def test_keys_of_a_scene_are_values_of_a_point():
     aims = parse_aims(["minimise bimorph.length * bimorph.width",
                        "bimorph.layers.2.end/bimorph.length<=50 %"])  # fmt: skip
     (found,) = judged(statement, aims, 0, {"bimorph.length": 18e-3}, {"tmm": Answer("ok", "")})
-    assert [margin for margin, _ in found.margins] == pytest.approx([-18e-3 * 2.1e-3, 0.0])
-    assert [bar for _, bar in found.margins] == [0.0, 0.0]
+    assert [m.value for m in found.margins] == pytest.approx([-18e-3 * 2.1e-3, 0.0])
+    assert [m.bar for m in found.margins] == [0.0, 0.0]
     assert [aim.unit for aim in aims] == ["m**2", "1"]
 
 
@@ -250,7 +248,7 @@ def test_aims_with_keys_leave_out_what_is_no_scene(capsys):
 def test_what_a_verdict_says():
     """In words and as plain values; an interval of the yield only of drawn devices."""
     condition = parse_aim("first(short_circuit_frequencies) > 0.5 kHz")
-    points = tuple(Judged(n, "tmm", ((10.0 * n, 0.5),)) for n in range(7))
+    points = tuple(Judged(n, "tmm", (Margin(condition, 10.0 * n, 0.5),)) for n in range(7))
     study = SimpleNamespace(
         points=[{"gap": 1e-4 * n} for n in range(7)], statement=SimpleNamespace(samples=7)
     )
@@ -265,7 +263,9 @@ def test_what_a_verdict_says():
     said = as_values(study, verdict)
     assert (said["judged"], said["met"], said["undecided"]) == (7, 1, 1)
     at = {"gap": pytest.approx(6e-4)}
-    assert said["best"] == [{"at": at, "margins": [60.0], "bars": [0.5], "peaks": []}]
+    assert said["best"] == [
+        {"at": at, "margins": [60.0], "bars": [0.5], "peaks": [None], "modelling_errors": [0.0]}
+    ]
     study.statement.samples = 0
     assert as_values(study, verdict)["yield_interval_95"] is None
 
@@ -368,7 +368,7 @@ def test_the_normal_actuator_by_its_quick_model(capsys):
 
 
 def test_ends_of_a_range_are_exact():
-    by_ratio = Range("gap", 1e-4, 3e-3, logarithmic=True)
+    by_ratio = Distribution("loguniform", 1e-4, 3e-3)
     assert (by_ratio.at(0.0), by_ratio.at(1.0)) == (1e-4, 3e-3)
     assert by_ratio.share(by_ratio.at(0.3)) == pytest.approx(0.3, abs=1e-12)
     assert by_ratio.share(1.0) == 1.0

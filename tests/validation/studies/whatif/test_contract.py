@@ -149,7 +149,7 @@ def test_a_surrogate_is_named_and_what_it_is_made_from_counted(own_store, monkey
     (said,) = before.interpolated
     assert said.startswith("solid: 12 points differ in bimorph.length only")
     counts = run_study(asked, 1).counts
-    assert (counts.computed, counts.interpolated) == (9, 12)
+    assert (counts["computed"], counts["interpolated"]) == (9, 12)
     (after,) = plan_study(asked)
     assert (after.kept, after.solved) == (9, 0)
 

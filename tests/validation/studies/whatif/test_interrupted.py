@@ -256,7 +256,7 @@ def test_a_cluster_answers_as_this_machine_does_and_the_client_keeps_it(
     asked = statement(2, "modes=1")
     study = run_study(asked, scheduler=ADDRESS)
     assert (there.address, there.status) == (ADDRESS, "closed")
-    counts = [(of.counts.computed, of.counts.recalled) for of in (study, run_study(asked))]
+    counts = [(of.counts["computed"], of.counts["recalled"]) for of in (study, run_study(asked))]
     assert counts == [(4, 0), (0, 4)]
     monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "another"))
     assert_same(study, run_study(asked))
@@ -338,7 +338,7 @@ def test_a_real_cluster_of_which_a_worker_is_killed(own_store, monkeypatch, tmp_
 
         study = run_study(asked, announce=kill_one, scheduler=there.scheduler_address)
     assert killed
-    assert study.counts.computed == 160
+    assert study.counts["computed"] == 160
     monkeypatch.setenv("TACTGEN_CACHE", str(tmp_path / "another"))
     monkeypatch.setenv("TACTGEN_THREADS", "1")
     assert_same(study, run_study(asked, 1))

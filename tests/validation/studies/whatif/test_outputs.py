@@ -14,9 +14,9 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene, scene_values
 from tactgen.validation.studies.whatif import output_files, pictures
 from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdicts
+from tactgen.validation.studies.whatif.arrays import dataset
 from tactgen.validation.studies.whatif.definition import Statement
 from tactgen.validation.studies.whatif.output_files import (
-    dataset,
     sample_statistics,
     statistics_lines,
     write_statistics,
@@ -214,8 +214,9 @@ def test_sliders_and_choices_change_what_is_shown(tmp_path, driven):
     )  # fmt: skip
     values = data["models"][0]["numbers"][STATIC]["value"]
     without = [value if place != 3 else None for place, value in enumerate(values)]
+    before, after = (json.dumps(of, separators=(",", ":")) for of in (values, without))
     found = driven(
-        page.replace(json.dumps(values), json.dumps(without), 1),
+        page.replace(before, after, 1),
         NOTE
         + """note('first'); set('#slider-0', 0); note('shortest'); set('#slider-0', 2);
         note('longest'); set('#sliders select', 1, 'change'); note('finger');
