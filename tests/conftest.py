@@ -20,8 +20,8 @@ gc.disable()
 LONGEST = (
     "report", "test_identification", "test_length_design", "evidence/test_rows",
     "test_stages", "test_declared_inputs", "test_three_d", "test_axisymmetric", "test_stress",
-    "test_sensitivities", "test_bench", "test_bridge", "test_tets", "test_cad", "test_identify",
-    "test_parameter_uncertainty", "test_design", "test_fields", "test_assembly", "test_solid",
+    "test_bench", "test_bridge", "test_tets", "test_cad", "test_identify",
+    "test_design", "test_fields", "test_solid",
     "test_error_bars", "reluctance", "bimorph",
 )  # fmt: skip
 

@@ -19,7 +19,6 @@ from tactgen.geometry.display.layout import axes, spacer_axes
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.contact import lateral_guide, moving_rod, stops_of, tilt_guide
 from tactgen.tmm.generator.equilibrium import RestingPlace, pressed_support, resting_tilt
-from tactgen.tmm.ports.elements import load_tip, spring
 from tactgen.tmm.ports.multiport import (
     LATERAL,
     ROTATION,
@@ -30,8 +29,9 @@ from tactgen.tmm.ports.multiport import (
     respond,
     terminate,
 )
-from tactgen.tmm.reluctance.circuit import CELLS, FULL, circuit
+from tactgen.tmm.ports.supports_and_loads import load_tip, spring
 from tactgen.tmm.reluctance.flux_ladder import Ladder, solve
+from tactgen.tmm.reluctance.magnetic_circuit import CELLS, FULL, circuit
 
 #: What a unit shows to the others.
 UNIT = ("w_tip", "voltage", "w_board", "psi_board")

@@ -22,8 +22,8 @@ from tactgen.fem.piezo.ports import ports_from_blocks
 from tactgen.geometry.arrays import Complex, Floats, Ints
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import MEASURED, Multiport, respond
+from tactgen.tmm.ports.supports_and_loads import attach
 
 
 @storable

@@ -21,6 +21,7 @@ from tactgen.geometry.device.ceramic_constants import (
     completed,
     read_constants,
 )
+from tactgen.geometry.device.ceramic_library import LIBRARY, library_name
 from tactgen.geometry.device.laminate import (
     OWN,
     PLAIN,
@@ -32,14 +33,6 @@ from tactgen.geometry.device.laminate import (
     read_layers,
     read_sizes,
 )
-from tactgen.geometry.device.material_library import (
-    LIBRARY,
-    PAPERS,
-    SHIMS,
-    isotropic_shear,
-    library_name,
-    shim_name,
-)
 from tactgen.geometry.device.materials import (
     Own,
     Piezoceramic,
@@ -49,8 +42,9 @@ from tactgen.geometry.device.materials import (
 )
 from tactgen.geometry.device.parameter_group import PAPER_2, PAPER_4, Parameters, field, printed
 from tactgen.geometry.device.profile import UNIFORM, LengthProfile, Profile
+from tactgen.geometry.device.shim_library import PAPERS, SHIMS, isotropic_shear, shim_name
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.names import nearest
+from tactgen.geometry.synonyms import nearest
 
 
 @dataclass(frozen=True)

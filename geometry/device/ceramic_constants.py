@@ -24,7 +24,7 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.materials import EPS0, Piezoceramic
 from tactgen.geometry.device.parameter_group import NONE, read_list
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.names import nearest
+from tactgen.geometry.synonyms import nearest
 from tactgen.geometry.units import NUMBER, Unit, quoted
 
 _EXAMPLE = "s11 16.4e-12 m^2/N; d33 374 pC/N; k33 0.705"

@@ -22,11 +22,12 @@ import numpy as np
 from pydantic import BeforeValidator, ValidationInfo
 from pydantic.fields import FieldInfo
 
-from tactgen.geometry.device.material_library import LIBRARY, PAPERS, SHIMS, library_name, shim_name
+from tactgen.geometry.device.ceramic_library import LIBRARY, library_name
 from tactgen.geometry.device.materials import Own, Spread
 from tactgen.geometry.device.parameter_group import NONE, read_list
+from tactgen.geometry.device.shim_library import PAPERS, SHIMS, shim_name
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.names import nearest
+from tactgen.geometry.synonyms import nearest
 from tactgen.geometry.units import NUMBER, Unit, quantity, quoted
 
 _EXAMPLE = "brass 0.2 mm; PZT-5A 0.26 mm +x"

@@ -1,6 +1,6 @@
 """A measured load as a CSV file: mechanical impedance or dynamic stiffness over frequency.
 
-Read and refused here; what a model makes of it is in ``tmm/ports/loads``.
+Read and refused here; what a model makes of it is in ``tmm/ports/measured_loads``.
 """
 
 from __future__ import annotations

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from tactgen.geometry import units as u
 from tactgen.geometry.device.bimorph import Bimorph, Glue, Piezo, Shim
+from tactgen.geometry.device.ceramic_library import CERAMICS
 from tactgen.geometry.device.display import Display, Scatter, Skin
-from tactgen.geometry.device.material_library import CERAMICS, SHIMS
 from tactgen.geometry.device.materials import Own, Spread
 from tactgen.geometry.device.parameter_group import PAPER_5, Parameters, field
 from tactgen.geometry.device.reluctance import NOMINAL_GAP, Coil, Rod, Sleeve, Steel
+from tactgen.geometry.device.shim_library import SHIMS
 from tactgen.geometry.device.spring_contact_guide import Contact, Guide, Spring
 from tactgen.geometry.device.support_load_drive import (
     Beam,

@@ -12,7 +12,6 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator
 
 from tactgen.geometry import units as u
-from tactgen.geometry.device.material_library import STEELS, steel_name
 from tactgen.geometry.device.materials import Own
 from tactgen.geometry.device.parameter_group import (
     PAPER_5,
@@ -21,6 +20,7 @@ from tactgen.geometry.device.parameter_group import (
     field,
     printed,
 )
+from tactgen.geometry.device.steel_library import STEELS, steel_name
 
 #: Gap at which the reconstructed normal actuator's axial positions are stated (m).
 NOMINAL_GAP = 0.2e-3

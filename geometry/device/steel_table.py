@@ -12,10 +12,10 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.csv_tables import read_columns
 from tactgen.geometry.device.magnetisation import MU0, MagnetisationCurve, linear
-from tactgen.geometry.device.material_library import STEELS, built_in_curve
 from tactgen.geometry.device.parameters import Steel
+from tactgen.geometry.device.steel_library import STEELS, built_in_curve
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.names import nearest
+from tactgen.geometry.synonyms import nearest
 from tactgen.geometry.units import Unit, quoted
 
 #: A table may be steeper than vacuum by this much: measured curves are rounded to about 1 %.

@@ -1,6 +1,6 @@
 """A measured support as a CSV file: dynamic stiffness over frequency.
 
-Read and refused here; what models make of it is in ``tmm/ports/loads``.
+Read and refused here; what models make of it is in ``tmm/ports/measured_loads``.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tactgen.validation.evidence import peers
-from tactgen.validation.evidence.single_core import on_one_core
+from tactgen.validation.evidence.bench_timing import on_one_core
 
 
 @pytest.fixture

@@ -10,8 +10,8 @@ from tactgen.fem.piezo.port_model import extremes
 from tactgen.fem.piezo.solid import assemble
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.evidence.random_devices import slender_bimorph
 from tactgen.validation.scene.load import load_scene
 

@@ -20,9 +20,9 @@ from tactgen.tmm.beam.scattering import Element, element_stiffness
 from tactgen.tmm.beam.sections import Joint, Section, ceramic_stresses, section
 from tactgen.tmm.beam.span import wavenumbers
 from tactgen.tmm.beam.transfer_matrix import elements
-from tactgen.tmm.ports.elements import tip_matrix
 from tactgen.tmm.ports.excitation import Excitation
 from tactgen.tmm.ports.multiport import Response
+from tactgen.tmm.ports.supports_and_loads import tip_matrix
 
 #: Heights at which the stress is looked for, along the ceramic from its root: a mode of order n
 #: has its largest curvature within a tenth of a wave of one of them up to n = 5.

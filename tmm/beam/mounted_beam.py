@@ -34,8 +34,8 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.span import BLOCK, EPS, Span, blocks, span
-from tactgen.tmm.ports.elements import base_stiffness, tip_stiffness
 from tactgen.tmm.ports.multiport import Response
+from tactgen.tmm.ports.supports_and_loads import base_stiffness, tip_stiffness
 
 
 @dataclass(frozen=True)

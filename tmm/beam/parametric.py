@@ -24,9 +24,9 @@ from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, chain, elements
-from tactgen.tmm.ports.elements import attach, ends_of
 from tactgen.tmm.ports.excitation import ELECTRICAL, excitation_of, excited
 from tactgen.tmm.ports.multiport import MEASURED, Multiport, Response, in_series, respond
+from tactgen.tmm.ports.supports_and_loads import attach, ends_of
 
 #: Values by scene key, each a number or an array over the points.
 Values = Mapping[str, Any]

@@ -18,10 +18,10 @@ from tactgen.tmm.beam.modes import Row, bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, Values, charge_drawn, terminated, tip_response
 from tactgen.tmm.beam.scattering import Element, element_stiffness
 from tactgen.tmm.beam.sections import Section
-from tactgen.tmm.ports.elements import base_stiffness, tip_matrix
 from tactgen.tmm.ports.excitation import ELECTRICAL, PortState, resistor_power
 from tactgen.tmm.ports.multiport import hold, symmetric_form
 from tactgen.tmm.ports.readout import Readout
+from tactgen.tmm.ports.supports_and_loads import base_stiffness, tip_matrix
 
 
 def evaluate(actuator: Actuator, read: Readout, values: Values, frequencies: Floats) -> Complex:

@@ -32,8 +32,8 @@ from tactgen.tmm.generator.contact import (
     stops_of,
     tilt_guide,
 )
-from tactgen.tmm.ports.elements import base_stiffness, load_tip
 from tactgen.tmm.ports.multiport import hold, reduce
+from tactgen.tmm.ports.supports_and_loads import base_stiffness, load_tip
 
 #: Lifts between the stops at which forces are compared, and at each stop, that reach so many
 #: decay lengths of the contact to both sides.

@@ -49,7 +49,6 @@ from tactgen.tmm.generator.equilibrium import (
 )
 from tactgen.tmm.harmonic_balance.balance import LawPoint, Orbit, Oscillator
 from tactgen.tmm.harmonic_balance.steady import Tabulated
-from tactgen.tmm.ports.elements import load_tip
 from tactgen.tmm.ports.multiport import (
     AXIAL,
     CURRENT,
@@ -64,6 +63,7 @@ from tactgen.tmm.ports.multiport import (
     reduce,
     terminate,
 )
+from tactgen.tmm.ports.supports_and_loads import load_tip
 
 #: The rod's ports: its three motions at the top face, and the coil's current.
 ROD = (

@@ -20,8 +20,8 @@ from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.geometry.bimorph.segments import CentreLine
 from tactgen.geometry.device.parameters import Circuit, Drive
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import LATERAL, Multiport, Response, respond
+from tactgen.tmm.ports.supports_and_loads import attach
 
 #: The bimorph's electrical port.
 ELECTRICAL = "voltage"

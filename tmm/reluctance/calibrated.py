@@ -26,7 +26,7 @@ from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.steel_table import magnetisation_curve
 from tactgen.tmm.chebyshev import Products
-from tactgen.tmm.reluctance.circuit import pole_area
+from tactgen.tmm.reluctance.magnetic_circuit import pole_area
 
 #: Coefficients and errors, as ``tactgen calibrate`` writes them.
 FILE = Path(__file__).with_name("calibration.json")

@@ -17,9 +17,9 @@ from tactgen.geometry.device.checks import widest_gap
 from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.circuit import pole_area, widest_circuit
 from tactgen.tmm.reluctance.coenergy_fit import fit
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
+from tactgen.tmm.reluctance.magnetic_circuit import pole_area, widest_circuit
 from tactgen.tmm.reluctance.network import network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force
 

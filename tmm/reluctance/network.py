@@ -16,9 +16,9 @@ from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.parameters import Device, Limits
 from tactgen.geometry.device.winding import winding
 from tactgen.geometry.formats import engineering
-from tactgen.tmm.reluctance.circuit import CELLS, FULL, ONE_GAP, Refinements, circuit
 from tactgen.tmm.reluctance.coenergy_map import Samples
 from tactgen.tmm.reluctance.flux_ladder import LadderSolution, solve
+from tactgen.tmm.reluctance.magnetic_circuit import CELLS, FULL, ONE_GAP, Refinements, circuit
 
 
 def network_samples(

@@ -95,7 +95,7 @@ class _Parser(argparse.ArgumentParser):
 
     def _nearest(self, message: str) -> str:
         """Nearest command, choice or option to a misspelt one."""
-        from tactgen.geometry.names import nearest
+        from tactgen.geometry.synonyms import nearest
 
         chosen = re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message)
         if chosen:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.tmm.beam.ceramic_stress import driven_ceramic
-from tactgen.tmm.ports.elements import attach, load_motion, tip_stiffness
 from tactgen.tmm.ports.excitation import (
     Excitation,
     electrical,
@@ -23,9 +22,10 @@ from tactgen.tmm.ports.excitation import (
     rounding_of_inertia,
     superposed,
 )
-from tactgen.tmm.ports.loads import OF_THE_TABLE, disturbed
+from tactgen.tmm.ports.measured_loads import OF_THE_TABLE, disturbed
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport, Response, reduce, wired
 from tactgen.tmm.ports.readout import ModalReadout, PortMatrix, Readout
+from tactgen.tmm.ports.supports_and_loads import attach, load_motion, tip_stiffness
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.quantities import (
     AnswerReadout,

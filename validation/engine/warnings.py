@@ -15,10 +15,11 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.formats import share as share_of
 from tactgen.tmm.beam.sections import section
-from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.excitation import excitation_of
-from tactgen.tmm.ports.loads import FINGER_RANGE, MeasuredLaw
+from tactgen.tmm.ports.finger_and_pad import FINGER_RANGE
+from tactgen.tmm.ports.measured_loads import MeasuredLaw
 from tactgen.tmm.ports.readout import ModalReadout, Readout
+from tactgen.tmm.ports.supports_and_loads import outside_known_range
 from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import MODELS, gives
 from tactgen.validation.catalogue.quantities import (

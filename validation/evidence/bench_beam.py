@@ -16,12 +16,12 @@ from tactgen.tmm.beam.parametric import Actuator, tip_response
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import BLOCK
 from tactgen.tmm.beam.transfer_matrix import chain
-from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
 from tactgen.tmm.ports.multiport import respond, terminate
+from tactgen.tmm.ports.supports_and_loads import base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.evidence.bench import Bench, Target, Timing
+from tactgen.validation.evidence.bench_timing import least_time, on_one_core, peak_memory
 from tactgen.validation.evidence.cases import textbook_beam
 from tactgen.validation.evidence.cases.exact_beam import relative_error
-from tactgen.validation.evidence.single_core import least_time, on_one_core, peak_memory
 from tactgen.validation.evidence.stress_beam import exactly
 
 #: Ranges of frequency (Hz): the paper's, and one that asks for more.

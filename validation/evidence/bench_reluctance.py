@@ -19,9 +19,9 @@ from tactgen.fem.magnetics.axisymmetric import FieldPoint, solve_map, solve_poin
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.reluctance.map_range import map_grid
 from tactgen.validation.evidence.bench import Bench, Target, Timing
+from tactgen.validation.evidence.bench_timing import least_time, on_one_core
 from tactgen.validation.evidence.cases.ball import potential_of
 from tactgen.validation.evidence.cases.team20 import pole_states
-from tactgen.validation.evidence.single_core import least_time, on_one_core
 
 #: Errors asked for, relative.
 _FORCE, _LINKAGE = 1e-3, 5e-4

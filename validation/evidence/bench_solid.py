@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints
-from tactgen.validation.evidence import bench_jobs
+from tactgen.validation.evidence import bench_solid_jobs
 from tactgen.validation.evidence.bench import Bench, Point, Target, Timing, front, time_at_error
-from tactgen.validation.evidence.bench_jobs import BRICKS, j1, job
+from tactgen.validation.evidence.bench_solid_jobs import BRICKS, j1, job
+from tactgen.validation.evidence.bench_timing import on_one_core
 from tactgen.validation.evidence.peers import PEERS, missing, solve
 from tactgen.validation.evidence.peers.job import Answer, Job
-from tactgen.validation.evidence.single_core import on_one_core
 from tactgen.validation.models.model import BRICK_FACTOR
 
 #: Solves J1, or J2 at the frequencies (Hz) given.
@@ -86,7 +86,7 @@ def ways(*, quick: bool) -> list[Level]:
 
 def own(family: str, fineness: Any) -> Solve:
     """Solution of the jobs by one of our methods at a fineness."""
-    return partial(on_one_core, bench_jobs.__name__, "solve_own", family, fineness)
+    return partial(on_one_core, bench_solid_jobs.__name__, "solve_own", family, fineness)
 
 
 def _peer_ways(peer: str, *, quick: bool) -> list[Level]:

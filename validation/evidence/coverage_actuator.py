@@ -20,7 +20,7 @@ from tactgen.tmm.generator.transient.system import System
 from tactgen.tmm.generator.transient.time_integration import Answer, output_at, simulate
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
 from tactgen.tmm.reluctance.calibrated import VALUES, State, sizes
-from tactgen.tmm.reluctance.circuit import CELLS
+from tactgen.tmm.reluctance.magnetic_circuit import CELLS
 from tactgen.tmm.reluctance.map_range import map_grid, network_map
 from tactgen.tmm.reluctance.network import DirectForce, network_samples
 from tactgen.tmm.reluctance.switching import between_stops, spring_force

@@ -21,8 +21,8 @@ from tactgen.geometry.device.checks import beyond_plain_layers
 from tactgen.tmm.beam.dimensionless_groups import laminate
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate
 from tactgen.validation.evidence.cases import exact_beam as exact

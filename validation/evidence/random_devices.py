@@ -12,10 +12,11 @@ from typing import TypeAlias, TypeVar
 
 import numpy as np
 
-from tactgen.geometry.device.material_library import LIBRARY, STEELS
+from tactgen.geometry.device.ceramic_library import LIBRARY
+from tactgen.geometry.device.steel_library import STEELS
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.calibrated import BROADEST, STOUTEST
-from tactgen.tmm.ports.loads import FINGER_RANGE
+from tactgen.tmm.ports.finger_and_pad import FINGER_RANGE
 
 #: Draws after which no device is looked for any more: at most one in two of those sampled here is
 #: refused, so it is the model that refuses all.

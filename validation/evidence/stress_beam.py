@@ -25,7 +25,7 @@ from tactgen.tmm.beam.mounted_beam import mounted_response
 from tactgen.tmm.beam.sections import Section, section
 from tactgen.tmm.beam.span import EPS, dynamic_stiffness, rounding
 from tactgen.tmm.beam.transfer_matrix import chain
-from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
+from tactgen.tmm.ports.supports_and_loads import base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.evidence.cases.exact_beam import offset
 from tactgen.validation.evidence.judgement import Family, Judged

@@ -24,7 +24,7 @@ from tactgen.geometry.bimorph.bricks import LEVELS, Axis, BrickMeshing, Bricks, 
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.device.parameters import Bimorph, Device, Shim
 from tactgen.geometry.meshing.mesh import Mesh
-from tactgen.validation.evidence.bench_jobs import layered_tetrahedra
+from tactgen.validation.evidence.bench_solid_jobs import layered_tetrahedra
 from tactgen.validation.evidence.coverage_bimorph import Case, judged
 from tactgen.validation.evidence.judgement import Family
 from tactgen.validation.evidence.stress_driven import shim

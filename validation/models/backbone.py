@@ -32,9 +32,9 @@ from tactgen.tmm.harmonic_balance.steady import (
     resolved,
     unstable_exponents,
 )
-from tactgen.tmm.ports.elements import ends_of
 from tactgen.tmm.ports.multiport import Multiport, wired
 from tactgen.tmm.ports.readout import measured
+from tactgen.tmm.ports.supports_and_loads import ends_of
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.scene.inputs import values_read
 from tactgen.validation.scene.scene import Scene

@@ -52,7 +52,7 @@ class NeighbourField:
 def by_network(scene: Scene) -> NeighbourField:
     """Network's estimate."""
     from tactgen.tmm.display import network_forces
-    from tactgen.tmm.reluctance.circuit import CELLS
+    from tactgen.tmm.reluctance.magnetic_circuit import CELLS
 
     current, gap = scene.display.coil_current, scene.gap
     fine, coarse = (

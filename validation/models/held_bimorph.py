@@ -19,7 +19,7 @@ from tactgen.tmm.generator.transient.machine import bimorph_modes
 from tactgen.tmm.generator.transient.system import Output, System
 from tactgen.tmm.generator.transient.time_integration import Answer, simulate
 from tactgen.tmm.generator.transient.waveform import Sources, Waveform
-from tactgen.tmm.ports.elements import Chain, chain_of
+from tactgen.tmm.ports.supports_and_loads import Chain, chain_of
 from tactgen.validation.scene.scene import Scene
 
 #: Modes up to this frequency (Hz) move; those above follow statically.

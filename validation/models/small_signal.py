@@ -23,13 +23,13 @@ from tactgen.tmm.generator.equilibrium import (
 )
 from tactgen.tmm.generator.small_signal import Linearised, axial_poles, joined, linearised, machine
 from tactgen.tmm.generator.transient.time_integration import error_bar
-from tactgen.tmm.ports.elements import load_tip
-from tactgen.tmm.ports.loads import disturbed
+from tactgen.tmm.ports.measured_loads import disturbed
 from tactgen.tmm.ports.multiport import Multiport, respond, wired
 from tactgen.tmm.ports.readout import measured
-from tactgen.tmm.reluctance.circuit import CELLS
+from tactgen.tmm.ports.supports_and_loads import load_tip
 from tactgen.tmm.reluctance.coenergy_fit import thinned
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
+from tactgen.tmm.reluctance.magnetic_circuit import CELLS
 from tactgen.tmm.reluctance.network import DirectForce
 from tactgen.validation.models.model import Estimate, Refined, rounding_of_ports
 from tactgen.validation.scene.scene import Scene

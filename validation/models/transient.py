@@ -20,7 +20,7 @@ from tactgen.tmm.generator.transient.machine import BimorphModes, Machine, bimor
 from tactgen.tmm.generator.transient.system import RoughPoint
 from tactgen.tmm.generator.transient.time_integration import Answer, simulate
 from tactgen.tmm.generator.transient.waveform import Sources
-from tactgen.tmm.ports.elements import chain_of
+from tactgen.tmm.ports.supports_and_loads import chain_of
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap
 from tactgen.validation.scene.scene import Scene
 

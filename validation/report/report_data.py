@@ -16,8 +16,8 @@ import numpy as np
 from tactgen.geometry.arrays import Complex
 from tactgen.geometry.device.parameters import Circuit, Device, Support
 from tactgen.geometry.operating_system import core_count
-from tactgen.tmm.ports.elements import outside_known_range
 from tactgen.tmm.ports.multiport import passivity_margin, reciprocity_error
+from tactgen.tmm.ports.supports_and_loads import outside_known_range
 from tactgen.validation.catalogue.models import MODELS
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.engine.comparison import ComparedRow, compare

@@ -8,7 +8,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from tactgen.geometry.device.material_library import curve_in_words
+from tactgen.geometry.device.steel_library import curve_in_words
 from tactgen.geometry.formats import engineering, percent, share, with_error
 from tactgen.validation.catalogue.models import MODELS, ranked
 from tactgen.validation.catalogue.quantities import QUANTITIES, TIP_DISPLACEMENT, VOLTAGE_LIMIT

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tactgen.geometry.device.material_library import curve_in_words
 from tactgen.geometry.device.parameters import Circuit, Drive, Load, Support
+from tactgen.geometry.device.steel_library import curve_in_words
 from tactgen.geometry.formats import engineering
 from tactgen.validation.catalogue.models import models_of
 from tactgen.validation.scene.files import NEUTRAL, OF_THE_COIL

@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from tactgen.geometry.device.laminate import is_size
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import read_text
-from tactgen.geometry.names import nearest
+from tactgen.geometry.synonyms import nearest
 from tactgen.geometry.units import FREQUENCY, OutOfRange, quoted
 
 #: Longest name that a scene may have.

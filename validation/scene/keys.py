@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.laminate import SIZES, is_size
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.names import nearest
+from tactgen.geometry.synonyms import nearest
 from tactgen.geometry.units import quoted
 from tactgen.validation.scene.scene import Scene
 

@@ -18,8 +18,8 @@ from tactgen.geometry.device import parameters as p
 from tactgen.geometry.device.bimorph import GROWTHS
 from tactgen.geometry.device.checks import beyond_plain_layers, check_actuator, check_bimorph
 from tactgen.geometry.device.load_table import load_table
-from tactgen.geometry.device.material_library import steel_name
 from tactgen.geometry.device.plausibility import clamped_for_free, slip
+from tactgen.geometry.device.steel_library import steel_name
 from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.detection import threshold_of

@@ -13,7 +13,7 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device import parameters as p
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.units import WholeNumber, quoted
-from tactgen.tmm.ports.elements import ends_of
+from tactgen.tmm.ports.supports_and_loads import ends_of
 from tactgen.validation.catalogue.models import MODELS, WITNESSES, all_given, map_model, models_of
 from tactgen.validation.catalogue.quantities import QUANTITIES, quantities_of
 from tactgen.validation.scene.files import LONGEST_NAME, choices, parse_frequencies, scene_name

@@ -27,7 +27,7 @@ from tactgen.validation.models.transient import Simulation, scene_beam
 from tactgen.validation.scene.conditions import beyond_voltage, conditions, driven_in_words
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import Circuit, FieldResult, State
-from tactgen.validation.show.moving import MovingBody, RowFields, moving_body
+from tactgen.validation.show.generator_body import MovingBody, RowFields, moving_body
 from tactgen.validation.show.solid_fields import Detail, Found, SolidFields
 
 #: The model of the normal actuator whose field is shown.

@@ -22,7 +22,7 @@ from tactgen.validation.models.transient import Simulation, phases
 from tactgen.validation.show.field import Array
 from tactgen.validation.show.field_files import write_steps
 from tactgen.validation.show.gather import body_of
-from tactgen.validation.show.moving import MovingBody
+from tactgen.validation.show.generator_body import MovingBody
 from tactgen.validation.show.page import asset, data_script, document, library
 from tactgen.validation.show.pictures import DIM, INK, Stage, as_png, fonts, save_film
 from tactgen.validation.show.viewer import Block

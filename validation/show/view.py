@@ -15,7 +15,7 @@ from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.export import check_place
 from tactgen.validation.show.field import FieldResult, Shade, shades_of
 from tactgen.validation.show.gather import MAGNETIC, default_models, gather
-from tactgen.validation.show.moving import standing
+from tactgen.validation.show.generator_body import standing
 
 if TYPE_CHECKING:
     from tactgen.validation.show.lengths import LengthRange

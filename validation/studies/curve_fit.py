@@ -23,8 +23,8 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.tmm.beam.transfer_matrix import multiport
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import Multiport, in_series
+from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.catalogue.quantities import QUANTITIES, AnswerReadout
 from tactgen.validation.models.classes import map_of
 from tactgen.validation.models.model import Refined

@@ -45,7 +45,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import wavenumbers
-from tactgen.tmm.ports.loads import finger_spring_damper
+from tactgen.tmm.ports.finger_and_pad import finger_spring_damper
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 from tactgen.validation.catalogue.quantities import STATIC_TIP_DISPLACEMENT
 from tactgen.validation.engine.solve import solve

@@ -14,7 +14,7 @@ import numpy as np
 from tactgen.geometry.arrays import Bools, Floats, Ints, Numbers
 from tactgen.geometry.csv_tables import csv_rows, heading, read_table
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.names import nearest
+from tactgen.geometry.synonyms import nearest
 from tactgen.geometry.units import FREQUENCY, PHASE, Unit
 from tactgen.validation.catalogue.quantities import QuantityRow, measurable
 

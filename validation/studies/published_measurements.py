@@ -22,9 +22,9 @@ from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.contact import moving_rod
 from tactgen.tmm.generator.equilibrium import AxialForces, axial_forces, resting_place
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
 from tactgen.tmm.ports.readout import measured
+from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD
 from tactgen.validation.engine.solve import solve

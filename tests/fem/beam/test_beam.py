@@ -9,7 +9,7 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
 from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Support
 from tactgen.tmm.beam import modes, transfer_matrix
-from tactgen.tmm.ports.elements import ends_of
+from tactgen.tmm.ports.supports_and_loads import ends_of
 
 FREQUENCIES = np.array([0.0, 10.0, 445.0, 1000.0, 5000.0, 20000.0])
 

@@ -15,8 +15,8 @@ from tactgen.fem.piezo.system import materials
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.device.parameters import Bimorph, Device
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.supports_and_loads import attach
 
 DEVICE = Device(bimorph=Bimorph(length=9e-3, tab_length=1e-3))
 MESHING = BrickMeshing((2, 2, 3), smallest=0.5, tip=1.0, longest=8.0, richness=1.5)

@@ -16,7 +16,7 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, bimorph_bricks
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.tmm.ports import multiport
-from tactgen.tmm.ports.elements import attach, base_stiffness
+from tactgen.tmm.ports.supports_and_loads import attach, base_stiffness
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene
 

@@ -16,7 +16,7 @@ from tactgen.fem.piezo.state_space import (
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import BrickMeshing, bimorph_bricks
 from tactgen.geometry.device.parameters import Device, Load, Support
-from tactgen.tmm.ports.elements import ends_of
+from tactgen.tmm.ports.supports_and_loads import ends_of
 from tactgen.validation.command_line.cli import main
 
 BOUNDS = (10.0, 20000.0)

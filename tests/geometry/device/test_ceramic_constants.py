@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.geometry.device import ceramic_constants
 from tactgen.geometry.device.ceramic_constants import Forms, completed, read_constants
-from tactgen.geometry.device.material_library import LIBRARY
+from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.geometry.errors import InputError

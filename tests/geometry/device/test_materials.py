@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tactgen.geometry.device.material_library import LIBRARY
+from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0, isotropic_stiffness, orthotropic_stiffness
 from tactgen.geometry.device.parameters import Piezo
 from tactgen.geometry.errors import InputError

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tactgen.geometry.device.material_library import LIBRARY
+from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.plausibility import EXPECTED
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.load import load_scene

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.magnetisation import MU0, TEAM20
-from tactgen.geometry.device.material_library import LIBRARY, SHIMS, SOFT_MAGNETS, STEELS
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Piezo, Shim, Steel, sources, spreads
+from tactgen.geometry.device.shim_library import SHIMS
+from tactgen.geometry.device.steel_library import SOFT_MAGNETS, STEELS
 from tactgen.geometry.device.steel_table import magnetisation_curve, read_curve
 from tactgen.geometry.errors import InputError
 from tactgen.validation.scene.load import load_scene

@@ -10,9 +10,9 @@ from tactgen.tmm.beam import ceramic_stress as ceramic
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import wavenumbers
 from tactgen.tmm.beam.transfer_matrix import multiport
-from tactgen.tmm.ports.elements import attach, load_tip, tip_matrix
 from tactgen.tmm.ports.excitation import UNIT_VOLTAGE, Excitation, excited
 from tactgen.tmm.ports.multiport import in_series, respond
+from tactgen.tmm.ports.supports_and_loads import attach, load_tip, tip_matrix
 
 DEVICE, BEAM = Device(), Beam()
 FREQUENCIES = np.array([1.0, 300.0, 1044.0, 7000.0])

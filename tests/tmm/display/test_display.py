@@ -27,10 +27,10 @@ from tactgen.tmm.display import (
 )
 from tactgen.tmm.generator.equilibrium import held_support
 from tactgen.tmm.generator.small_signal import linearised, machine
-from tactgen.tmm.ports.elements import ends_of
 from tactgen.tmm.ports.multiport import respond, terminate
-from tactgen.tmm.reluctance.circuit import FULL, circuit
+from tactgen.tmm.ports.supports_and_loads import ends_of
 from tactgen.tmm.reluctance.flux_ladder import solve
+from tactgen.tmm.reluctance.magnetic_circuit import FULL, circuit
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.tmm.reluctance.network import network_samples
 

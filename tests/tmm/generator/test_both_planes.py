@@ -12,8 +12,8 @@ from tactgen.tmm.beam.transfer_matrix import chain, multiport, sections
 from tactgen.tmm.generator.contact import stops_of
 from tactgen.tmm.generator.equilibrium import axial_forces, resting_place, resting_tilt
 from tactgen.tmm.generator.small_signal import _contact, _spring_and_guide, linearised, rod_ports
-from tactgen.tmm.ports.elements import load_tip
 from tactgen.tmm.ports.multiport import hold, reduce
+from tactgen.tmm.ports.supports_and_loads import load_tip
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import held_head

@@ -10,8 +10,8 @@ from tactgen.tmm.generator.equilibrium import axial_forces, resting_place
 from tactgen.tmm.generator.small_signal import rocking_head
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
 from tactgen.tmm.harmonic_balance.steady import Resolution
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import BIMORPH, Multiport, respond
+from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.models.backbone import five_port, held_head
 from tactgen.validation.scene.load import load_scene
 

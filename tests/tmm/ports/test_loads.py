@@ -7,18 +7,15 @@ from scipy.optimize import brentq
 from tactgen.geometry.bimorph.boundary_conditions import Ends, TipLoad
 from tactgen.geometry.device.load_table import LoadTable
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.loads import (
+from tactgen.tmm.ports.finger_and_pad import (
     FINGER_RANGE,
     REFERENCE,
-    MeasuredLaw,
     SkinPad,
-    continued,
-    disturbed,
     finger_impedance,
     finger_spring_damper,
     finger_stiffness,
-    passive_fit,
 )
+from tactgen.tmm.ports.measured_loads import MeasuredLaw, continued, disturbed, passive_fit
 
 BAND = np.geomspace(10.0, 1000.0, 40)
 

@@ -14,7 +14,6 @@ from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import lumped
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.printed_formulas import printed_section
-from tactgen.tmm.ports.elements import attach, ends_of, spring
 from tactgen.tmm.ports.multiport import (
     AXIAL,
     BIMORPH,
@@ -29,6 +28,7 @@ from tactgen.tmm.ports.multiport import (
     respond,
     round_off,
 )
+from tactgen.tmm.ports.supports_and_loads import attach, ends_of, spring
 
 FREQUENCIES = np.array([0.0, 10.0, 500.0, 2e3, 2e4])
 SPRING = Support()

@@ -10,7 +10,7 @@ from tactgen.geometry.device.magnetisation import MU0
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.device.reluctance import NOMINAL_GAP
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.circuit import (
+from tactgen.tmm.reluctance.magnetic_circuit import (
     CELLS,
     FULL,
     ONE_GAP,

@@ -10,7 +10,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.material_library import LIBRARY, SHIMS
+from tactgen.geometry.device.ceramic_library import LIBRARY
+from tactgen.geometry.device.shim_library import SHIMS
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.load import load_scene

@@ -9,7 +9,7 @@ from tactgen.geometry.units import VOLTAGE
 from tactgen.validation.command_line.commands import backbone, positions, simulate
 from tactgen.validation.command_line.commands.common import low_high, values_of
 from tactgen.validation.command_line.study_options import whole_number
-from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed
+from tactgen.validation.studies.waveform_text import AMPERES, VOLTS, parsed
 from tactgen.validation.studies.whatif.axes import scene_field
 
 #: By name, what reads the option, what it takes and with what result, and what it refuses.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.loads import finger_impedance
+from tactgen.tmm.ports.finger_and_pad import finger_impedance
 from tactgen.validation.engine.solve import make_plan, solve
 from tactgen.validation.scene.inputs import values_read
 from tactgen.validation.scene.load import load_scene

@@ -17,9 +17,9 @@ from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.commands import evidence as command
 from tactgen.validation.evidence import bench_beam as beam
 from tactgen.validation.evidence import bench_reluctance as magnetics
-from tactgen.validation.evidence import single_core as one_core
+from tactgen.validation.evidence import bench_timing as one_core
 from tactgen.validation.evidence.bench import Bench, Target, Timing, print_bench
-from tactgen.validation.evidence.single_core import on_one_core, peak_memory
+from tactgen.validation.evidence.bench_timing import on_one_core, peak_memory
 
 
 def test_measured_alone_on_one_core():
@@ -35,7 +35,7 @@ def test_a_measurement_keeps_within_a_limit_that_is_there():
     """A hard limit below the free memory, which nobody can raise, is no failure."""
     most = 2**30
     code = (
-        "import resource; from tactgen.validation.evidence import single_core as one_core; "
+        "import resource; from tactgen.validation.evidence import bench_timing as one_core; "
         f"resource.setrlimit(resource.RLIMIT_AS, ({most}, {most})); "
         "one_core._keep_within_memory(); print(resource.getrlimit(resource.RLIMIT_AS)[0])"
     )

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tactgen.fem.piezo.system import materials
-from tactgen.validation.evidence import bench_jobs as jobs
-from tactgen.validation.evidence import bench_jobs as meshes
 from tactgen.validation.evidence import bench_solid as solid
+from tactgen.validation.evidence import bench_solid_jobs as jobs
+from tactgen.validation.evidence import bench_solid_jobs as meshes
 from tactgen.validation.evidence import peers
 from tactgen.validation.evidence.bench import front, run_parts, time_at_error
 from tactgen.validation.evidence.bench_solid import ways

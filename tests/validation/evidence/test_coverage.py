@@ -7,7 +7,7 @@ import pytest
 
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.reluctance.circuit import CELLS
+from tactgen.tmm.reluctance.magnetic_circuit import CELLS
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.tmm.reluctance.network import DirectForce
 from tactgen.validation.evidence import coverage_actuator as axisymmetric

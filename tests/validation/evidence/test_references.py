@@ -12,8 +12,8 @@ from exact_laminate import Laminate, Layer, natural_frequency, static_state
 from scipy.linalg import eigh
 from scipy.special import ellipe, ellipk
 
+from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.magnetisation import MU0, TEAM20
-from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0
 from tactgen.validation.evidence.cases import (
     beams,

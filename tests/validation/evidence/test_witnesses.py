@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tactgen.validation.engine.solve import solve
-from tactgen.validation.evidence import bench_jobs as jobs
+from tactgen.validation.evidence import bench_solid_jobs as jobs
 from tactgen.validation.evidence import peers
 from tactgen.validation.evidence.random_devices import slender_bimorph
 from tactgen.validation.scene.load import load_scene

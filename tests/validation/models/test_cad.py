@@ -14,8 +14,8 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import whole_mesh
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import reciprocity_error, respond
+from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.engine.solve import evaluate, make_plan, solve
 from tactgen.validation.evidence.coverage_bimorph import affordable_case, judged
 from tactgen.validation.evidence.judgement import PROMISED, median_width

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tactgen.geometry.bimorph import bricks as bimorph_bricks
-from tactgen.geometry.device.material_library import LIBRARY
+from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.parameters import Device, Piezo
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix

@@ -8,7 +8,7 @@ from scipy.io import netcdf_file
 
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.waveform import Step
-from tactgen.tmm.ports.elements import chain_of
+from tactgen.tmm.ports.supports_and_loads import chain_of
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.held_bimorph import held_system, oscillations, run_held

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import tactgen
-from tactgen.geometry.device.material_library import LIBRARY, SHIMS
+from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.parameters import Piezo, Shim
+from tactgen.geometry.device.shim_library import SHIMS
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.validation.engine.warnings import request_warnings

@@ -10,7 +10,6 @@ from tactgen.geometry.display.bill import bill_of_parts
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.generator.transient.waveform import Sources, Step
 from tactgen.tmm.harmonic_balance.continuation import steady_orbit
-from tactgen.tmm.ports.elements import attach, spring
 from tactgen.tmm.ports.multiport import (
     LATERAL,
     Multiport,
@@ -20,6 +19,7 @@ from tactgen.tmm.ports.multiport import (
     respond,
     terminate,
 )
+from tactgen.tmm.ports.supports_and_loads import attach, spring
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import (
     RESOLUTION,

@@ -12,7 +12,7 @@ from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.sections import section_across
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.contact import contact_of, moving_rod
-from tactgen.tmm.ports.elements import chain_of
+from tactgen.tmm.ports.supports_and_loads import chain_of
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.warnings import request_warnings
 from tactgen.validation.scene.load import load_scene

@@ -7,7 +7,7 @@ import pytest
 from tactgen.geometry.errors import InputError
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.scene.load import load_scene
-from tactgen.validation.show.moving import standing
+from tactgen.validation.show.generator_body import standing
 from tactgen.validation.show.view import Look, _models, harmonic_frequencies, looked_at, show, view
 from tactgen.validation.show.viewer import payload
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports import loads as finger
+from tactgen.tmm.ports import finger_and_pad as finger
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene

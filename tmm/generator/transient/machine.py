@@ -42,7 +42,7 @@ from tactgen.tmm.generator.transient.system import (
     Stop,
     System,
 )
-from tactgen.tmm.ports.elements import Chain
+from tactgen.tmm.ports.supports_and_loads import Chain
 from tactgen.tmm.reluctance.coenergy_map import CoenergyMap, cells
 
 

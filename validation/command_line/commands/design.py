@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tactgen.geometry.errors import InputError
-from tactgen.geometry.names import nearest
+from tactgen.geometry.synonyms import nearest
 from tactgen.validation.command_line.commands.common import (
     Commands,
     check_svg,

@@ -56,20 +56,21 @@ def _run(options: argparse.Namespace) -> int:
 def _chosen(name: str | None) -> list[Piezo | Shim]:
     """All materials, one by its name, or those of a scene's layers."""
     from tactgen.geometry.bimorph.segments import bimorph_stack
-    from tactgen.geometry.device import material_library as library
+    from tactgen.geometry.device.ceramic_library import LIBRARY, library_name
     from tactgen.geometry.device.parameters import Piezo, Shim
+    from tactgen.geometry.device.shim_library import PAPERS, SHIMS, shim_name
     from tactgen.geometry.errors import InputError
-    from tactgen.geometry.names import nearest
+    from tactgen.geometry.synonyms import nearest
     from tactgen.geometry.units import quoted
     from tactgen.validation.scene.files import built_in_scenes
     from tactgen.validation.scene.load import load_scene
 
-    ceramics, shims = tuple(library.LIBRARY), (library.PAPERS, *library.SHIMS)
+    ceramics, shims = tuple(LIBRARY), (PAPERS, *SHIMS)
     if name is None:
         return [*(Piezo(material=of) for of in ceramics), *(Shim(material=of) for of in shims)]
-    if ceramic := library.library_name(name):
+    if ceramic := library_name(name):
         return [Piezo(material=ceramic)]
-    if shim := library.shim_name(name):
+    if shim := shim_name(name):
         return [Shim(material=shim)]
     if name in built_in_scenes() or Path(name).exists():
         layers = bimorph_stack(load_scene(name)[0].device)

@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.scene.conditions import conditions
     from tactgen.validation.scene.load import load_scene
     from tactgen.validation.studies import simulate as output
-    from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed
+    from tactgen.validation.studies.waveform_text import AMPERES, VOLTS, parsed
 
     _check_files(options)
     scene, _ = load_scene(options.scene, options.overrides)
@@ -199,7 +199,7 @@ def _write(
 
 
 def _until(text: str) -> float:
-    from tactgen.validation.studies.waveforms import SECONDS
+    from tactgen.validation.studies.waveform_text import SECONDS
 
     try:
         value = SECONDS.parse(text.strip())

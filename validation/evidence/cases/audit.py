@@ -31,8 +31,8 @@ from tactgen.tmm.beam.printed_formulas import (
 )
 from tactgen.tmm.beam.sections import Section
 from tactgen.tmm.beam.sections import section as section_constants
-from tactgen.tmm.ports.elements import base_stiffness, ends_of, tip_stiffness
-from tactgen.tmm.ports.loads import finger_impedance
+from tactgen.tmm.ports.finger_and_pad import finger_impedance
+from tactgen.tmm.ports.supports_and_loads import base_stiffness, ends_of, tip_stiffness
 from tactgen.validation.evidence.cases import exact_beam as reference
 from tactgen.validation.evidence.cases import textbook_beam
 from tactgen.validation.scene.scene import Scene

@@ -9,7 +9,7 @@ from functools import cache, partial
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.tmm.ports.loads import finger_spring_damper
+from tactgen.tmm.ports.finger_and_pad import finger_spring_damper
 from tactgen.validation.engine.solve import Solution, solve
 from tactgen.validation.evidence.case import Case, Check, Null, case, middle
 from tactgen.validation.evidence.mesh_levels import cached, level

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.device.material_library import CERAMICS, LIBRARY
+from tactgen.geometry.device.ceramic_library import CERAMICS, LIBRARY
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.case import Case, Check, Null, case, middle
 from tactgen.validation.models.model import Estimate

@@ -10,7 +10,7 @@ import numpy as np
 from tactgen.fem.piezo.system import Material
 from tactgen.geometry.arrays import Floats, Numbers
 from tactgen.geometry.bimorph.bricks import Slab
-from tactgen.geometry.device.material_library import LIBRARY
+from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.materials import EPS0, PiezoTensors, isotropic_stiffness
 from tactgen.validation.evidence.boxes import (
     Box,

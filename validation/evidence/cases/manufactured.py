@@ -24,8 +24,8 @@ from tactgen.fem.piezo.tetrahedra import SkfemBody
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Bools, Floats, Sparse
 from tactgen.geometry.bimorph.bricks import Axis
+from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.magnetisation import TEAM20, MagnetisationCurve
-from tactgen.geometry.device.material_library import LIBRARY
 from tactgen.geometry.meshing.mesh import Mesh, unique_edges
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.geometry.reluctance.section_grid import Grid, Region

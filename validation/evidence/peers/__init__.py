@@ -11,8 +11,8 @@ import subprocess
 import sys
 from typing import cast
 
+from tactgen.validation.evidence.bench_timing import on_one_core
 from tactgen.validation.evidence.peers.job import Answer, Job
-from tactgen.validation.evidence.single_core import on_one_core
 
 #: Name of each peer, the package it needs and the adapter.
 PEERS = {

@@ -15,7 +15,7 @@ from typing import Any, TypedDict
 import numpy as np
 
 from tactgen.geometry.arrays import Floats, Ints, Numbers
-from tactgen.validation.evidence.single_core import peak_memory
+from tactgen.validation.evidence.bench_timing import peak_memory
 
 
 class Material(TypedDict):

@@ -20,10 +20,10 @@ from tactgen.tmm.beam import port_quantities as shapes
 from tactgen.tmm.beam.modes import NaturalFrequencies, natural_frequencies
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.scattering import Element
-from tactgen.tmm.ports.elements import tip_stiffness
 from tactgen.tmm.ports.excitation import PortState
-from tactgen.tmm.ports.loads import OF_THE_TABLE, MeasuredLaw
+from tactgen.tmm.ports.measured_loads import OF_THE_TABLE, MeasuredLaw
 from tactgen.tmm.ports.multiport import Multiport, Response
+from tactgen.tmm.ports.supports_and_loads import tip_stiffness
 from tactgen.validation.catalogue.quantities import Need
 from tactgen.validation.models.model import SAFETY, Estimate, Model, Modes, Refined, Stages
 from tactgen.validation.scene.scene import Scene

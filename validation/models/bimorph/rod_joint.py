@@ -19,7 +19,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import Piece, beam_pieces
-from tactgen.geometry.device.material_library import LIBRARY
+from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.materials import Piezoceramic
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix

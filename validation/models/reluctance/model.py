@@ -148,7 +148,7 @@ class NetworkModel(MagneticModel):
     @classmethod
     def check(cls, scene: Scene) -> None:
         """Refuse a scene whose parts do not form the network's circuit."""
-        from tactgen.tmm.reluctance.circuit import check_circuit
+        from tactgen.tmm.reluctance.magnetic_circuit import check_circuit
 
         check_circuit(scene.device, np.array([scene.gap]))
 

@@ -71,7 +71,7 @@ def moving(study: Study) -> Context:
     )
     from tactgen.validation.engine.solve import solve
     from tactgen.validation.show.gather import gather_from
-    from tactgen.validation.show.moving import standing
+    from tactgen.validation.show.generator_body import standing
     from tactgen.validation.show.viewer import payload
 
     asked = tuple(study.solution.models_of("bimorph"))

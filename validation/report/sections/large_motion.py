@@ -13,7 +13,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.elements import outside_known_range
+from tactgen.tmm.ports.supports_and_loads import outside_known_range
 from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.backbone import (

@@ -24,7 +24,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import FINE, engineering, with_error
-from tactgen.geometry.names import nearest
+from tactgen.geometry.synonyms import nearest
 from tactgen.geometry.units import quoted, unit_registry
 from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdCurve
 from tactgen.validation.catalogue.quantities import QUANTITIES

@@ -9,8 +9,8 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.tmm.beam import lumped
 from tactgen.tmm.beam import transfer_matrix as tmm
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene
 

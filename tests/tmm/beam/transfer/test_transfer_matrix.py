@@ -12,8 +12,8 @@ from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Load, Supp
 from tactgen.tmm.beam import transfer_matrix as tmm
 from tactgen.tmm.beam.mounted_beam import mounted_response
 from tactgen.tmm.beam.sections import section
-from tactgen.tmm.ports.elements import attach, ends_of
 from tactgen.tmm.ports.multiport import respond, round_off
+from tactgen.tmm.ports.supports_and_loads import attach, ends_of
 
 SUPPORT = Support()
 

@@ -19,8 +19,8 @@ from tactgen.tmm.generator.transient.machine import machine
 from tactgen.tmm.generator.transient.step import Stepper
 from tactgen.tmm.generator.transient.system import Friction
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
-from tactgen.tmm.ports.elements import chain_of
 from tactgen.tmm.ports.multiport import respond, terminate
+from tactgen.tmm.ports.supports_and_loads import chain_of
 from tactgen.tmm.reluctance.map_range import network_map
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.command_line.commands import simulate

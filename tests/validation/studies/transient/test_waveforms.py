@@ -17,7 +17,7 @@ from tactgen.tmm.generator.transient.time_integration import simulate
 from tactgen.tmm.generator.transient.waveform import Chirp, Sampled, Sine, Sources, Square, Step
 from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.load import load_scene
-from tactgen.validation.studies.waveforms import AMPERES, VOLTS, parsed
+from tactgen.validation.studies.waveform_text import AMPERES, VOLTS, parsed
 
 
 @pytest.mark.parametrize(

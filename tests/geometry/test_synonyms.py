@@ -2,7 +2,7 @@
 
 import pytest
 
-from tactgen.geometry.names import _MEANT, nearest
+from tactgen.geometry.synonyms import _MEANT, nearest
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.scene.keys import scene_keys
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import cache, partial
+from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.device.ceramic_constants import completed, read_constants
-from tactgen.geometry.device.magnetisation import MU0, TEAM20, MagnetisationCurve
 from tactgen.geometry.device.materials import EPS0, PRINTED, Own, Piezoceramic, Spread
-from tactgen.geometry.names import folded
+from tactgen.geometry.synonyms import folded
 
 #: How far a ceramic of the trade may lie from its data sheet.  APC International states as
 #: standard tolerances: capacitance and d33 20 %, frequency 5 %, of which the compliance is the
@@ -305,7 +304,6 @@ LIBRARY = _Library({
     **{name: partial(_published, name) for name in _TENSORS},
     **{name: partial(_grade, name) for name in _GRADES}, "PVDF": _pvdf,
 })  # fmt: skip
-
 #: Types of the US Navy (MIL-STD-1376) that makers translate into these names.
 _NAVY = {"I": "PZT-4", "II": "PZT-5A", "III": "PZT-8", "V": "APC 854", "VI": "PZT-5H"}
 
@@ -319,222 +317,3 @@ def library_name(text: str) -> str | None:
     for numeral, name in _NAVY.items():
         names.update({folded(f"Navy{between}{numeral}"): name for between in ("", "type")})
     return names.get(folded(text))
-
-
-@dataclass(frozen=True)
-class ShimMaterial:
-    """A metal, isotropic, or a composite with fibres along the shim (SI units).
-
-    Attributes
-    ----------
-    youngs_modulus, density : float
-        Along the shim (Pa), and mass density (kg/m³).
-    """
-
-    name: str
-    youngs_modulus: float
-    poisson_ratio: float
-    density: float
-    #: (float, float) What the source, or several of one material, allow
-    modulus_range: tuple[float, float]
-    density_range: tuple[float, float]
-    origin: str
-    shear_modulus: float | None = None  #: Of a composite (Pa); a metal's follows from the other two
-    transverse_modulus: float | None = None  #: Of a composite, across the fibres (Pa)
-
-    def values(self) -> dict[str, float]:
-        """Constants by their key in a scene, the shear modulus only of a composite."""
-        found = {
-            "youngs_modulus": self.youngs_modulus,
-            "poisson_ratio": self.poisson_ratio,
-            "density": self.density,
-            "shear_modulus": self.shear_modulus,
-            "transverse_modulus": self.transverse_modulus,
-        }
-        return {name: value for name, value in found.items() if value is not None}
-
-    def spreads(self) -> dict[str, Spread]:
-        """Ranges from the tables; a metal's shear follows its modulus."""
-        low, high = (isotropic_shear(end, self.poisson_ratio) for end in self.modulus_range)
-        found = {
-            "youngs_modulus": Spread(*self.modulus_range, f"data sheets of {self.name}"),
-            "density": Spread(*self.density_range, f"data sheets of {self.name}"),
-        }
-        if self.shear_modulus is None:
-            found["shear_modulus"] = Spread(
-                low, high, f"data sheets of {self.name}: E / 2 (1 + nu)"
-            )
-        return found
-
-
-def isotropic_shear(youngs_modulus: float, poisson_ratio: float) -> float:
-    """Shear modulus of an isotropic material (Pa)."""
-    return youngs_modulus / (2.0 * (1.0 + poisson_ratio))
-
-
-#: The paper's composite, whose constants are the defaults.
-PAPERS = "CFRP"
-
-#: By name.  The metals' moduli at room temperature, rolled sheet; ranges over the tempers.
-SHIMS: dict[str, ShimMaterial] = {
-    m.name: m
-    for m in (
-        ShimMaterial(
-            "brass", 110e9, 0.34, 8530.0, (103e9, 117e9), (8440.0, 8530.0),
-            "cartridge brass CuZn30, UNS C26000: Copper Development Association's data sheet",
-        ),
-        ShimMaterial(
-            "stainless steel", 193e9, 0.29, 8000.0, (190e9, 200e9), (7900.0, 8030.0),
-            "AISI 301 and 304: ASM Metals Handbook, vol 1 (1990)",
-        ),
-        ShimMaterial(
-            "spring steel", 206e9, 0.29, 7850.0, (200e9, 212e9), (7800.0, 7870.0),
-            "carbon spring strip, C75S and AISI 1074 to 1095: ASM Metals Handbook, vol 1 (1990)",
-        ),
-        ShimMaterial(
-            "titanium", 114e9, 0.34, 4430.0, (105e9, 120e9), (4420.0, 4510.0),
-            "Ti-6Al-4V, grade 5: ASM Metals Handbook, vol 2 (1990)",
-        ),
-        ShimMaterial(
-            "nickel silver", 125e9, 0.33, 8700.0, (120e9, 130e9), (8690.0, 8730.0),
-            "CuNi18Zn27, UNS C77000: Copper Development Association's data sheet",
-        ),
-        ShimMaterial(
-            "phosphor bronze", 110e9, 0.34, 8860.0, (103e9, 117e9), (8800.0, 8860.0),
-            "CuSn5, UNS C51000: Copper Development Association's data sheet",
-        ),
-        ShimMaterial(
-            "aluminium", 70e9, 0.33, 2700.0, (68e9, 73e9), (2660.0, 2810.0),
-            "wrought alloys, 5052 to 7075: ASM Metals Handbook, vol 2 (1990)",
-        ),
-        ShimMaterial(
-            "AS4 CFRP", 147e9, 0.27, 1600.0, (135e9, 150e9), (1550.0, 1620.0),
-            "AS4/3501-6, unidirectional, 63 % fibres: Daniel and Ishai, Engineering Mechanics of "
-            "Composite Materials (2006), table A.4",
-            shear_modulus=7.0e9, transverse_modulus=10.3e9,
-        ),
-    )
-}  # fmt: skip
-
-#: Other words for them.
-_ALSO = {
-    "stainless": "stainless steel", "304": "stainless steel", "301": "stainless steel",
-    "C260": "brass", "CuZn30": "brass", "Ti6Al4V": "titanium", "aluminum": "aluminium",
-    "carbon fibre": PAPERS, "carbon fiber": PAPERS,
-}  # fmt: skip
-
-
-def shim_name(text: str) -> str | None:
-    """Library's name of a shim written in any case, with or without - and space."""
-    names = {folded(name): name for name in (PAPERS, *SHIMS)}
-    names.update({folded(other): name for other, name in _ALSO.items()})
-    return names.get(folded(text))
-
-
-#: Points of a curve's table, where it begins below the fastest term's scale, and how far it goes
-#: beyond the slowest one's.
-_POINTS = 80
-
-
-_BELOW, _BEYOND = 0.02, 7.0
-
-
-@dataclass(frozen=True)
-class SoftMagnet:
-    """Fitted polarisation: terms (k, Jₛ) with Jₛ in T, and its name."""
-
-    name: str
-    terms: tuple[tuple[float, float], ...]
-    what: str
-
-    @property
-    def saturation(self) -> float:
-        """Polarisation at saturation (T)."""
-        return sum(limit for _, limit in self.terms)
-
-    @cache  # noqa: B019  a handful of frozen values that live as long as the program
-    def curve(self) -> MagnetisationCurve:
-        """Curve as a table, dense enough to be read to 1e-4 between its points."""
-        scales = [limit / slope for slope, limit in self.terms]
-        applied = np.geomspace(_BELOW * min(scales), _BEYOND * max(scales), _POINTS)
-        applied = np.concatenate([[0.0], applied])  # µ0 H, T
-        b = applied + sum(limit * np.tanh(applied * slope / limit) for slope, limit in self.terms)
-        return MagnetisationCurve(b, applied / MU0, name=self.name)
-
-
-#: By name.
-SOFT_MAGNETS: dict[str, SoftMagnet] = {
-    m.name: m
-    for m in (
-        SoftMagnet(
-            "armco", ((4236.0, 1.385), (126.2, 0.2649), (34.0, 0.5)), "Armco pure iron, annealed"
-        ),
-        SoftMagnet(
-            "xc06", ((2118.0, 1.362), (63.06, 0.2605), (17.138, 0.4917)),
-            "low-carbon steel with less than 0.06 % C, such as AISI 1006",
-        ),
-        SoftMagnet(
-            "steel37", ((1596.3, 1.1488), (133.11, 0.4268), (18.713, 0.4759)),
-            "low-carbon steel with less than 0.13 % C, such as St37 or AISI 1010",
-        ),
-        SoftMagnet(
-            "steel42", ((968.66, 1.441), (24.65, 0.2912), (8.3, 0.3316)),
-            "steel with less than 0.19 % C, such as St42 or AISI 1018",
-        ),
-        SoftMagnet(
-            "afk1", ((2001.0, 1.704), (38.56, 0.493), (1.24, 0.152)), "iron with 25 % cobalt"
-        ),
-        SoftMagnet(
-            "afk502", ((10485.0, 1.788), (241.5, 0.437), (7.43, 0.115)),
-            "iron with 49 % cobalt and 2 % vanadium (vanadium permendur)",
-        ),
-    )
-}  # fmt: skip
-
-
-#: Other words for them.
-_STEEL_ALIASES = {
-    "pure iron": "armco", "iron": "armco", "1006": "xc06", "AISI 1006": "xc06", "1010": "steel37",
-    "AISI 1010": "steel37", "St37": "steel37", "1018": "steel42", "AISI 1018": "steel42",
-    "St42": "steel42", "FeCo49": "afk502", "vanadium permendur": "afk502", "permendur": "afk502",
-    "FeCo25": "afk1",
-}  # fmt: skip
-
-
-#: Magnetisation curves that are known by name; other names are files.
-STEELS = ("team20", "linear", *SOFT_MAGNETS)
-
-
-def steel_name(text: str) -> str | None:
-    """Name of a built-in curve written in any case, with or without - and space."""
-    names = {folded(name): name for name in STEELS}
-    names.update({folded(other): name for other, name in _STEEL_ALIASES.items()})
-    return names.get(folded(text))
-
-
-#: Curves of steels that are sold as one kind, and a field (A/m) at which they differ.
-_LOW_CARBON, _KNEE = ("team20", "xc06", "steel37", "steel42"), 1000.0
-
-
-def curve_in_words(name: str) -> str:
-    """Magnetisation curve that a scene names, for the reader, with the scatter of its kind."""
-    words = {
-        "team20": "magnetisation curve of TEAM problem 20", "linear": "straight magnetisation curve"
-    }.get(name, "magnetisation curve from a file")  # fmt: skip
-    if name in SOFT_MAGNETS:
-        words = f"magnetisation curve {name}, {SOFT_MAGNETS[name].what}"
-    if name not in _LOW_CARBON:
-        return words
-    at = np.array([_KNEE])
-    own, *others = (
-        float(built_in_curve(one).flux_density_at(at)[0]) for one in (name, *_LOW_CARBON)
-    )
-    return (
-        f"{words} ({own:.2f} T at {_KNEE / 1e3:g} kA/m, where low-carbon steels scatter from "
-        f"{min(others):.2f} to {max(others):.2f} T)"
-    )
-
-
-def built_in_curve(name: str) -> MagnetisationCurve:
-    """Built-in curve by its name in :data:`STEELS`, ``linear`` excepted; KeyError."""
-    return TEAM20 if name == "team20" else SOFT_MAGNETS[name].curve()

@@ -1,4 +1,4 @@
-"""Springs and dampers that join others at their ports.
+"""Supports and loads of a scene as springs, dampers and masses, and how ports carry them.
 
 Reciprocal and passive, with a finite D(Ω) at 0 Hz.
 """
@@ -15,15 +15,17 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends, Law, Springs, Tip
 from tactgen.geometry.device.parameters import Load, Support
 from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.loads import (
+from tactgen.tmm.ports.finger_and_pad import (
     FINGER_RANGE,
+    SkinPad,
+    finger_impedance,
+    finger_stiffness,
+)
+from tactgen.tmm.ports.measured_loads import (
     Dictionary,
     MeasuredLaw,
     MeasuredSupport,
     PassiveFit,
-    SkinPad,
-    finger_impedance,
-    finger_stiffness,
     measured_law,
     outside,
     passive_fit,

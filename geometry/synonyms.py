@@ -1,4 +1,4 @@
-"""Names as people write them: in any case, with or without hyphens, and with slips of the pen."""
+"""What people call things, and names as they write them: in any case, with slips of the pen."""
 
 from __future__ import annotations
 

@@ -7,17 +7,11 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs, TipLoad
 from tactgen.geometry.device.load_table import LoadTable
 from tactgen.geometry.device.parameters import Load, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports import elements as springs_dampers_masses
-from tactgen.tmm.ports import elements as t
-from tactgen.tmm.ports.elements import chain_of, finger_chain, tip_stiffness
-from tactgen.tmm.ports.loads import (
-    FINGER_RANGE,
-    MeasuredLaw,
-    PassiveFit,
-    continued,
-    finger_impedance,
-    finger_stiffness,
-)
+from tactgen.tmm.ports import supports_and_loads as springs_dampers_masses
+from tactgen.tmm.ports import supports_and_loads as t
+from tactgen.tmm.ports.finger_and_pad import FINGER_RANGE, finger_impedance, finger_stiffness
+from tactgen.tmm.ports.measured_loads import MeasuredLaw, PassiveFit, continued
+from tactgen.tmm.ports.supports_and_loads import chain_of, finger_chain, tip_stiffness
 
 SPRINGS = Springs(3e6, 0.24, rotational_damping=4.46e-6, rotational_inertia=1e-12)
 

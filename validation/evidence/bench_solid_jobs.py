@@ -26,8 +26,8 @@ from tactgen.geometry.bimorph.tets import TetMeshing, tetrahedralise
 from tactgen.geometry.device.parameters import Device
 from tactgen.geometry.meshing.mesh import CellKind, Mesh
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
-from tactgen.tmm.ports.elements import attach
 from tactgen.tmm.ports.multiport import respond
+from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.evidence.peers.job import (
     LAYERS,
     SHIM,
