@@ -480,7 +480,7 @@ QUANTITIES: dict[str, QuantityRow] = {
 }
 
 
-#: What is about the voltage of a source at the electrodes.
+#: What is about the voltage of a source at the electrodes, or what fingers feel of one.
 OF_A_SOURCE = (VOLTAGE_LIMIT.name, *(row.name for row in QUANTITIES.values() if row.has_level))
 #: What a circuit across the electrodes is there for, by its kind.
 OF_CIRCUIT: dict[str, tuple[str, ...]] = {

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -61,8 +62,8 @@ def derivatives(
     """
     base = solve(scene, (model,), quantities, announce)
     start = _with_extremes(base, model, quantities)
-    slopes: list[dict[str, tuple[Numbers, Floats]]] = [{} for _ in start]
-    exact = not any(np.any(q.error > _EXACT * np.abs(q.value)) for q in start)
+    slopes: dict[Entry, dict[str, tuple[Numbers, Floats]]] = {entry: {} for entry in start}
+    exact = not any(np.any(q.error > _EXACT * np.abs(q.value)) for q in start.values())
     far = _CLOSE if exact else _FAR
     for number, key in enumerate(keys):
         announce(f"{model}: derivative {number + 1} of {len(keys)}, {key}")
@@ -75,25 +76,33 @@ def derivatives(
             )
             for there in scenes
         ]
-        for n, q in enumerate(start):
-            others = [found[n].value if n < len(found) else np.empty(0) for found in near]
+        for entry, q in start.items():
+            others = [found[entry].value if entry in found else np.empty(0) for found in near]
             if any(other.shape != q.value.shape for other in others):
                 raise InputError(
                     f"--key {key} changes how many values {q.name} has by {model} next to the "
                     "scene; leave the key out, or the quantity"
                 )
             values = np.array([q.value, *others])
-            slopes[n][key] = extrapolated(values, q.error, distance)
+            slopes[entry][key] = extrapolated(values, q.error, distance)
     method = (
         f"central differences at up to {100 * far:g} and {50 * far:g} %, extrapolated; the bar "
         "holds the truncation, the scatter of the values and the relative error of the value"
     )
-    return [Derivatives(q, own, method) for q, own in zip(start, slopes, strict=True)]
+    return [Derivatives(q, slopes[entry], method) for entry, q in start.items()]
 
 
-def _with_extremes(found: Solution, model: str, names: Sequence[str]) -> list[Quantity]:
-    quantities = [found.get(name, model) for name in names]
-    return [of for q in quantities for of in ((q, q.alone_at_extreme) if q.extreme else (q,))]
+#: Name of a quantity, and whether its extreme is meant.
+Entry: TypeAlias = tuple[str, bool]
+
+
+def _with_extremes(found: Solution, model: str, names: Sequence[str]) -> dict[Entry, Quantity]:
+    entries: dict[Entry, Quantity] = {}
+    for name in names:
+        entries[name, False] = q = found.get(name, model)
+        if q.extreme:
+            entries[name, True] = q.alone_at_extreme
+    return entries
 
 
 def extrapolated(values: Numbers, error: Floats, distance: float) -> tuple[Numbers, Floats]:

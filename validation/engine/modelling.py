@@ -14,7 +14,7 @@ import numpy as np
 
 from tactgen.geometry.errors import InputError
 from tactgen.validation.catalogue.models import MODELS
-from tactgen.validation.catalogue.quantities import QUANTITIES, Need
+from tactgen.validation.catalogue.quantities import QUANTITIES, DrivenReadout, Need
 from tactgen.validation.engine.extremes import extreme
 from tactgen.validation.engine.readout import read
 from tactgen.validation.models.bimorph.calibrated import CalibratedModel
@@ -23,6 +23,8 @@ from tactgen.validation.scene.scene import Scene
 
 #: Analyses that the pull of the coil takes part in.
 _OF_THE_MACHINE: tuple[Need, ...] = ("small_signal", "machine_poles", "crosstalk", "spread")
+#: What beam theory reads off any model's motion: how far the field is from it is not known.
+_OF_BEAM_THEORY = Modelling(np.nan, np.nan, "beam theory reads it off every model's motion")
 #: Quantities that are looked up in the network's map alone.
 _BY_MAP = ("resting_positions",)
 
@@ -39,6 +41,8 @@ def with_modelling(
     estimate = cache(lambda name, judge: read(QUANTITIES[name], judge))
 
     def judged(q: Quantity) -> Quantity:
+        if isinstance(QUANTITIES[q.name].read, DrivenReadout):
+            return replace(q, modelling=_OF_BEAM_THEORY)
         made = judges.get(MODELS[q.model].theory)
         judge = made() if made is not None and _asked(scene, q) else None
         return q if judge is None else _judged(q, estimate(q.name, judge), judge)

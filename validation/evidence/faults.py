@@ -366,7 +366,8 @@ def no_folder(trials: Trials, _: int) -> Points:
     """Let the folder to write to be one in which no file can be made."""
     for command in trials.commands:
         if "{out}" in command.line:
-            done = finish(begin(command, replace(trials.place(), out=_NOWHERE)))
+            spoilt = replace(trials.place(), store=_NOWHERE, out=_NOWHERE)
+            done = finish(begin(command, spoilt))
             yield command.name, _refused(done), done
 
 

@@ -137,7 +137,9 @@ class Family:
 class Rule(NamedTuple):
     """How rows are judged."""
 
-    chance: float  #: A row fails if as many beyond are less likely than this, by the share promised
+    #: A row fails if as many beyond are less likely than this, by the share promised; by default if
+    #: they are more than that share leaves
+    chance: float | None = None
     far: float = math.inf  #: No error may be more times its bar
     wide: float = math.inf  #: Median of bar over error from which bars say too little
 
@@ -153,6 +155,7 @@ class Row:
     count: int
     refused: int
     width: float  #: Median of bar over error
+    largest: float  #: Largest error
     worst: Judged  #: The answer whose error is largest beside its bar
     #: "fails" if so many outside are unlikely of what was promised, or one is far off; "wide" if
     #: the median is beyond what the rule allows
@@ -183,10 +186,14 @@ def _row(quantity: str, of: Sequence[Judged], rule: Rule) -> Row:
     verdict: Verdict = "wide" if width > rule.wide else "holds"
     if refused:
         verdict = "holds or says why not"
-    unlikely = found and binom.cdf(inside, len(found), found[0].promised) < rule.chance
-    if unlikely or (found and worst.share > rule.far):
+    promised = max((one.promised for one in found), default=1.0)
+    missed = len(found) - inside > (1.0 - promised) * len(found)
+    if rule.chance is not None:
+        missed = bool(found) and binom.cdf(inside, len(found), promised) < rule.chance
+    if missed or (found and worst.share > rule.far):
         verdict = "fails"
-    return Row(quantity, places, inside, len(found), refused, width, worst, verdict)
+    largest = max((one.error for one in found), default=math.nan)
+    return Row(quantity, places, inside, len(found), refused, width, largest, worst, verdict)
 
 
 def median_width(found: Sequence[Judged]) -> float:
@@ -310,14 +317,14 @@ def table(parts: Sequence[Part], rule: Rule) -> str:
     for part in parts:
         lines.append(f"{part.name}: {part.what}; seed {part.seed}")
         lines.append(
-            f"  {'places':>7} {'inside':>12} {'refused':>7} {'bar/error':>9} {'worst error':>11} "
-            f"{'its bar':>8}  {'verdict':21}  of"
+            f"  {'places':>7} {'inside':>12} {'refused':>7} {'bar/error':>9} {'largest':>8} "
+            f"{'worst/bar':>9}  {'verdict':21}  of"
         )
         for row in part.rows:
-            share, worst = f"{row.inside}/{row.count}", row.worst
+            share = f"{row.inside}/{row.count}"
             lines.append(
                 f"  {row.places:>7} {share:>12} {row.refused:>7} {row.width:>9.2g} "
-                f"{worst.error:>11.1e} {worst.bar:>8.1e}  {row.verdict:21}  {row.quantity}"
+                f"{row.largest:>8.1e} {row.worst.share:>9.2g}  {row.verdict:21}  {row.quantity}"
             )
             if not row.holds:
                 all_of = [a for a in part.answers if row.quantity in ("all", a.quantity)]
@@ -342,25 +349,30 @@ def _kinds(answers: Sequence[Judged]) -> list[list[str]]:
     return list(found.values())
 
 
-def write(parts: Sequence[Part], out: Path) -> list[Path]:
+def write(command: str, parts: Sequence[Part], out: Path) -> list[Path]:
     """Write verdicts and all answers as CSV, the calibration curves as SVG; return the files."""
     verdicts = [
         (part.name, part.seed, r.quantity, r.places, r.inside, r.count, r.refused, r.width,
-         r.worst.error, r.worst.bar, r.worst.where, r.verdict)
+         r.largest, r.worst.error, r.worst.bar, r.worst.where, r.verdict)
         for part in parts for r in part.rows
     ]  # fmt: skip
     answers = [
         (part.name, part.seed, one.where, one.quantity, one.which, one.error, one.bar, one.refusal)
         for part in parts for one in part.answers
     ]  # fmt: skip
-    curves = {part.name: calibration(part.answers) for part in parts}
+    judged = [part for part in parts if any(not one.refusal for one in part.answers)]
+    curves = {part.name: calibration(part.answers) for part in judged}
+    plot = shares_plot(curves, MULTIPLES, "bar", fontsize=9)
     return [
-        write_csv(out / "verdicts.csv", ("part", "seed", "quantity", "places", "inside", "answers",
-                  "refused", "median bar/error", "worst error", "its bar", "worst at", "verdict"),
-                  verdicts),
-        write_csv(out / "answers.csv", ("part", "seed", "where", "quantity", "which",
-                  "relative error", "relative bar", "refusal"), answers),
-        write_text(out / "calibration.svg", shares_plot(curves, MULTIPLES, "bar", fontsize=9)),
+        write_csv(out / f"{command}-verdicts.csv", (
+            "part", "seed", "quantity", "places", "inside", "answers", "refused",
+            "median bar/error", "largest error", "worst error", "its bar", "worst at", "verdict",
+        ), verdicts),
+        write_csv(out / f"{command}-answers.csv", (
+            "part", "seed", "where", "quantity", "which", "relative error", "relative bar",
+            "refusal",
+        ), answers),
+        write_text(out / f"{command}-calibration.svg", plot),
     ]  # fmt: skip
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from tactgen.validation.evidence.judgement import FAR, PartRow, Rule
 
-#: No more answers may be beyond their bars than would be in every other run (of 20 one, of 40 two;
-#: none where all are promised to be within), and none by so many bars.
-RULE = Rule(chance=0.5, far=FAR)
+#: No more answers may be beyond their bars than these promise (of 20 one, of 40 two; none where all
+#: are promised to be within), and none by so many bars.
+RULE = Rule(far=FAR)
 
 _SECOND = (
     "each answer agrees with the second model's within the bars of both, 19 of 20 and none by "
@@ -32,8 +32,8 @@ PARTS: dict[str, PartRow] = {
     "machine": PartRow(
         "responses by the transfer matrix and by beam elements agree within the bars of both, 19 "
         "of 20 and none by three bars; the slow motion per ampere is the derivative of where the "
-        "rod rests; runs in time agree with ten times finer ones within the bars of both, and keep "
-        "their energy; where the rod rests nowhere, or a head is tipped over, that is said",
+        "rod rests; runs in time agree with a hundred times finer ones within their own bars, and "
+        "keep their energy; where the rod rests nowhere, or a head is tipped over, that is said",
         "stress_machine.FAMILIES",
     ),
     "random": PartRow(

@@ -1,4 +1,4 @@
-"""The machine at extremes: sweeps of keys, and runs in time."""
+"""The machine at extremes: sweeps of keys, slow motion, and runs in time."""
 
 from __future__ import annotations
 
@@ -6,12 +6,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from tactgen.tmm.generator.equilibrium import AxialForces, axial_forces, settled_place
 from tactgen.tmm.generator.transient.waveform import Sine, Sources, Step
+from tactgen.tmm.reluctance.network import DirectForce
+from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence.coverage_actuator import time_errors, two_runs
 from tactgen.validation.evidence.judgement import Family
 from tactgen.validation.evidence.stress_driven import MACHINE, Sweep, decades, each, families
+from tactgen.validation.models.classes import map_of
+from tactgen.validation.models.small_signal import CELLS_AT_REST
 from tactgen.validation.models.transient import scene_machine
 from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.scene import Scene
 
 _FREE = "load.kind=none"
 _AT = (_FREE, "frequency=10 Hz,500 Hz,2000 Hz")
@@ -65,8 +71,43 @@ _SWEEPS: dict[str, Sweep] = {
     ],
 }  # fmt: skip
 
-#: Accuracy of the runs that are judged, and what their witness's is of it.
-_ACCURACY, _FINER = 0.05, 0.1
+#: Currents (mA) and how they are reached.
+_SLOW = ((20, "rising"), (60, "rising"), (100, "rising"), (60, "falling"))
+
+
+def slow_motion(family: Family, quick: bool) -> None:
+    """Hold the motion per ampere at almost 0 Hz against the derivative of the place of rest.
+
+    The derivative is extrapolated from two central differences, whose distance is its bar.
+    """
+    for current, history in _SLOW[::3] if quick else _SLOW:
+        with family.attempt():
+            scene, _ = load_scene("generator", [
+                "load.kind=none", "frequency=1e-6 Hz", f"coil.current={current} mA",
+                f"coil.history={history}",
+            ])  # fmt: skip
+            slow = solve(scene, ("tmm",), ("axial_tip_per_current",)).quantities[0]
+            exact = DirectForce(scene.device, CELLS_AT_REST, map_of(scene).gap_limits)
+            forces = axial_forces(scene.device, exact, scene.load.normal_force)
+            wide, near = (_slope(scene, forces, s * scene.coil.current) for s in (2e-3, 1e-3))
+            slope = near + (near - wide) / 3.0
+            bar = abs(near - wide) + 1e-6 * abs(slope)
+            family.compare(f"{current} mA {history}", abs(complex(slow.value[0])), abs(slope), bar)
+
+
+def _slope(scene: Scene, forces: AxialForces, step: float) -> float:
+    """Central difference of the place of rest over the current (m/A)."""
+    assert scene.rest is not None, "the generator stands on its contact"
+    places = []
+    for at in (scene.coil.current - step, scene.coil.current + step):
+        place = settled_place(forces, at, scene.rest[0])
+        assert place is not None, "near where the map has it"
+        places.append(place.lift)
+    return (places[1] - places[0]) / (2.0 * step)
+
+
+#: Accuracy of the runs that are judged.
+_ACCURACY = 0.05
 #: What the energy balance may miss, of all that was exchanged.
 _BALANCE = 1e-10
 _UNDAMPED = (
@@ -128,6 +169,7 @@ def _judge(family: Family, run: _Run) -> None:
 #: By title, with the range.
 FAMILIES: dict[str, Callable[[Family, bool], None]] = {
     **families(MACHINE, _SWEEPS),
+    "slow motion per ampere: 1 µHz, 20 to 100 mA, on either stop": slow_motion,
     "blows on its stop: the rod at 1 cm/s to 2 m/s": partial(motions, _BLOWS),
     "without damping: no loss in contact, guide, bimorph": partial(motions, _LOSSLESS),
     "stiff circuits: 10 ohm to 1 Mohm in series": partial(motions, _CIRCUITS),

@@ -82,6 +82,8 @@ def scene_warnings(
     for key, origin in origins.items():
         if report and key.startswith("coil.") and set(scene.models) & set(models_of("reluctance")):
             continue  # a report shows the coil's resistance and heat
+        if key == "drive.voltage" and not scene.drive.voltage:
+            continue  # that says itself that nothing is applied
         quantities = _sensible(scene, key) if report else scene.quantities
         # a file may describe both actuators, whichever is asked about today
         found.append(_idle(scene, key, quantities, asked=origin == ON_COMMAND_LINE))

@@ -132,7 +132,12 @@ _SUFFIXES = {
 }  # fmt: skip
 
 
-def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], None]) -> list[Path]:
+def export(
+    scene: Scene,
+    targets: dict[str, Path],
+    announce: Callable[[str], None],
+    frequencies: tuple[float, ...] | None = None,
+) -> list[Path]:
     """Write the wanted files, all or none, and return their paths.
 
     Parameters
@@ -140,6 +145,8 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
     targets : dict of {"step", "glb", "mesh", "map", "ports", "state_space", "fields",
     "animated_glb", "fmu", "machine"} to Path
         What to write where.
+    frequencies : tuple of float, optional
+        Of driven states (Hz); None takes half the first frequency of bending and that itself.
 
     Raises InputError if a place cannot be written, has the wrong ending or is named twice, or a map
     is wanted of a scene without a model of the normal actuator, or the solid model cannot take the
@@ -173,7 +180,7 @@ def export(scene: Scene, targets: dict[str, Path], announce: Callable[[str], Non
         drafts = {kind: stack.enter_context(written_whole(p)) for kind, p in targets.items()}
         try:
             _write(scene, drafts, announce)
-            _write_motion(scene, drafts, targets, announce)
+            _write_motion(scene, drafts, targets, announce, frequencies)
         except InputError as error:
             text = str(error)
             for kind, draft in drafts.items():
@@ -255,14 +262,18 @@ def _write(scene: Scene, files: dict[str, Path], announce: Callable[[str], None]
 
 
 def _write_motion(
-    scene: Scene, drafts: dict[str, Path], targets: dict[str, Path], announce: Callable[[str], None]
+    scene: Scene,
+    drafts: dict[str, Path],
+    targets: dict[str, Path],
+    announce: Callable[[str], None],
+    frequencies: tuple[float, ...] | None,
 ) -> None:
     """Write fields and their animation."""
     if not {"fields", "animated_glb"} & set(drafts):
         return
     from tactgen.validation.show.gather import default_models, gather
 
-    (result,) = gather(scene, default_models(scene), announce=announce)
+    (result,) = gather(scene, default_models(scene), frequencies, announce=announce)
     if "fields" in drafts:
         from tactgen.validation.show.field_files import write_fields
 

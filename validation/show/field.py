@@ -87,7 +87,9 @@ class FieldResult:
     model: str
     mesh: Mesh  #: Points (n, 3) in m, each of one region
     states: tuple[State, ...]  #: With fields at the points
-    drive: str  #: What drives the driven states, in words
+    #: What drives the driven states, and what acts on the static one, in words
+    drive: str
+    drive_at_rest: str
     theory: str  #: Of the model, as its row names it
     lines: Floats | None = None  #: (m, 2, 3) Segments of flux lines (m)
     #: Regions that move as rigid bodies: of these only the displacement is known
@@ -270,7 +272,7 @@ def words_of(result: FieldResult, state: State) -> Words:
         return Words("field", pull, state.name, name, "")
     tip = f"{result.place} {engineering(abs(state.tip), 'm', 4)}"
     if state.kind == "static":
-        still = result.drive.removesuffix(" peak")
+        still = result.drive_at_rest
         return Words("static", tip, still + modelling, "Static", still)
     degrees = math.degrees(math.atan2(state.tip.imag, state.tip.real))
     number = f"{tip}, {degrees:.0f}°".replace("-", "−")

@@ -19,10 +19,11 @@ from tactgen.validation.catalogue.quantities import (
     TIP_DISPLACEMENT,
 )
 from tactgen.validation.engine.answers import NONE, modelling_at
-from tactgen.validation.engine.solve import Solution, solve
+from tactgen.validation.engine.solve import Solution, make_plan, solve
 from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
 from tactgen.validation.models.bimorph.model import BeamTheoryModel, BimorphModel
-from tactgen.validation.models.model import Quantity
+from tactgen.validation.models.classes import make_model
+from tactgen.validation.models.model import Quantity, Stages
 from tactgen.validation.models.transient import Simulation, scene_beam
 from tactgen.validation.scene.conditions import beyond_voltage, conditions, driven_in_words
 from tactgen.validation.scene.scene import Scene
@@ -117,16 +118,18 @@ def gather_from(
         announce(f"fields of {name} at {state.frequency:.5g} Hz")
         states.append(_driven(state, fields.driven(state), modelling))
     return FieldResult(
-        scene.name, name, fields.mesh, tuple(states), _drive(scene), MODELS[name].theory,
+        scene.name, name, fields.mesh, tuple(states), *_drive(scene), MODELS[name].theory,
         conditions=conditions(scene), place=scene.measurement.place,
     )  # fmt: skip
 
 
-def _drive(scene: Scene) -> str:
-    """What drives, in words: a voltage at the electrodes by its amplitude alone."""
-    if beyond_voltage(scene):
-        return driven_in_words(scene.drive, scene.circuit)
-    return f"at {engineering(scene.drive.voltage, 'V', 3)} peak"
+def _drive(scene: Scene) -> tuple[str, str]:
+    """What drives, and what does at rest, in words: a voltage alone by its amplitude."""
+    if not beyond_voltage(scene):
+        volts = f"at {engineering(scene.drive.voltage, 'V', 3)}"
+        return f"{volts} peak", volts
+    still = scene.drive.model_copy(update={"base_acceleration": 0.0})
+    return driven_in_words(scene.drive, scene.circuit), driven_in_words(still, scene.circuit)
 
 
 def _port_states(
@@ -144,17 +147,21 @@ def _port_states(
     if not rows:
         return []
     asked = scene.model_copy(update={"frequency": tuple(frequencies) or scene.frequency})
-    found = solve(asked, (name,), rows, reuse=solution)
-    model, states = found.models[name], []
+    words, states = [""] * (len(still) + len(frequencies)), []
+    try:
+        found = solve(asked, (name,), rows, reuse=solution)
+        model = found.models[name]
+        words = [
+            modelling_at(q, place).removeprefix(NONE)
+            for q in found.quantities for place in np.ndindex(q.value.shape)
+        ]  # fmt: skip
+    except InputError:  # a finger beyond its range is drawn with its law's end
+        model = make_model(name, asked, Stages(make_plan(asked, (name,), rows).keys))
     assert isinstance(model, BimorphModel)
     if still:
         states += _states(asked, model.static().fine, asked.ends.lossless, excitation.at_rest)
     if frequencies:
         states += _states(asked, model.ports().fine, asked.ends, excitation)
-    words = [
-        modelling_at(q, place).removeprefix(NONE)
-        for q in found.quantities for place in (np.ndindex(q.value.shape))
-    ]  # fmt: skip
     return list(zip(states, words, strict=True))
 
 

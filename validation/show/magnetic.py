@@ -92,7 +92,7 @@ def gather_magnetic(
     )
     lines = flux_lines(field, section) if opened else None
     return FieldResult(
-        scene.name, "axisymmetric", mesh, (state,), "", "field", lines,
+        scene.name, "axisymmetric", mesh, (state,), "", "", "field", lines,
         conditions=conditions(scene),
     )  # fmt: skip
 

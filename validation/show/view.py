@@ -172,7 +172,7 @@ def harmonic_frequencies(scene: Scene) -> tuple[float, ...]:
     if min(scene.frequency) <= 0.0:
         raise InputError(
             f"frequency = {min(scene.frequency):g} Hz has no vibration to show; give one above "
-            "0 Hz (the static state is always there)"
+            "0 Hz (the static state is there wherever something acts at rest)"
         )
     if len(scene.frequency) > _MOST:
         raise InputError(

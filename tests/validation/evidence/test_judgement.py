@@ -187,7 +187,7 @@ def test_command_quotes_refusals(made_up, tmp_path, capsys):
     out = capsys.readouterr().out
     assert "refused 2 x: come nearer\n" in out
     assert "refused 2 x, such as: 1.5 mm is off\n" in out
-    assert (tmp_path / "answers.csv").read_text().count("come nearer") == 2
+    assert (tmp_path / "stress-answers.csv").read_text().count("come nearer") == 2
 
 
 def test_command_fails_if_a_family_does(made_up, capsys):
@@ -213,9 +213,9 @@ def test_wide_bars_are_said_in_table_json_and_csv(own_store, monkeypatch, capsys
     asked = ["coverage", "--only", "beam", "--devices", "2", "--seed", "1"]
     assert main([*asked, "--out", str(tmp_path)]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[2].split() == ["1", "2/2", "0", "6", "1.0e-06", "6.0e-06", "wide", "f"]
+    assert lines[2].split() == ["1", "2/2", "0", "6", "1.0e-06", "0.17", "wide", "f"]
     assert lines[3] == "wide: bars that cover, but of a median bar/error beyond 5"
-    with (tmp_path / "verdicts.csv").open() as file:
+    with (tmp_path / "coverage-verdicts.csv").open() as file:
         (row,) = csv.DictReader(file)
     assert (row["quantity"], row["answers"], row["verdict"]) == ("f", "2", "wide")
     assert main([*asked, "--json"]) == 0

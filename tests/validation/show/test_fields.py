@@ -271,3 +271,11 @@ def test_a_harvester_is_shown_as_it_moves():
     x = np.abs(result.mesh.points[:, 0])
     outer = (x > x.max() - 1e-9) & ~low
     assert np.asarray(state.fields["potential"])[outer] == pytest.approx(voltage, rel=1e-6)
+
+
+def test_a_finger_beyond_its_range_is_drawn_with_the_end_of_its_law():
+    """Numbers are refused there, pictures are not; they say no modelling error."""
+    (result,) = gather(load_scene("paper")[0], ("tmm",), (2000.0,))
+    state = result.state("2000 Hz")
+    assert abs(state.tip) > 0.0
+    assert state.modelling == ""

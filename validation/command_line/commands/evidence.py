@@ -167,7 +167,7 @@ def _judge(command: str, options: argparse.Namespace) -> int:
         return run_parts(command, names, seed, announce, devices=devices, quick=quick)
 
     def files(parts: list[Any], out: Path, _: Callable[[str], None]) -> list[Path]:
-        written = write(parts, out)
+        written = write(command, parts, out)
         if command == "stress" and any(part.name == "tmm" for part in parts):
             from tactgen.validation.evidence.error_maps import write_maps
 

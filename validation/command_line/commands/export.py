@@ -52,10 +52,11 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the command and return its exit code."""
-    from tactgen.validation.scene.load import load_scene
+    from tactgen.validation.scene.load import ON_COMMAND_LINE, load_scene
     from tactgen.validation.show.export import export
+    from tactgen.validation.show.view import harmonic_frequencies
 
-    scene, _ = load_scene(options.scene, options.overrides)
+    scene, origins = load_scene(options.scene, options.overrides)
     settle(scene)
     kinds = ("step", "glb", "mesh", "map", "ports", "state_space", "fields", "animated_glb", "fmu",
              "machine")  # fmt: skip
@@ -68,6 +69,8 @@ def run(options: argparse.Namespace) -> int:
             "--fmu FILE.fmu, --machine FILE.npz"
         )
     with announcer() as announce:
-        for path in export(scene, wanted, announce):
+        stated = "fields" in wanted and origins.get("frequency") == ON_COMMAND_LINE
+        frequencies = harmonic_frequencies(scene) if stated else None
+        for path in export(scene, wanted, announce, frequencies):
             print(path)
     return 0

@@ -56,7 +56,7 @@ def _modes(study: Study) -> Context:
 def _responses(study: Study) -> dict[str, dict[str, Quantity]]:
     """Displacement, and admittance or what the circuit is there for, by name and model."""
     circuit = OF_CIRCUIT.get(study.scene.circuit.kind, (ADMITTANCE.name,))
-    found = {n: study.solution.by_model(n) for n in (TIP_DISPLACEMENT.name, circuit[0])}
+    found = {n: study.solution.by_model(n) for n in (TIP_DISPLACEMENT.name, *circuit)}
     return {name: {m: of[m] for m in ranked(of)} for name, of in found.items() if of}
 
 

@@ -64,7 +64,7 @@ def detailed_numbers(
 ) -> dict[str, tuple[float, float]]:
     """Magnitude and numerical error bar by label; targets without a number are left out.
 
-    Peaks are not searched for, and a model that takes long is not run again.
+    A model that takes long is not run again; its peaks are those of the scene's band.
     """
     scalars = {
         row.quantity: row.cells[-1] for row in compare(scene, solution.quantities, "bimorph")
@@ -83,6 +83,13 @@ def detailed_numbers(
                 near = np.isclose(q.frequency or (), target.frequency, rtol=1e-9, atol=0.0)
                 for at in np.flatnonzero(near):
                     found[target.label] = float(abs(q.value[at])), float(q.error[at])
+        elif target.peak == "height":
+            for q in (q for q in solution.quantities if (q.name, q.model) == (name, model)):
+                if q.extreme and q.extreme.frequency not in (
+                    scene.frequency[0],
+                    scene.frequency[-1],
+                ):
+                    found[target.label] = q.extreme.value, q.extreme.error
         elif name in scalars and not target.peak:
             cell = scalars[name]
             found[target.label] = (abs(cell.value), cell.error)

@@ -151,7 +151,9 @@ class Aim:
         """Where the first largest or least value over the band that it names was found."""
         for name in self.quantities:
             q = known[name]
-            if q.extreme is not None and f"{_searched(name)}({name})" in self.text:
+            searched = _searched(name)
+            named = searched and re.search(rf"\b{searched}\(\s*{name}\s*\)", self.text)
+            if q.extreme is not None and named:
                 at = q.extreme.frequency
                 return Peak(at, at in (min(q.frequency or ()), max(q.frequency or ())))
         return None

@@ -75,6 +75,7 @@ class Tried:
     values: dict[str, float]
     judged: Judged | None
     reason: str
+    warnings: tuple[str, ...] = ()  #: Limits of the validity of its answers
 
 
 @dataclass(frozen=True)
@@ -138,6 +139,7 @@ def sentences(found: SearchResult) -> list[str]:
     lines += [f"{key} is at an end of its range, beyond which there may be better"
               for key in found.at_end if has_goal]  # fmt: skip
     interpolated = points.solver.counts["interpolated"]
+    lines += [f"warning: {words}" for words in found.best.warnings]
     among = f", {interpolated} of their answers interpolated" if interpolated else ""
     lines.append(f"{len(points.tried)} points tried{among}.")
     return lines
@@ -184,7 +186,9 @@ class Points:
     def _tried(self, at: dict[str, float], given: Mapping[str, Answer]) -> Tried:
         found = judged(self.statement, self.aims, 0, at, given)
         reason = "; ".join(a.reason for a in given.values() if a.reason)
-        return Tried(at, found[0] if found else None, reason or "a quantity has no value there")
+        warnings = tuple(dict.fromkeys(words for a in given.values() for words in a.warnings))
+        reason = reason or "a quantity has no value there"
+        return Tried(at, found[0] if found else None, reason, warnings)
 
     def rescale(self) -> None:
         """Set each aim's scale to what its margin differs by over the points, 1 if it does not."""

@@ -372,3 +372,24 @@ def test_ends_of_a_range_are_exact():
     assert (by_ratio.at(0.0), by_ratio.at(1.0)) == (1e-4, 3e-3)
     assert by_ratio.share(by_ratio.at(0.3)) == pytest.approx(0.3, abs=1e-12)
     assert by_ratio.share(1.0) == 1.0
+
+
+@pytest.mark.parametrize(
+    ("band", "says"),
+    [("600:3000:9", lambda peak: 600.0 < peak.frequency < 3000.0 and not peak.at_end),
+     ("200:600:9", lambda peak: peak == (600.0, True))],
+)  # fmt: skip
+def test_an_aim_says_where_its_peak_is_and_whether_the_band_ends_there(band, says):
+    """Only what the searched largest value is taken of, however it is spaced."""
+    names = ("circuit_power", "optimum_resistance", "optimum_power")
+    scene, _ = load_scene("prototype", [
+        "support.kind=clamped", "load.kind=none", "circuit.kind=load", f"frequency={band}",
+        "circuit.resistance=20 kohm", "drive.base_acceleration=1 g",
+    ])  # fmt: skip
+    found = solve(scene, ("tmm",), names, modelling=False)
+    known = {name: found.get(name, "tmm") for name in names}
+    margin = parse_aim("maximise max_over( circuit_power )").judged(known)
+    assert says(margin.peak)
+    assert ("end of the band" in margin.text) == margin.peak.at_end
+    assert parse_aim("maximise max_over(optimum_resistance)").judged(known).peak is None
+    assert parse_aim("maximise mean_over(circuit_power)").judged(known).peak is None
