@@ -68,6 +68,7 @@ def run(options: argparse.Namespace) -> int:
         return _show_run(options)
     options.scene = PAPER if options.scene is None else options.scene
     _refuse_unused(options)
+    from tactgen.validation.catalogue.models import MODELS
     from tactgen.validation.scene.load import load_scene
     from tactgen.validation.scene.warnings import scene_warnings
     from tactgen.validation.show.view import Look, harmonic_frequencies, view
@@ -75,7 +76,9 @@ def run(options: argparse.Namespace) -> int:
     asked = [] if options.frequency is None else [f"frequency={options.frequency}"]
     scene, origins = load_scene(options.scene, [*options.overrides, *asked])
     settle(scene)
-    asking = {"models": tuple(options.model)} if options.model else {}
+    # what is no model is refused below, in words for pictures
+    known = tuple(name for name in options.model or () if name in MODELS)
+    asking = {"models": known} if known else {}
     warn(scene_warnings(scene.model_copy(update=asking), origins))
     named = {kind: getattr(options, kind) for kind in ("out", "png", "gif", "mp4")}
     files = {kind: Path(name) for kind, name in named.items() if name}
