@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from tactgen.geometry.bimorph.segments import beam_pieces, bimorph_stack
-from tactgen.geometry.device.bimorph import Piezo
+from tactgen.geometry.device.bimorph import Piezo, Shim
 from tactgen.geometry.device.ceramic_constants import moved
 from tactgen.geometry.device.support_table import support_table
 from tactgen.geometry.errors import InputError
@@ -63,6 +63,7 @@ def request_warnings(
     return (
         *_no_bending(scene, quantities), *load_warnings(scene, quantities),
         *_of_constants(scene, quantities), *_of_threshold(scene, quantities),
+        *_of_losses(scene, quantities),
         *_of_support_over_frequency(scene, quantities),
         *(() if scene.awaits_map else held_warnings(scene, models, quantities)),
         *field_warnings(scene, quantities),
@@ -97,6 +98,25 @@ def _of_constants(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
         yield (
             f"the constants of piezo.constants contradict each other a little; taken are "
             f"{', '.join(taken)}; leave out the one that is known least"
+        )
+
+
+def _of_losses(scene: Scene, quantities: Sequence[str]) -> Iterator[str]:
+    """Metals without losses, where the power of a harvester is asked for."""
+    rows = [QUANTITIES[name] for name in quantities]
+    of_power = any(isinstance(row.read, CircuitReadout) and row.unit == "W" for row in rows)
+    if not of_power or not excitation_of(scene.circuit, scene.drive).is_mechanical:
+        return
+    lossless = {
+        of.material.material
+        for of in bimorph_stack(scene.device)
+        if isinstance(of.material, Shim) and not of.material.loss_factor
+    }
+    if lossless:
+        yield (
+            f"power at resonance depends on losses, and {' and '.join(sorted(lossless))} is taken "
+            "without (loss factor 0); state shim.loss_factor, in bimorph.layers for a layer called "
+            "shim"
         )
 
 

@@ -93,6 +93,12 @@ class Quantity(Estimate):
         return np.abs(self.value - self.modelling.expected) + self.modelling.error
 
     @property
+    def extreme_at_end(self) -> bool:
+        """Whether its largest or least value lies where the band ends."""
+        ends = min(self.frequency or (0.0,)), max(self.frequency or (0.0,))
+        return self.extreme is not None and self.extreme.frequency in ends
+
+    @property
     def alone_at_extreme(self) -> Quantity:
         """Largest or least value of a sweep as a number of its own."""
         assert self.extreme is not None

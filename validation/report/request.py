@@ -60,6 +60,8 @@ def prepared(scene: Scene, *, quick: bool) -> Scene:
     )
     named = (name for name in scene.quantities if QUANTITIES[name].by_name)
     quantities = (*quantities_of(models, about, quick=quick), *named)
+    if scene.circuit.kind != "source":  # nothing is felt
+        quantities = tuple(name for name in quantities if not QUANTITIES[name].has_level)
     if scene.support.kind == "contact" and not scene.coil.current:
         # without current a pull, an inductance say nothing: see Study.normal
         own = (n for n in quantities if QUANTITIES[n].actuator != "reluctance" or is_of_rest(n))

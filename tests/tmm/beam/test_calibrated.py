@@ -1,5 +1,7 @@
 """Calibrated sections: limits, scaling, and what a port matrix must keep."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -213,3 +215,29 @@ def test_materials_of_one_loss_factor_lose_just_that(layers):
         for value in (own.EI, own.GA):
             # a difference, of the third order in a step of 2e-4; rounding of the fit's polynomials
             assert value.imag / value.real == pytest.approx(0.02, rel=1e-5)
+
+
+def test_the_error_of_losses_is_what_a_softer_piece_makes_of_them():
+    """By so much of the whole's compliance as its error is; of one loss factor all over nothing."""
+    patch = "shim 0.2 mm; piezo 0.26 mm from 1 mm to 6 mm +x"
+    s = scene(f"bimorph.layers={patch}", "shim.loss_factor=0.001", "piezo.quality_factor=20")
+    factors = calibrated.section_factors(s.device, s.beam)
+    row = calibrated.sections(s.device, s.support, s.beam, factors, lossy=True)
+    beyond = calibrated.loss_error(row, factors) - factors.damping_error
+
+    def mean(added=None, share=0.0):
+        """Loss factor of the tip's compliance by ∫ (L − x)² / EI dx, one piece's being raised."""
+        z = np.cumsum([0.0, *(length for _, length in row)])
+        arm = [z[-1] - np.linspace(z[n], z[n + 1], 2001) for n in range(len(row))]
+        soft = [-np.trapezoid(a**2, a) / of.EI for a, (of, _) in zip(arm, row, strict=True)]
+        if added is not None:
+            whole = sum(part.real for part in soft)
+            soft[added] *= 1.0 + share * whole / soft[added].real
+        return -sum(soft).imag / sum(soft).real
+
+    error, step = factors.errors[0], 1e-6
+    moved = [abs(mean(n, step) / mean() - 1.0) / step for n in range(len(row))]
+    assert len({round(of.EI.imag / of.EI.real, 9) for of, _ in row}) > 1
+    assert beyond == pytest.approx(error * max(moved), rel=1e-4)  # of the step and the integral
+    alike = [(replace(of, EI=of.EI.real * (1.0 + 0.02j)), length) for of, length in row]
+    assert calibrated.loss_error(alike, factors) == pytest.approx(factors.damping_error, rel=1e-9)

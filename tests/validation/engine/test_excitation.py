@@ -7,6 +7,7 @@ import tactgen
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.validation.engine.answers import stated_as
+from tactgen.validation.engine.warnings import request_warnings
 from tactgen.validation.scene.load import checked_scene, load_scene
 
 #: Slender, so that shear and rotary inertia are small.
@@ -217,3 +218,17 @@ def test_amplitudes_are_read_as_stated_and_written_as_asked():
     assert rms.unit == "m rms"
     assert rms.extreme.value * 2.0**0.5 == pytest.approx(tip.extreme.value)
     assert stated_as(threshold, "rms") is threshold
+
+
+def test_a_metal_without_losses_is_said_where_power_is_asked_for():
+    """Not of its voltage, and not once its losses are stated."""
+    stated = ["circuit.kind=load", "circuit.resistance=10 kohm", "drive.base_acceleration=1 g"]
+    words = "is taken without"
+    for more, quantity, said in (
+        ("shim.loss_factor=0", "circuit_power", True),
+        ("shim.loss_factor=0", "electrode_voltage", False),
+        ("shim.loss_factor=0.01", "circuit_power", False),
+    ):
+        of, _ = load_scene("prototype", [*stated, more])
+        found = request_warnings(of, ("tmm",), (quantity,))
+        assert any(words in one for one in found) == said

@@ -69,8 +69,9 @@ def run(options: argparse.Namespace) -> int:
             "--fmu FILE.fmu, --machine FILE.npz"
         )
     with announcer() as announce:
-        stated = "fields" in wanted and origins.get("frequency") == ON_COMMAND_LINE
-        frequencies = harmonic_frequencies(scene) if stated else None
+        moving = {"fields", "animated_glb"} & set(wanted)
+        stated = origins.get("frequency") == ON_COMMAND_LINE
+        frequencies = harmonic_frequencies(scene) if moving and stated else None
         for path in export(scene, wanted, announce, frequencies):
             print(path)
     return 0

@@ -69,13 +69,14 @@ def response_curves(study: Study) -> dict[str, dict[str, Complex]]:
 
 
 def _response(study: Study) -> Context:
-    found = _responses(study)
+    found, curves = _responses(study), response_curves(study)
+    with_phase = {n: of for n, of in curves.items() if any(map(np.iscomplexobj, of.values()))}
     models = next(iter(found.values()))
     return {
         "driven": driven_in_words(study.scene.drive, study.scene.circuit),
         "responses": [QUANTITIES[name].label for name in found],
         "peaks": [(m, [representative(of[m]) for of in found.values()]) for m in models],
-        "response": difference_plot(np.asarray(study.scene.frequency), response_curves(study)),
+        "response": difference_plot(np.asarray(study.scene.frequency), with_phase),
     }
 
 

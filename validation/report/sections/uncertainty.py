@@ -85,10 +85,7 @@ def detailed_numbers(
                     found[target.label] = float(abs(q.value[at])), float(q.error[at])
         elif target.peak == "height":
             for q in (q for q in solution.quantities if (q.name, q.model) == (name, model)):
-                if q.extreme and q.extreme.frequency not in (
-                    scene.frequency[0],
-                    scene.frequency[-1],
-                ):
+                if q.extreme and not q.extreme_at_end:
                     found[target.label] = q.extreme.value, q.extreme.error
         elif name in scalars and not target.peak:
             cell = scalars[name]

@@ -154,8 +154,7 @@ class Aim:
             searched = _searched(name)
             named = searched and re.search(rf"\b{searched}\(\s*{name}\s*\)", self.text)
             if q.extreme is not None and named:
-                at = q.extreme.frequency
-                return Peak(at, at in (min(q.frequency or ()), max(q.frequency or ())))
+                return Peak(q.extreme.frequency, q.extreme_at_end)
         return None
 
     def _moved(self, known: dict[str, Quantity], by: Callable[[Quantity], Any]) -> float:

@@ -38,6 +38,9 @@ def write_page(folder: Path, study: Study, found: Sequence[Verdict] | None = Non
     samples = f", {stated.samples} samples" if stated.samples else ""
     asked = f"Scene {stated.scene}; {axes}{samples}; models {', '.join(stated.models)}."
     parts = [f"<p>{html.escape(f'{asked} {stated.conditions}')}</p>"]
+    if warnings := (*study.without_effect, *study.warnings):
+        listed = "".join(f"<li>{html.escape(words)}</li>" for words in warnings)
+        parts += ["<h2>What could be wrong</h2>", f"<ul>{listed}</ul>"]
     if found is not None:
         text = html.escape("\n".join(sentences(study, found)))
         parts += ["<h2>Aims</h2>", f'<pre style="white-space: pre-wrap">{text}</pre>']

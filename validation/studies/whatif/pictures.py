@@ -123,13 +123,21 @@ def _lines(study: Study, axes: Sequence[Axis]) -> Figure:
                     linestyle="none" if axis.drawn else styles[model], markersize=3, capsize=2,
                     label=f"{model} {at}".strip(),
                 )  # fmt: skip
-            if x.size > 2 and x.min() > 0.0 and x.max() > _WIDE * x.min():
-                side.set_xscale("log")
-            plain_numbers(side.xaxis)
+            _scale(side, x)
             side.set_xlabel(x_label)
         sides[0].set_ylabel(row[0][0])
         sides[0].legend(fontsize=8)
     return figure
+
+
+def _scale(side: Any, x: Floats, y: Floats | None = None) -> None:
+    """Draw axes whose values span much logarithmically."""
+    for values, scale in ((x, side.set_xscale), (y, side.set_yscale)):
+        if values is None or values.size < 3 or values.min() <= 0.0:
+            continue
+        if values.max() > _WIDE * values.min():
+            scale("log")
+    plain_numbers(side.xaxis, side.yaxis)
 
 
 def _maps(study: Study, axes: Sequence[Axis]) -> Figure:
@@ -162,6 +170,7 @@ def _maps(study: Study, axes: Sequence[Axis]) -> Figure:
                 filled = side.contourf(*place, np.ma.masked_invalid(table), levels=12)
                 figure.colorbar(filled, ax=side, label=label)
             side.plot(x, y, ".", color=GREY, markersize=2)
+            _scale(side, x, y)
     return figure
 
 
