@@ -27,7 +27,7 @@ from tactgen.geometry.bimorph.segments import (
 from tactgen.geometry.device.materials import EPS0, lossy_coupling, lossy_modulus
 from tactgen.geometry.device.parameters import Beam, Device, Piezo, Shim, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.ports.excitation import PortState
+from tactgen.tmm.ports.excitation_and_circuit import PortState
 from tactgen.tmm.ports.multiport import BIMORPH, MEASURED, Multiport
 
 

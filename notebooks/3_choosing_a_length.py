@@ -11,7 +11,7 @@ import numpy as np
 
 import tactgen
 from tactgen.validation.scene.load import load_scene
-from tactgen.validation.studies.design import Aim, design
+from tactgen.validation.studies.length_design import Aim, design
 from tactgen.validation.studies.length_map import length_map
 
 scene, _ = load_scene("paper")

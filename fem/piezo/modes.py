@@ -12,7 +12,7 @@ from tactgen.fem.piezo.system import SolidSystem
 from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Numbers, Sparse
 from tactgen.geometry.bimorph.boundary_conditions import Ends, Springs
-from tactgen.tmm.ports.excitation import PortState
+from tactgen.tmm.ports.excitation_and_circuit import PortState
 
 #: Residual of a mode against its inverse eigenvalue; the frequency's error is its square.
 _RESIDUAL = 1e-9

@@ -20,7 +20,7 @@ from tactgen.tmm.beam.scattering import Element, element_stiffness
 from tactgen.tmm.beam.sections import Joint, Section, ceramic_stresses, section
 from tactgen.tmm.beam.span import wavenumbers
 from tactgen.tmm.beam.transfer_matrix import elements
-from tactgen.tmm.ports.excitation import Excitation
+from tactgen.tmm.ports.excitation_and_circuit import Excitation
 from tactgen.tmm.ports.multiport import Response
 from tactgen.tmm.ports.supports_and_loads import tip_matrix
 
@@ -182,8 +182,8 @@ def _slice_from(
 def _inertia(element: Section, length: float, omega: Floats) -> Complex:
     """Efforts (n, 4) at the ends of a part per acceleration of the base; nan at 0 Hz.
 
-    As of :func:`tmm.ports.excitation.inertia`, a small difference of large stiffnesses; below
-    some frequency it is that of rest within 1e-8.
+    As of :func:`tmm.ports.excitation_and_circuit.inertia`, a small difference of large
+    stiffnesses; below some frequency it is that of rest within 1e-8.
     """
     slowest = np.sqrt(_AT_REST * abs(element.EI) / element.m) / length**2
     at = np.maximum(np.where(omega > 0.0, omega, np.nan), slowest)

@@ -24,7 +24,7 @@ from tactgen.geometry.units import Unit, quoted
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, chain, elements
-from tactgen.tmm.ports.excitation import ELECTRICAL, excitation_of, excited
+from tactgen.tmm.ports.excitation_and_circuit import ELECTRICAL, excitation_of, excited
 from tactgen.tmm.ports.multiport import MEASURED, Multiport, Response, in_series, respond
 from tactgen.tmm.ports.supports_and_loads import attach, ends_of
 

@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats
-from tactgen.tmm.ports.excitation import ELECTRICAL, UNIT_VOLTAGE, Excitation
+from tactgen.tmm.ports.excitation_and_circuit import ELECTRICAL, UNIT_VOLTAGE, Excitation
 from tactgen.tmm.ports.multiport import BIMORPH, MEASURED, VOLTAGE, Multiport, Response, respond
 
 #: The bimorph's mechanical ports.

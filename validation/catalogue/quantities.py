@@ -13,7 +13,7 @@ import numpy as np
 from tactgen.geometry.arrays import Complex, Floats
 from tactgen.geometry.device.parameters import Limits
 from tactgen.geometry.units import Unit
-from tactgen.tmm.ports.excitation import (
+from tactgen.tmm.ports.excitation_and_circuit import (
     ELECTRICAL,
     OPEN_CIRCUIT,
     UNIT_VOLTAGE,

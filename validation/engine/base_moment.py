@@ -8,7 +8,7 @@ import numpy as np
 
 from tactgen.tmm.beam import transfer_matrix
 from tactgen.tmm.generator.contact import stops_of
-from tactgen.tmm.ports.excitation import excitation_of, excited
+from tactgen.tmm.ports.excitation_and_circuit import excitation_of, excited
 from tactgen.tmm.ports.multiport import wired
 from tactgen.tmm.ports.supports_and_loads import outside_known_range
 from tactgen.validation.scene.scene import Scene

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.tmm.beam.ceramic_stress import driven_ceramic
-from tactgen.tmm.ports.excitation import (
+from tactgen.tmm.ports.excitation_and_circuit import (
     Excitation,
     electrical,
     excitation_of,

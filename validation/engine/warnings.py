@@ -15,7 +15,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.formats import share as share_of
 from tactgen.tmm.beam.sections import section
-from tactgen.tmm.ports.excitation import excitation_of
+from tactgen.tmm.ports.excitation_and_circuit import excitation_of
 from tactgen.tmm.ports.finger_and_pad import FINGER_RANGE
 from tactgen.tmm.ports.measured_loads import MeasuredLaw
 from tactgen.tmm.ports.readout import ModalReadout, Readout

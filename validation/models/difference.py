@@ -29,7 +29,7 @@ from tactgen.tmm.beam.layerwise import layerwise_beam
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.beam.sections import Section, without_electrode
-from tactgen.tmm.ports.excitation import ELECTRICAL
+from tactgen.tmm.ports.excitation_and_circuit import ELECTRICAL
 from tactgen.tmm.ports.multiport import Multiport, respond
 from tactgen.tmm.ports.readout import MECHANICAL
 from tactgen.tmm.ports.supports_and_loads import attach

@@ -9,7 +9,12 @@ import numpy as np
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
-from tactgen.tmm.ports.excitation import Excitation, PortState, excitation_of, port_states
+from tactgen.tmm.ports.excitation_and_circuit import (
+    Excitation,
+    PortState,
+    excitation_of,
+    port_states,
+)
 from tactgen.tmm.ports.multiport import Multiport, wired
 from tactgen.validation.catalogue.models import MODELS, models_of
 from tactgen.validation.catalogue.quantities import (

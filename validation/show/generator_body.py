@@ -19,7 +19,7 @@ from tactgen.geometry.device.parameters import Device, Support
 from tactgen.geometry.device.parts import MM, Ring, moving_rings
 from tactgen.geometry.meshing.mesh import Mesh
 from tactgen.tmm.generator.transient.machine import BimorphModes
-from tactgen.tmm.ports.excitation import PortState
+from tactgen.tmm.ports.excitation_and_circuit import PortState
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.show.field import MODE_SIZE, Array, FieldResult, State

@@ -20,7 +20,7 @@ from tactgen.geometry.bimorph.bricks import Bricks, lobatto_points
 from tactgen.geometry.bimorph.segments import block_cells
 from tactgen.geometry.meshing.mesh import TET_EDGES, CellKind, Mesh
 from tactgen.geometry.meshing.structured_tets import whole_mesh
-from tactgen.tmm.ports.excitation import PortState
+from tactgen.tmm.ports.excitation_and_circuit import PortState
 from tactgen.validation.models.bimorph.mesh_pair import TwoMeshModel
 from tactgen.validation.show.field import MODE_SIZE, Array
 

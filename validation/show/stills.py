@@ -18,17 +18,14 @@ from tactgen.geometry.device.parts import MM
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering
 from tactgen.geometry.meshing.mesh import Surface, surface_of
+from tactgen.validation.show.colours import MAGNITUDE, SIGNED, Shade, shades_of
 from tactgen.validation.show.field import (
-    MAGNITUDE,
     MODELS,
-    SIGNED,
     FieldResult,
-    Shade,
     State,
     at_phase,
     enlargement,
     region_title,
-    shades_of,
     words_of,
 )
 from tactgen.validation.show.page import Still

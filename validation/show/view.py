@@ -12,8 +12,9 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text, written_whole
 from tactgen.validation.engine.solve import asks_display
 from tactgen.validation.scene.scene import Scene
+from tactgen.validation.show.colours import Shade, shades_of
 from tactgen.validation.show.export import check_place
-from tactgen.validation.show.field import FieldResult, Shade, shades_of
+from tactgen.validation.show.field import FieldResult
 from tactgen.validation.show.gather import MAGNETIC, default_models, gather
 from tactgen.validation.show.generator_body import standing
 

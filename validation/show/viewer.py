@@ -14,19 +14,15 @@ from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.cad.solids import colour_of
 from tactgen.geometry.formats import share, with_error
 from tactgen.geometry.meshing.mesh import Mesh, Surface, surface_of
+from tactgen.validation.show.colours import MAGNITUDE, SIGNED, Shade, colour_stops, shades_of
 from tactgen.validation.show.field import (
-    MAGNITUDE,
     MODELS,
-    SIGNED,
     Array,
     FieldResult,
-    Shade,
     State,
-    colour_stops,
     drawn_size,
     enlargement,
     region_title,
-    shades_of,
     words_of,
 )
 from tactgen.validation.show.lengths import LengthRange, ModeOverLength

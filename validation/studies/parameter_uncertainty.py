@@ -31,7 +31,7 @@ from tactgen.tmm.beam.port_quantities import (
     resonance_peak,
 )
 from tactgen.tmm.beam.transfer_matrix import is_tapered, sections
-from tactgen.tmm.ports.excitation import excitation_of
+from tactgen.tmm.ports.excitation_and_circuit import excitation_of
 from tactgen.tmm.ports.readout import Electrodes, ModalReadout, Readout
 from tactgen.validation.catalogue.quantities import (
     CIRCUIT_POWER,

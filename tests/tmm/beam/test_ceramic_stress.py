@@ -10,7 +10,7 @@ from tactgen.tmm.beam import ceramic_stress as ceramic
 from tactgen.tmm.beam.sections import section
 from tactgen.tmm.beam.span import wavenumbers
 from tactgen.tmm.beam.transfer_matrix import multiport
-from tactgen.tmm.ports.excitation import UNIT_VOLTAGE, Excitation, excited
+from tactgen.tmm.ports.excitation_and_circuit import UNIT_VOLTAGE, Excitation, excited
 from tactgen.tmm.ports.multiport import in_series, respond
 from tactgen.tmm.ports.supports_and_loads import attach, load_tip, tip_matrix
 

@@ -7,13 +7,12 @@ import pytest
 
 from tactgen.geometry.device.parameters import Beam, Bimorph, Device, Support
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam import port_quantities as shapes
-from tactgen.tmm.beam import transfer_matrix
+from tactgen.tmm.beam import centre_line, transfer_matrix
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.parametric import Actuator, parameter_keys
 from tactgen.tmm.beam.port_quantities import evaluate, first_frequency, resonance_peak
 from tactgen.tmm.beam.transfer_matrix import sections
-from tactgen.tmm.ports.excitation import PortState
+from tactgen.tmm.ports.excitation_and_circuit import PortState
 from tactgen.validation.catalogue.quantities import QUANTITIES
 from tactgen.validation.scene.load import load_scene
 
@@ -107,10 +106,10 @@ def test_ends_that_move_rigidly_move_the_whole_line_so():
     height = sum(float(length) for _, length in row)
     base, turned = 3e-6, 2e-4
     ports = np.array([base, turned, base - turned * height, turned, 0.0])
-    line = shapes.line_between(row, PortState(1.0, ports, 0.0), inertia=False)
+    line = centre_line.line_between(row, PortState(1.0, ports, 0.0), inertia=False)
     np.testing.assert_allclose(line.w, base - turned * line.z, rtol=1e-9)
     np.testing.assert_allclose(line.psi, turned, rtol=1e-9)
     ports = np.array([base, turned, -2.0 * base, -3.0 * turned, 7.0])
-    line = shapes.line_between(row, PortState(1.0, ports, 0.0))
+    line = centre_line.line_between(row, PortState(1.0, ports, 0.0))
     ends = [line.w[0], line.psi[0], line.w[-1], line.psi[-1], line.voltage]
     np.testing.assert_allclose(ends, ports, rtol=1e-14)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tactgen.tmm.beam.transfer_matrix import multiport
-from tactgen.tmm.ports.excitation import excitation_of, port_states
+from tactgen.tmm.ports.excitation_and_circuit import excitation_of, port_states
 from tactgen.tmm.ports.multiport import in_series, respond, round_off
 from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.engine.solve import solve

@@ -15,7 +15,8 @@ from tactgen.geometry.formats import with_error
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.browser import find_browser, run_browser
-from tactgen.validation.show.field import SHADES, at_phase, enlargement, shades_of
+from tactgen.validation.show.colours import SHADES, shades_of
+from tactgen.validation.show.field import at_phase, enlargement
 from tactgen.validation.show.gather import gather
 from tactgen.validation.show.lengths import LengthRange, ModeOverLength, length_range
 from tactgen.validation.show.page import Still, page

@@ -16,9 +16,10 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.meshing.structured_tets import box_tetrahedra
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show import pictures, stills
+from tactgen.validation.show.colours import SHADES
 from tactgen.validation.show.display import drawn_parts
 from tactgen.validation.show.export import normal_actuator_solids, scene_solids
-from tactgen.validation.show.field import SHADES, drawn_size
+from tactgen.validation.show.field import drawn_size
 from tactgen.validation.show.pictures import assembly_picture, mesh_picture, solids_picture
 from tactgen.validation.show.stills import Picture, check_film, still, write_film
 

@@ -12,7 +12,8 @@ from tactgen.validation.catalogue.detection import DISPLAY_THRESHOLD, ThresholdC
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.scene.variation import value_of, with_values
-from tactgen.validation.studies.design import (
+from tactgen.validation.studies.identify import fit_parameter
+from tactgen.validation.studies.length_design import (
     PAPER_LENGTHS,
     Aim,
     check_range,
@@ -21,8 +22,7 @@ from tactgen.validation.studies.design import (
     largest_margin,
     lowest_margin,
 )
-from tactgen.validation.studies.design_output import length_plot, sentences
-from tactgen.validation.studies.identify import fit_parameter
+from tactgen.validation.studies.length_design_output import length_plot, sentences
 from tactgen.validation.studies.length_map import actuator, length_map, local_minima, tip_amplitude
 
 BAND = (10.0, 1000.0)

@@ -21,7 +21,7 @@ from tactgen.validation.command_line.streams import announcer, print_json
 
 if TYPE_CHECKING:
     from tactgen.validation.scene.scene import Scene
-    from tactgen.validation.studies.design import Aim
+    from tactgen.validation.studies.length_design import Aim
 
 
 def add(commands: Commands) -> None:
@@ -123,8 +123,8 @@ def _length_design(options: argparse.Namespace) -> int:
     from tactgen.validation.catalogue.quantities import TIP_DISPLACEMENT
     from tactgen.validation.engine.warnings import field_warnings
     from tactgen.validation.scene.warnings import scene_warnings
-    from tactgen.validation.studies import design_output as output
-    from tactgen.validation.studies.design import CURVES, dependences, design
+    from tactgen.validation.studies import length_design_output as output
+    from tactgen.validation.studies.length_design import CURVES, dependences, design
     from tactgen.validation.studies.length_map import length_map
 
     scene, origins = lateral_scene(options.scene, options.overrides, "design")
@@ -150,7 +150,7 @@ def _length_design(options: argparse.Namespace) -> int:
 def _aim(scene: Scene, options: argparse.Namespace) -> Aim:
     from tactgen.validation.catalogue.detection import threshold_of
     from tactgen.validation.scene.files import parse_frequencies
-    from tactgen.validation.studies.design import Aim, AimKind, stated_band
+    from tactgen.validation.studies.length_design import Aim, AimKind, stated_band
     from tactgen.validation.studies.whatif.axes import scene_field
 
     kinds: dict[str, AimKind] = {"shortest": "shortest", "margin": "margin"}

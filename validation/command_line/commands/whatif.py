@@ -168,7 +168,7 @@ def _statement(options: argparse.Namespace, folder: Path | None) -> Statement:
 
 def _write(folder: Path, study: Study, found: Sequence[Verdict] | None) -> None:
     from tactgen.validation.studies.whatif import output_files as output
-    from tactgen.validation.studies.whatif.arrays import write_netcdf
+    from tactgen.validation.studies.whatif.netcdf_file import write_netcdf
     from tactgen.validation.studies.whatif.page import write_page
 
     output.write_tidy(folder, study)

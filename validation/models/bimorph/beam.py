@@ -10,7 +10,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import CentreLine
-from tactgen.tmm.ports.excitation import PortState
+from tactgen.tmm.ports.excitation_and_circuit import PortState
 from tactgen.tmm.ports.multiport import Multiport
 from tactgen.validation.models.bimorph.model import BeamTheoryModel
 from tactgen.validation.models.model import SAFETY, Modes, Refined, observed_factor

@@ -11,12 +11,11 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.segments import CentreLine
-from tactgen.tmm.beam import calibrated, transfer_matrix
-from tactgen.tmm.beam import port_quantities as shapes
+from tactgen.tmm.beam import calibrated, centre_line, transfer_matrix
 from tactgen.tmm.beam.calibrated import SectionFactors
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
-from tactgen.tmm.ports.excitation import ELECTRICAL, PortState
+from tactgen.tmm.ports.excitation_and_circuit import ELECTRICAL, PortState
 from tactgen.tmm.ports.multiport import Multiport, Response
 from tactgen.validation.models.bimorph.model import TmmModel
 from tactgen.validation.models.model import Modes, Refined, Stages
@@ -151,13 +150,15 @@ class CalibratedModel(TmmModel):
         row = self._row(lossy=False)
         for k, frequency in enumerate(self.modes(open_circuit=open_circuit).fine.frequencies):
             scaled = self._as_beam(row, frequency)
-            found.append(shapes.mode_lines(scaled, s.ends, k + 1, open_circuit=open_circuit)[k])
+            found.append(
+                centre_line.mode_lines(scaled, s.ends, k + 1, open_circuit=open_circuit)[k]
+            )
         return found
 
     def driven_line(self, state: PortState) -> CentreLine:
         """Centre line between ports that move so."""
         row = self._as_beam(self._row(lossy=state.frequency > 0.0), state.frequency)
-        return shapes.line_between(row, state)
+        return centre_line.line_between(row, state)
 
     def _as_beam(self, row: list[Element], frequency: float) -> list[Element]:
         """Row whose inertia at a frequency (Hz) is that of the calibrated one."""

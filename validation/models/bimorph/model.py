@@ -15,12 +15,11 @@ from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.segments import CentreLine, beam_pieces
 from tactgen.geometry.device.checks import check_read_at_tip
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam import lumped, transfer_matrix
-from tactgen.tmm.beam import port_quantities as shapes
+from tactgen.tmm.beam import centre_line, lumped, transfer_matrix
 from tactgen.tmm.beam.modes import NaturalFrequencies, natural_frequencies
 from tactgen.tmm.beam.mounted_beam import uniform_response
 from tactgen.tmm.beam.scattering import Element
-from tactgen.tmm.ports.excitation import PortState
+from tactgen.tmm.ports.excitation_and_circuit import PortState
 from tactgen.tmm.ports.measured_loads import OF_THE_TABLE, MeasuredLaw
 from tactgen.tmm.ports.multiport import Multiport, Response
 from tactgen.tmm.ports.supports_and_loads import tip_stiffness
@@ -292,12 +291,12 @@ class LumpedModel(RowModel):
         *motion, charge = lumped.first_mode(row, ends, open_circuit=open_circuit)
         frequency = float(self.modes(open_circuit=open_circuit).fine.frequencies[0])
         state = PortState(frequency, np.array(motion), charge)
-        return [shapes.line_between(row, state, inertia=False)]
+        return [centre_line.line_between(row, state, inertia=False)]
 
     def driven_line(self, state: PortState) -> CentreLine:
         """Static line between the ends as the ports move them."""
         row = self._row(lossy=state.frequency > 0.0)
-        return shapes.line_between(row, state, inertia=False)
+        return centre_line.line_between(row, state, inertia=False)
 
     def circuit(
         self, segments: int = transfer_matrix.SEGMENTS, *, open_circuit: bool = False
@@ -325,11 +324,13 @@ class TmmModel(RowModel):
     def mode_lines(self, *, open_circuit: bool) -> list[CentreLine]:
         """Centre lines of the modes."""
         s = self.scene
-        return shapes.mode_lines(self._row(lossy=False), s.ends, s.modes, open_circuit=open_circuit)
+        return centre_line.mode_lines(
+            self._row(lossy=False), s.ends, s.modes, open_circuit=open_circuit
+        )
 
     def driven_line(self, state: PortState) -> CentreLine:
         """Centre line between ports that move so."""
-        return shapes.line_between(self._row(lossy=state.frequency > 0.0), state)
+        return centre_line.line_between(self._row(lossy=state.frequency > 0.0), state)
 
     def closed_form(self, ends: Ends) -> Refined[Response] | None:
         """Response of one uniform beam, right also at the poles of D(Ω)."""

@@ -7,7 +7,7 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.tmm.beam.ceramic_stress import driven_ceramic
 from tactgen.tmm.beam.transfer_matrix import multiport
-from tactgen.tmm.ports.excitation import ELECTRICAL, UNIT_VOLTAGE, excitation_of
+from tactgen.tmm.ports.excitation_and_circuit import ELECTRICAL, UNIT_VOLTAGE, excitation_of
 from tactgen.tmm.ports.multiport import in_series, respond
 from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.catalogue.models import ranked

@@ -103,7 +103,7 @@ def _stills(result: FieldResult, announce: Callable[[str], None]) -> list[Still]
 
 def _stress_still(result: FieldResult, announce: Callable[[str], None]) -> Still | None:
     """Axial stress of the driven state at the first natural frequency."""
-    from tactgen.validation.show.field import SHADES
+    from tactgen.validation.show.colours import SHADES
     from tactgen.validation.show.stills import Picture, still
 
     driven = [state for state in result.states if state.kind == "harmonic"]

@@ -14,8 +14,8 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene, scene_values
 from tactgen.validation.studies.whatif import output_files, pictures
 from tactgen.validation.studies.whatif.aim_evaluation import parse_aims, verdicts
-from tactgen.validation.studies.whatif.arrays import dataset
 from tactgen.validation.studies.whatif.definition import Statement
+from tactgen.validation.studies.whatif.netcdf_file import dataset
 from tactgen.validation.studies.whatif.output_files import (
     sample_statistics,
     statistics_lines,

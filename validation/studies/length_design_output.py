@@ -18,7 +18,7 @@ from tactgen.validation.show.figures import (
     shades,
     svg,
 )
-from tactgen.validation.studies.design import Dependence, Design, lowest_margin
+from tactgen.validation.studies.length_design import Dependence, Design, lowest_margin
 from tactgen.validation.studies.length_map import LengthMap, actuator
 
 #: Parameters with smaller slopes are named without their number: 10 % of one then moves the
