@@ -99,8 +99,8 @@ class _Layer:
 
     @classmethod
     def of(cls, bricks: Bricks, slab: Slab, material: Material, unit: float) -> _Layer:
-        x, z = line_matrices(bricks.x, *slab.x), line_matrices(bricks.z, *slab.z)
-        y = line_matrices(bricks.y)
+        spans = zip(bricks.axes, (slab.x, slab.y, slab.z), strict=True)
+        x, y, z = (line_matrices(axis, *span) for axis, span in spans)
 
         def product(a: int, b: int) -> Floats:
             along_y, along_z = ((int(a == k), int(b == k)) for k in (1, 2))
@@ -273,10 +273,11 @@ def _prescribed_potential(bricks: Bricks, outer: Bools) -> Floats:
     found = outer.astype(float)
     for slab in bricks.ceramics:
         if slab.uniform and slab.hot:
-            x = bricks.x.nodes[bricks.x.nodes_of(*slab.x)]
+            along_x, along_y, _ = bricks.nodes_in(slab)
+            x = bricks.x.nodes[along_x]
             share = (x - x[0]) / (x[-1] - x[0])
             share = share if slab.hot > 0 else 1.0 - share
-            at = bricks.x.nodes_of(*slab.x), slice(None), bricks.z.nodes_of(*bricks.driven(slab))
+            at = along_x, along_y, bricks.z.nodes_of(*bricks.driven(slab))
             found[at] = share[:, None, None]
     return found
 
@@ -287,29 +288,28 @@ def seen_functionals(bricks: Bricks, below_tip: float) -> Floats:
     Then the mean u_x over the section so far below the tip (m), if any.
     """
     top = float(bricks.z.breaks[-1])
-    plain, levered = _through(bricks, top)
+    one, x = (np.multiply.outer(of, bricks.y.one) for of in (bricks.x.one, bricks.x.position))
+    plain, levered = _section(bricks, top)
     if not bricks.mirrored_x:  # about the middle of the face, which need not be at x = 0
-        levered = levered - (plain @ bricks.x.position) / (plain @ bricks.x.one) * plain
-    across, _ = line_weights(bricks.y)
-    width = across @ bricks.y.one
+        levered = levered - (plain * x).sum() / (plain * one).sum() * plain
     out = np.zeros((*bricks.shape, 4, 3 if below_tip else 2))
-    out[:, :, -1, 0, 0] = np.outer(plain, across) / (plain @ bricks.x.one * width)
-    inertia = levered @ bricks.x.position
-    out[:, :, -1, 2, 1] = np.outer(levered, across) / (inertia * width)
+    out[:, :, -1, 0, 0] = plain / (plain * one).sum()
+    out[:, :, -1, 2, 1] = levered / (levered * x).sum()
     if below_tip:
-        plain, _ = _through(bricks, top - below_tip)
-        area, along = plain @ bricks.x.one * width, values_at(bricks.z, top - below_tip)
-        out[..., 0, 2] = np.multiply.outer(np.outer(plain, across), along) / area
+        plain, _ = _section(bricks, top - below_tip)
+        along = values_at(bricks.z, top - below_tip)
+        out[..., 0, 2] = np.multiply.outer(plain / (plain * one).sum(), along)
     return out.reshape(-1, out.shape[-1])
 
 
-def _through(bricks: Bricks, z: float) -> Floats:
-    """∫ N_i and ∫ x N_i (2, n) along x over the section at a height z (m)."""
-    found = np.zeros((2, bricks.x.nodes.size))
+def _section(bricks: Bricks, z: float) -> Floats:
+    """∫ N_i N_j and ∫ x N_i N_j (2, nx, ny) over the section at a height z (m)."""
+    found = np.zeros((2, *bricks.shape[:2]))
     for slab in bricks.slabs:
         low, high = bricks.z.breaks[list(slab.z)]
         if low < z <= high:
-            found += line_weights(bricks.x, *slab.x)
+            across, _ = line_weights(bricks.y, *slab.y)
+            found += np.multiply.outer(line_weights(bricks.x, *slab.x), across)
     return found
 
 
@@ -345,7 +345,7 @@ def nodal_mass(bricks: Bricks, known: dict[str, Material]) -> Floats:
     plain = [replace(axis, hierarchic=False) for axis in bricks.axes]
     found, total = np.zeros(bricks.shape), 0.0
     for slab in bricks.slabs:
-        spans = (slab.x, (0, bricks.y.intervals), slab.z)
+        spans = (slab.x, (slab.y[0], slab.y[1] or bricks.y.intervals), slab.z)
         lines = [line_matrices(axis, *span) for axis, span in zip(plain, spans, strict=True)]
         along = [line.integrals[0, 0][line.rows == line.columns] for line in lines]
         sizes = [axis.breaks[b] - axis.breaks[a] for axis, (a, b) in zip(plain, spans, strict=True)]

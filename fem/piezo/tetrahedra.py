@@ -207,14 +207,23 @@ class SkfemBody:
         return out.reshape(-1, 1)
 
     def _tip_functionals(self) -> Floats:
-        """(4 n, 2): mean u_x over the tip face, and mean rotation from u_z = x ψ."""
+        """(4 n, 2): mean u_x over the tip face, and mean rotation from u_z = (x − x̄) ψ.
+
+        x̄ is the middle of the face, which need not be at x = 0: the bimorph's extension is no
+        rotation.
+        """
         from skfem import FacetBasis, LinearForm
 
         facets = self.basis.mesh.boundaries["tip"]
         basis = FacetBasis(self.basis.mesh, self.basis.elem, facets=facets, intorder=5)
         area = LinearForm(lambda v, _: v).assemble(basis)
-        lever = LinearForm(lambda v, w: w.x[0] * v).assemble(basis)
-        inertia = LinearForm(lambda v, w: w.x[0] ** 2 * v).assemble(basis).sum()
+        lever, second = (
+            LinearForm(lambda v, w, power=power: w.x[0] ** power * v).assemble(basis)
+            for power in (1, 2)
+        )
+        middle = lever.sum() / area.sum()
+        lever = lever - middle * area
+        inertia = second.sum() - middle**2 * area.sum()
         out = np.zeros((self.basis.N, 4, 2))
         out[:, 0, 0] = area / area.sum()
         out[:, 2, 1] = lever / inertia

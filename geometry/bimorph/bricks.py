@@ -86,18 +86,19 @@ class Axis:
         """The position along the axis (m) in its functions (n,)."""
         return self.one * self.nodes
 
-    def nodes_of(self, first: int, last: int) -> slice:
-        """Where the nodes of the intervals first … last − 1 are."""
-        return slice(first * self.degree, last * self.degree + 1)
+    def nodes_of(self, first: int, last: int | None) -> slice:
+        """Where the nodes of the intervals first … last − 1 are, or of all from the first on."""
+        return slice(first * self.degree, None if last is None else last * self.degree + 1)
 
 
 @dataclass(frozen=True)
 class Slab:
-    """Bricks of one material: intervals along x and along z, all along y."""
+    """Bricks of one material: intervals along x, z and y, by default all along y."""
 
     region: str
     x: tuple[int, int]
     z: tuple[int, int]
+    y: tuple[int, int | None] = (0, None)
     ceramic: bool = False  #: Whether it is piezoelectric
     faces: tuple[int, ...] = (-1, 1)  #: Faces of a ceramic (along x) that are equipotential
     hot: int = 0  #: Face of a ceramic (along x) at the drive voltage, 0 if none is
@@ -164,8 +165,14 @@ class Bricks:
         mask = np.zeros(self.shape, dtype=bool)
         for slab in self.slabs:
             if slab.region in regions:
-                mask[self.x.nodes_of(*slab.x), :, self.z.nodes_of(*slab.z)] = True
+                mask[self.nodes_in(slab)] = True
         return mask
+
+    def nodes_in(self, slab: Slab) -> tuple[slice, slice, slice]:
+        """Where the nodes of a slab are along each axis."""
+        spans = zip(self.axes, (slab.x, slab.y, slab.z), strict=True)
+        x, y, z = (axis.nodes_of(*span) for axis, span in spans)
+        return x, y, z
 
     def products(self) -> Bools:
         """Mask (nx, ny, nz) of the products of functions that are there."""
@@ -190,12 +197,13 @@ class Bricks:
         """Masks (nx, ny, nz) of the nodes of the electrodes at the voltage and at 0 V."""
         hot, cold = np.zeros(self.shape, dtype=bool), np.zeros(self.shape, dtype=bool)
         for slab in self.ceramics:
+            _, y, z = self.nodes_in(slab)
             for sign in slab.faces:
                 at = slab.x[sign > 0] * self.x.degree
                 if sign == slab.hot:
-                    hot[at, :, self.z.nodes_of(*self.driven(slab))] = True
+                    hot[at, y, self.z.nodes_of(*self.driven(slab))] = True
                 else:
-                    cold[at, :, self.z.nodes_of(*slab.z)] = True
+                    cold[at, y, z] = True
         return hot, cold
 
     def driven(self, slab: Slab) -> tuple[int, int]:
@@ -235,27 +243,27 @@ def _mirrored(bricks: Bricks, half: tuple[Floats, ...], cuts: tuple[int, ...]) -
     x, y, z = bricks.continued_x(half[0])[0], mirrored_axis(half[1])[0], half[2]
     nx, ny, nz = x.size, y.size, z.size
     middle = nx // 2 if bricks.mirrored_x else 0
-    owner = np.full((nx - 1, nz - 1), -1)
+    owner = np.full((nx - 1, ny - 1, nz - 1), -1)
     names = _whole_regions(bricks)
     for slab in bricks.slabs:
         low, high = (i * cuts[0] for i in slab.x)
         along = slice(slab.z[0] * cuts[2], slab.z[1] * cuts[2])
+        first, last = slab.y[0] * cuts[1], (slab.y[1] or bricks.y.intervals) * cuts[1]
+        of_half = np.abs(np.arange(ny - 1) - (ny - 2) / 2)  # cells from the plane y = 0 on
+        across = (of_half > first) & (of_half < last)
         sides = [(slice(middle + low, middle + high), "top")]
         if bricks.mirrored_x:
             sides.append((slice(middle - high, middle - low), "bottom"))
         for side, name in sides:
             region = f"piezo_{name}" if slab.region == "piezo" else slab.region
-            owner[side, along] = names.index(region)
-    cell_x, cell_z = np.nonzero(owner >= 0)
-    across = np.arange(ny - 1)
-    i, k = (np.repeat(v, across.size) for v in (cell_x, cell_z))
-    j = np.tile(across, cell_x.size)
+            owner[side, across, along] = names.index(region)
+    i, j, k = np.nonzero(owner >= 0)
     around = ((0, 0), (1, 0), (1, 1), (0, 1))
     corners = [(*ab, c) for c in (0, 1) for ab in around]
     cells = np.stack([((i + a) * ny + j + b) * nz + k + c for a, b, c in corners], axis=1)
     used, cells = np.unique(cells, return_inverse=True)
     grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
-    cells, owners = cells.reshape(-1, 8), owner[i, k]
+    cells, owners = cells.reshape(-1, 8), owner[i, j, k]
     points = grid[used]
     return Mesh(
         points=points,
@@ -391,14 +399,12 @@ def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers")
     check_constant_section(device)
     check_bonded(device)
     z, ceramic, electrode = _along(device, meshing)
-    ends = (*ceramic, z.size - 1)
+    y, ends = _across(device.bimorph, meshing), (*ceramic, z.size - 1)
     listed = bool(device.bimorph.layers)
-    x, slabs = _listed(device, meshing, z) if listed else _sandwich(device, meshing, ends)
+    x, slabs = _listed(device, meshing, y, z) if listed else _sandwich(device, meshing, ends)
     ax, ay, az = (
         Axis(breaks, degree, hierarchic=meshing.richness is not None)
-        for breaks, degree in zip(
-            (x, _across(device.bimorph, meshing), z), meshing.degree, strict=True
-        )
+        for breaks, degree in zip((x, y, z), meshing.degree, strict=True)
     )
     bricks = Bricks(ax, ay, az, slabs=slabs, electrode=electrode, held=held, mirrored_x=not listed)
     return bricks if meshing.richness is None else replace(bricks, richness=meshing.richness)
@@ -430,7 +436,9 @@ def _sandwich(
     return x, (*slabs, Slab("piezo", (first, x.size - 1), (low, high), ceramic=True, hot=1))
 
 
-def _listed(device: Device, meshing: BrickMeshing, z: Floats) -> tuple[Floats, tuple[Slab, ...]]:
+def _listed(
+    device: Device, meshing: BrickMeshing, y: Floats, z: Floats
+) -> tuple[Floats, tuple[Slab, ...]]:
     """Break points along x, 0 in the middle, and slabs of the layers that the bimorph lists."""
     own = device.bimorph
     x, slabs = [-0.5 * own.thickness], []
@@ -450,6 +458,7 @@ def _listed(device: Device, meshing: BrickMeshing, z: Floats) -> tuple[Floats, t
                 layer.region,
                 (first, len(x) - 1),
                 (_nearest(z, ends[0]), _nearest(z, ends[1])),
+                (0, _nearest(y, 0.5 * (own.layers[number].width or own.width))),
                 ceramic=is_ceramic,
                 faces=own.layers.faces(number),
                 hot=int(layer.hot),
@@ -472,16 +481,31 @@ def _grain(bimorph: Bimorph) -> float:
 
 
 def _across(bimorph: Bimorph, meshing: BrickMeshing) -> Floats:
-    """Divide the half width, intervals growing from the side edge inwards."""
-    half_width = 0.5 * bimorph.width
-    widest = max(_WIDEST * bimorph.thickness, _WIDEST_SHARE * half_width)
-    if meshing.side == 0.0:
-        return np.linspace(0.0, half_width, int(np.ceil(half_width / widest)) + 1)
-    steps = [meshing.side * min(_grain(bimorph), _SIDE_SHARE * half_width)]
-    while (rest := half_width - sum(steps)) > _LAST * (step := min(_GROWTH * steps[-1], widest)):
+    """Divide the half width, intervals growing from each layer's side edge to both sides."""
+    halves = {0.5 * (layer.width or bimorph.width) for layer in bimorph.layers}
+    edges = cuts_along(halves or [0.5 * bimorph.width], max(halves, default=0.5 * bimorph.width))
+    first = meshing.side * min(_grain(bimorph), _SIDE_SHARE * edges[1])
+    y: Floats = np.zeros(1)
+    part: Floats
+    for low, high in pairwise(edges):
+        length, widest = high - low, max(_WIDEST * bimorph.thickness, _WIDEST_SHARE * high)
+        if meshing.side == 0.0:
+            part = np.linspace(0.0, length, int(np.ceil(length / widest)) + 1)
+        elif low == 0.0:
+            part = _from_the_middle(length, first, widest)
+        else:
+            part = _graded(length, first, first, _GROWTH, widest)
+        y = np.concatenate([y, low + part[1:-1], [high]])
+    return y
+
+
+def _from_the_middle(length: float, first: float, widest: float) -> Floats:
+    """Divide [0, length], intervals growing from `first` at its upper end."""
+    steps = [first]
+    while (rest := length - sum(steps)) > _LAST * (step := min(_GROWTH * steps[-1], widest)):
         steps.append(step)
     steps.append(rest)
-    return np.concatenate([[0.0], np.cumsum(steps[::-1])[:-1], [half_width]])
+    return np.concatenate([[0.0], np.cumsum(steps[::-1])[:-1], [length]])
 
 
 def _along(

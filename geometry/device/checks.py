@@ -356,17 +356,11 @@ def check_bonded(device: Device) -> None:
 
 
 def check_constant_section(device: Device) -> None:
-    """Refuse a bimorph whose cross-section changes along it, or from layer to layer.
+    """Refuse a bimorph whose layers' sizes change along it.
 
     Raises InputError in one sentence that names the models that can.
     """
     also = "" if any(layer.pitch for layer in device.bimorph.layers) else ",cad"
-    if device.bimorph.stepped:
-        raise InputError(
-            f'bimorph.layers = "{device.bimorph.layers}" has layers of different widths, which the '
-            f"bricks of the model solid do not know; ask for models=lumped,tmm,beam{also} or leave "
-            "out the widths"
-        )
     if device.bimorph.profiles:
         key = next(iter(device.bimorph.profiles))
         raise InputError(

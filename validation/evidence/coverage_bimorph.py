@@ -205,9 +205,17 @@ class Case:
 
 
 def affordable_case(rng: np.random.Generator, model: Literal["solid", "cad"] = "solid") -> Case:
-    """Random bimorph whose reference is affordable; for the model cad of those that CAD knows."""
+    """Random bimorph whose reference is affordable; for the model cad of those that CAD knows.
+
+    One in three bricks are of listed layers, each with a width of its own.
+    """
     while True:
-        overrides = solid_bimorph(rng)
+        listed = model == "solid" and rng.random() < _ONE_IN_THREE
+        overrides = (
+            unusual_bimorph(rng, clamped_laminate(rng), "own widths")
+            if listed
+            else solid_bimorph(rng)
+        )
         if overrides is None:
             continue
         case = Case(tuple(overrides), model=model, all_motions=model == "cad")

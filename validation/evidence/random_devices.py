@@ -318,6 +318,8 @@ _STOUT, _THIN_SHIM = (2.0, STOUTEST), (0.03, 0.12)
 _PITCHES = (1.5, 6.0)
 
 
+#: Widths of layers over that of the bimorph.
+_WIDTHS = (0.2, 1.3)
 #: Lengths of tabs and tip extensions over that of the ceramic.
 _SHORTEST, _LONGEST = 0.02, 1.5
 
@@ -338,6 +340,12 @@ def unusual_bimorph(rng: np.random.Generator, overrides: Sequence[str], what: st
         value["bimorph.tip_extension"] = beside
     elif what == "patch":
         value["bimorph.layers"] = _patched(rng, listed, length)
+    elif what == "own widths":
+        placed = _patched(rng, listed, length) if rng.random() < 0.5 else listed
+        value["bimorph.layers"] = "; ".join(
+            layer.replace(" mm", f" mm wide {width * between(rng, *_WIDTHS):.5g} mm", 1)
+            for layer in placed.split("; ")
+        )
     elif what == "glue":
         glue = min(piezo, shim) * between(rng, 0.03, 0.3)
         value["bimorph.glue_thickness"] = f"{max(glue, 1e-3):.5g}mm"

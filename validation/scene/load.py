@@ -236,7 +236,7 @@ def _able_models(scene: Scene) -> tuple[str, ...]:
     """Models that know the scene's bimorph and support."""
     bimorph = scene.bimorph
     unable = set()
-    if bimorph.profiles or bimorph.stepped or scene.support.kind == "rod":
+    if bimorph.profiles or scene.support.kind == "rod":
         unable.add("solid")
     if beyond_plain_layers(bimorph):
         unable.add("cad")

@@ -23,6 +23,7 @@ VARIANTS = (
     {"tab_length": 1.6e-3},
     {"bare_below": 1e-3, "bare_above": 0.4e-3},
     {"glue_thickness": 10e-6},
+    {"layers": "shim 0.2 mm; piezo 0.3 mm wide 1.2 mm to 12 mm +x", "tip_extension": 2e-3},
 )
 
 

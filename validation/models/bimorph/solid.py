@@ -108,6 +108,7 @@ class BrickPair(MeshPair):
         inside = max(b.tab_length, b.bare_below, b.bare_above, b.tip_extension) > 0.0
         inside |= "glue" in b.own_materials or self.bricks[0].held == "shim"
         inside |= any(extent != (0.0, b.length) for extent in b.layers.extents(b.length))
+        inside |= b.stepped
         stack = bimorph_stack(self.device)
         thin = _THIN * sum(of.thickness for of in stack)
         inside |= any(of.thickness < thin for of in stack if isinstance(of.material, Piezo))
@@ -184,7 +185,7 @@ def mesh_pair(scene: Scene) -> MeshPair:
     Raises InputError if neither bricks nor tetrahedra know the scene's bimorph.
     """
     on_rod = scene.support.kind == "rod"
-    by_cad = on_rod or scene.bimorph.stepped or bool(scene.bimorph.profiles)
+    by_cad = on_rod or bool(scene.bimorph.profiles)
     by_cad |= "cad" in scene.models and "solid" not in scene.models
     model: type[TwoMeshModel] = CadModel if by_cad else SolidModel
     model.check(scene)
