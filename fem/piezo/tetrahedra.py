@@ -221,7 +221,7 @@ class SkfemBody:
             LinearForm(lambda v, w, power=power: w.x[0] ** power * v).assemble(basis)
             for power in (1, 2)
         )
-        middle = lever.sum() / area.sum()
+        middle = 0.0 if 0 in mirror_axes(self.mesh) else lever.sum() / area.sum()
         lever = lever - middle * area
         inertia = second.sum() - middle**2 * area.sum()
         out = np.zeros((self.basis.N, 4, 2))

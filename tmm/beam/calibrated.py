@@ -231,7 +231,7 @@ def calibration(*, listed: bool) -> Calibration:
 
 
 def check_known(device: Device, support: Support) -> None:
-    """Refuse what no calibration knows: a rod's joint, layers of widths of their own.
+    """Refuse what no calibration knows: a rod's joint.
 
     And materials that no solid has, ceramics that couple far more than those of the fit, or hardly
     bend it.
@@ -244,11 +244,6 @@ def check_known(device: Device, support: Support) -> None:
             "--model cad, which takes both"
         )
     layers = device.bimorph.layers
-    if device.bimorph.stepped:
-        raise InputError(
-            f'bimorph.layers = "{layers}" has layers of different widths, which the model '
-            "calibrated does not know; ask for --model tmm or cad"
-        )
     if layers and lever(plain(device)) < _LEVER:
         raise InputError(
             f'bimorph.layers = "{layers}" has ceramics that hardly bend it, which the model '
@@ -401,7 +396,7 @@ def properties(device: Device) -> tuple[str, ...]:
         "bare ends": own.bare_below + own.bare_above > 0.0, "taper": bool(own.profiles),
         "tip extension": own.tip_extension > 0.0,
         "patch": any(extent != (0.0, own.length) for extent in own.layers.extents(own.length)),
-        "poled along": any(layer.pitch for layer in own.layers),
+        "own widths": own.stepped, "poled along": any(layer.pitch for layer in own.layers),
     }  # fmt: skip
     return tuple(name for name, has in found.items() if has)
 

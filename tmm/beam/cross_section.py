@@ -4,7 +4,7 @@ An infinitely long bimorph that stretches by ε and bends by κ (strain ε + κ 
 voltage deforms in its cross-section and has a potential there: a plane problem for u_x, u_y and φ.
 Its energy per length is a quadratic form of ε, κ and U.  Narrow, it is that of a beam; wide, that
 of laminate theory; between the two the layers' unequal contraction across the width is relieved
-within about a thickness of the side edges.
+within about a thickness of the side edges, of each layer's where they have widths of their own.
 
 Polynomials through each layer and across a few stretches of half the width; layer after layer is
 eliminated from the lower face on.
@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache, lru_cache
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legder, leggauss, legval, legvander
 
-from tactgen.geometry.arrays import Bools, Floats
-from tactgen.geometry.bimorph.segments import StackLayer, bimorph_stack
+from tactgen.geometry.arrays import Bools, Floats, Ints
+from tactgen.geometry.bimorph.segments import StackLayer, bimorph_stack, cuts_along
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Device, Glue, Piezo, Shim
 
@@ -28,7 +29,7 @@ from tactgen.geometry.device.parameters import Device, Glue, Piezo, Shim
 #: 1e-4 of much finer ones, K and C mostly within 1e-3; C of a ceramic far thinner than the rest,
 #: the field at whose edges is not resolved, within 1.5e-2.
 _THROUGH, _ACROSS = 5, 5
-#: Ends of the stretches of half the width from its edge, in thicknesses of the bimorph; one that
+#: Ends of the stretches of half the width from an edge, in thicknesses of the bimorph; one that
 #: takes nearly all is not divided.
 _STRETCHES, _NEARLY = (1.0, 3.0), 0.7
 #: Units of stress (Pa), and of permittivity for that of the potential.
@@ -85,13 +86,13 @@ def section_energy(layers: Sequence[StackLayer], h: float, width: float) -> Floa
 
     Lengths in thicknesses h of the bimorph, stress and potential in units of their own.
     """
-    across = _line(_breaks(0.5 * width / h), _ACROSS)
-    ny = across.mass.shape[0]
-    potentials, known = _faces(layers)
+    across = _lines(np.array([0.5 * width * layer.share / h for layer in layers]))
+    nodes = [line.mass.shape[0] for line in across]
+    potentials, known = _faces(layers, nodes)
     form, last = np.zeros((3, 3)), len(layers) - 1
     carried, moved = np.zeros((0, 0)), np.zeros((0, 3))
-    for number, layer in enumerate(layers):
-        matrix, load, own = _layer(layer, h, across)
+    for number, (layer, line, ny) in enumerate(zip(layers, across, nodes, strict=True)):
+        matrix, load, own = _layer(layer, h, line)
         held, free = _unknowns(layer, potentials[number : number + 2], known, number, ny)
         load[:, 2] += matrix @ held
         own[2, 2] = held @ matrix @ held
@@ -99,11 +100,11 @@ def section_energy(layers: Sequence[StackLayer], h: float, width: float) -> Floa
         form += own
         lower, inner, upper = (np.flatnonzero(part) for part in free)
         if number:
-            matrix[np.ix_(lower, lower)] += carried
-            load[lower] += moved
-        gone, kept = np.concatenate([lower, inner]), upper
-        if number == last:
-            gone, kept = np.concatenate([gone, upper]), upper[:0]
+            shared = lower[lower % ny < nodes[number - 1]]
+            matrix[np.ix_(shared, shared)] += carried
+            load[shared] += moved
+        of_next = upper % ny < (nodes[number + 1] if number < last else 0)
+        gone, kept = np.concatenate([lower, inner, upper[~of_next]]), upper[of_next]
         follows = np.linalg.solve(
             matrix[np.ix_(gone, gone)], np.hstack([matrix[np.ix_(gone, kept)], load[gone]])
         )
@@ -114,29 +115,41 @@ def section_energy(layers: Sequence[StackLayer], h: float, width: float) -> Floa
     return 2.0 * form
 
 
-def _breaks(half: float) -> Floats:
-    """Stretches of half the width (in thicknesses), from the middle on."""
-    ends = [half - one for one in _STRETCHES[::-1] if one < _NEARLY * half]
-    return np.array([0.0, *ends, half])
+def _lines(halves: Floats) -> list[_Line]:
+    """Integrals across half of each layer, whose half widths (n,) are in thicknesses.
+
+    All on the same stretches, short ones inwards of each layer's side edge, and outwards of it
+    where other layers go on.
+    """
+    edges = cuts_along(halves, float(halves.max()))
+    breaks = [0.0]
+    for low, high in pairwise(edges):
+        near = _NEARLY * (high - low) * (0.5 if low else 1.0)
+        short = [one for one in _STRETCHES if one < near]
+        breaks += [low + one for one in short if low] + [high - one for one in short[::-1]] + [high]
+    at = np.array(breaks)
+    ends = [int(np.abs(at - half).argmin()) + 1 for half in halves]
+    lines = {end: _line(at[:end], _ACROSS) for end in set(ends)}
+    return [lines[end] for end in ends]
 
 
-def _faces(layers: Sequence[StackLayer]) -> tuple[Floats, Bools]:
+def _faces(layers: Sequence[StackLayer], nodes: Sequence[int]) -> tuple[Floats, Ints]:
     """Potential (n + 1,) of each face, 1 at the voltage and nan where it follows.
 
-    And whether a ceramic has that face.
+    And how many nodes from the middle on a ceramic has on that face.
     """
     potentials = np.full(len(layers) + 1, np.nan)
-    known = np.zeros(len(layers) + 1, dtype=bool)
-    for number, layer in enumerate(layers):
+    known = np.zeros(len(layers) + 1, dtype=int)
+    for number, (layer, ny) in enumerate(zip(layers, nodes, strict=True)):
         if isinstance(layer.material, Piezo):
-            known[number : number + 2] = True
+            known[number : number + 2] = np.maximum(known[number : number + 2], ny)
             if layer.electrodes:
                 potentials[number : number + 2] = [layer.hot < 0.0, layer.hot > 0.0]
     return potentials, known
 
 
 def _unknowns(
-    layer: StackLayer, faces: Floats, known: Bools, number: int, ny: int
+    layer: StackLayer, faces: Floats, known: Ints, number: int, ny: int
 ) -> tuple[Floats, list[Bools]]:
     """Prescribed values (n,) of a layer, and its free ones: below, inside, and above (n,)."""
     shape = (_THROUGH + 1, 3, ny)
@@ -148,7 +161,7 @@ def _unknowns(
     ceramic = isinstance(layer.material, Piezo)
     free[1:-1, 2] = ceramic and not (layer.uniform and layer.electrodes)
     for at, side in ((0, 0), (-1, 1)):
-        free[at, 2] = known[number + side] and bool(np.isnan(faces[side]))
+        free[at, 2, : known[number + side]] = np.isnan(faces[side])
         held[at, 2] = 0.0 if np.isnan(faces[side]) or not ceramic else faces[side]
     if ceramic and layer.uniform and layer.electrodes:
         held[:, 2] = np.linspace(faces[0], faces[1], _THROUGH + 1)[:, None]

@@ -96,7 +96,7 @@ def lever(device: Device) -> float:
     """Mean lever of the driven ceramics about the neutral axis, over half the thickness."""
     layers = bimorph_stack(device)
     force = sum(
-        np.abs(layer.hot * of.d31 / of.s11)
+        np.abs(layer.share * layer.hot * of.d31 / of.s11)
         for layer in layers
         if isinstance(of := layer.material, Piezo)
     )

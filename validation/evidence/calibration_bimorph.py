@@ -72,7 +72,9 @@ DEVICES, SEED, FITTED = 6000, 1, 0.75
 LAMINATES = 1200
 #: Properties that a fit does not know, and devices of each that tell by how much its errors grow.
 UNUSUAL, EACH = ("tab", "glue", "bare ends", "tip extension", "range"), 120
-UNUSUAL_LISTED = ("tab", "bare ends", "tip extension", "patch", "poled along", "range")
+UNUSUAL_LISTED = (
+    "tab", "bare ends", "tip extension", "patch", "own widths", "poled along", "range",
+)  # fmt: skip
 #: Core shear above which a core is called soft where errors are shown.
 _SOFT = 0.01
 #: Level of bricks: within 1e-4 of much finer ones in all that is fitted.
