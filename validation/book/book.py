@@ -22,6 +22,7 @@ from tactgen.validation.evidence.faults import cached_rows
 from tactgen.validation.evidence.fit_record import CURVE
 from tactgen.validation.evidence.judgement import shares_plot
 from tactgen.validation.evidence.verification import (
+    GROUPS,
     VERDICTS,
     Division,
     Verified,
@@ -51,25 +52,6 @@ UNANSWERED = {
         "error bars here are not a grid convergence index; each names its method, and "
         "tactgen coverage tests them",
 }  # fmt: skip
-
-#: What each group is about, for the reader who was not there.
-SUBJECTS = {
-    "beams": "Beams in closed form and from handbooks, by the models lumped and tmm; two as solids",
-    "laminates": "Exact laminates in cylindrical bending, bimetal strips, PVDF, a patch in shear",
-    "resonators": "Piezoelectric resonators of IEEE Std 176, patch test of a free block",
-    "elastic": "Elastic bodies: cube, plates, torsion, rods",
-    "coils": "Coils in air: inductance, force, field, circuit",
-    "iron": "Bodies of iron: shielding, demagnetising factor, a slotted gap",
-    "orders": "Observed orders of convergence, each with an absolute bound",
-    "bimorph": "The lateral actuator: exact beam, job J1, models against each other, the paper",
-    "reluctance": "The normal actuator: fields and circuits, TEAM problem 20, the paper",
-    "motion": "The machine in time: oscillators with known motions, circuits, the paper's Fig 16",
-    "amplitude": "Large amplitudes: oscillators with known answers, the paper's Figs 8, 14 and 15",
-    "display": "The display: crosstalk, units that differ, the field between units, what fits",
-    "devices": "Benders and harvesters that others built and measured, beside bands over all that "
-    "their sources leave open; the actuator of TEAM problem 20 is among the reluctance actuators",
-    "misprints": "Printed targets that are wrong or coarse, with the proof",
-}
 
 KINDS = ("at rest", "eigenvalue", "driven, with losses")
 _STATIC = "magnetostatics has none"
@@ -137,17 +119,15 @@ def write_book(rows: Sequence[Verified], out: Path, announce: Callable[[str], No
 
     Raises InputError if a page cannot be written.
     """
-    pages, scatters = [], {}
+    pages = []
     for (group, name), of_case in groupby(rows, key=lambda row: (row.group, row.case.id)):
         announce(f"convergence of {name}")
         case_rows = tuple(of_case)
         pages.append(Page(group, case_rows[0].case, case_rows, converged(case_rows)))
-    for group, of_group in groupby(rows, key=lambda row: row.group):
-        spread = scatter(list(of_group))
-        if spread is not None:
-            scatters[group] = spread
+    by_group = groupby(rows, key=lambda row: row.group)
+    scatters = {group: found for group, of in by_group if (found := scatter(list(of)))}
     common: dict[str, Any] = {
-        "pages": pages, "subjects": SUBJECTS, "scatters": scatters,
+        "pages": pages, "subjects": GROUPS, "scatters": scatters,
         "scatter_plot": scattered(scatters) if scatters else "",
         "provenance": _provenance(), "faults": cached_rows(), "unanswered": UNANSWERED,
         "kinds": KINDS, "divisions": DIVISIONS,
@@ -323,9 +303,7 @@ def _levels(row: Verified) -> Iterator[Division]:
     """
     assert row.found is not None
     yield row.found
-    if row.found.kind is None:
-        return
-    other = next_division(row.group, row.check)
+    other = next_division(row.group, row.check) if row.found.kind else None
     while other is not None and other.new:
         yield other
         if not 0 < other.below < _LEVELS:

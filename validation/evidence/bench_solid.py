@@ -1,8 +1,7 @@
 """Run time against error of the piezoelectric solid: our meshes, and public programs beside them.
 
-Job J1: a clamped PZT-5H bimorph, static deflection, capacitance and four natural
-frequencies.  Job J2: its damped sweep at 200 frequencies.  All in one run, one process with
-one thread each.
+The jobs J1 and J2 of :mod:`validation.evidence.bench_solid_jobs`, all in one run, one process
+with one thread each.
 """
 
 from __future__ import annotations
@@ -91,10 +90,8 @@ def own(family: str, fineness: Any) -> Solve:
 
 def _peer_ways(peer: str, *, quick: bool) -> list[Level]:
     def level(path: str, number: int, fineness: Job, swept: bool) -> Level:
-        def run(frequencies: list[float]) -> Answer:
-            return solve(peer, {**fineness, "frequencies": frequencies})
-
-        return Level(f"{peer}, {path}", str(number), run, swept, own=False)
+        way = f"{peer}, {path}"
+        return Level(way, str(number), partial(solve, peer, fineness), swept, own=False)
 
     found = []
     for order, grids in ((2, _SECOND), (3, _THIRD)):

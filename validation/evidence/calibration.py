@@ -49,14 +49,14 @@ def table(found: Sequence[Part]) -> str:
 def _bimorph(announce: Announce, *, listed: bool = False) -> dict[str, Any]:
     from tactgen.validation.evidence import calibration_bimorph as part
 
-    name, observe, count, unusual = (
-        ("laminate", part.observe_listed, part.LAMINATES, part.UNUSUAL_LISTED)
+    name, count, unusual = (
+        ("laminate", part.LAMINATES, part.UNUSUAL_LISTED)
         if listed
-        else ("bimorph", part.observe, part.DEVICES, part.UNUSUAL)
+        else ("bimorph", part.DEVICES, part.UNUSUAL)
     )
-    solved = partial(_observed, announce, name, observe, part.SEED)
-    observed = solved("solid", "", count)
-    those = {what: solved(f"solid with {what}", what, part.EACH) for what in unusual}
+    solved = partial(_observed, announce, name, part.observe, part.SEED)
+    observed = solved("solid", ("", listed), count)
+    those = {what: solved(f"solid with {what}", (what, listed), part.EACH) for what in unusual}
     return part.calibrate(observed, those, announce)
 
 
@@ -64,8 +64,8 @@ def _reluctance(announce: Announce) -> dict[str, Any]:
     from tactgen.validation.evidence import calibration_reluctance as part
 
     solved = partial(_observed, announce, "reluctance", part.observe, part.SEED)
-    observed = solved("field", 1.0, part.DEVICES)
-    beyond = solved("field beyond the range", part.WIDER, part.BEYOND)
+    observed = solved("field", (1.0,), part.DEVICES)
+    beyond = solved("field beyond the range", (part.WIDER,), part.BEYOND)
     return part.calibrate(observed, beyond, announce)
 
 
@@ -79,7 +79,7 @@ PARTS: dict[str, tuple[Callable[[Announce], dict[str, Any]], Path]] = {
 
 def _observed(
     announce: Announce, name: str, observe: Callable[..., Any], seed: int,
-    words: str, of: object, count: int,
+    words: str, of: tuple[object, ...], count: int,
 ) -> list[Any]:  # fmt: skip
     """Random devices by number, on all cores; `of` is what `observe` is told besides."""
     from concurrent.futures import ProcessPoolExecutor
@@ -93,8 +93,10 @@ def _observed(
     return found
 
 
-def _cached(name: str, observe: Callable[..., Any], seed: int, of: object, number: int) -> Any:
-    work = partial(observe, seed, number, of)
+def _cached(
+    name: str, observe: Callable[..., Any], seed: int, of: tuple[object, ...], number: int
+) -> Any:
+    work = partial(observe, seed, number, *of)
     return cached_by_code("calibration", (name, seed, number, of), observe.__module__, work)
 
 

@@ -122,7 +122,7 @@ class Observed:
     sprung: Floats
 
 
-def observe(seed: int, number: int, what: str = "", *, listed: bool = False) -> Observed:
+def observe(seed: int, number: int, what: str = "", listed: bool = False) -> Observed:
     """Solve the solid of a random device, or of one with a property that the fit does not know."""
     from tactgen.fem.piezo.modes import natural_modes
     from tactgen.fem.piezo.ports import static_multiport
@@ -165,11 +165,6 @@ def _of_ports(stiffness: Any) -> Floats:
     moved = -flexible @ stiffness[2:4, 4]
     free = stiffness[4, 4] + stiffness[4, 2:4] @ moved
     return np.asarray(np.abs([flexible[0, 0], flexible[0, 1], flexible[1, 1], *moved, free]))
-
-
-def observe_listed(seed: int, number: int, what: str = "") -> Observed:
-    """The same of listed layers."""
-    return observe(seed, number, what, listed=True)
 
 
 # ---- six static numbers of a beam with a root of its own ----

@@ -38,10 +38,9 @@ WIDER, BEYOND = 2.0, 400
 #: Lines of the field's grid, of the usual: within 2e-3 of much finer ones.
 _REFINEMENT = 0.85
 #: Degree of a term, in which each group counts with its weight.
-_DEGREE = {"straight": 4.0, "saturating": 4.5}
-_WEIGHTS = {
-    "straight": (0.8, np.inf, 1.2, 0.8, 1.5, 2.0, 1.5, 2.5, 2.5, 1.3, 1.5, 0.5, np.inf),
-    "saturating": (1.0, 0.7, 1.3, 0.8, 2.0, 2.0, 2.0, 2.5, 2.0, 1.3, 1.5, 2.5, 2.5),
+_TERMS = {
+    "straight": (4.0, (0.8, np.inf, 1.2, 0.8, 1.5, 2.0, 1.5, 2.5, 2.5, 1.3, 1.5, 0.5, np.inf)),
+    "saturating": (4.5, (1.0, 0.7, 1.3, 0.8, 2.0, 2.0, 2.0, 2.5, 2.0, 1.3, 1.5, 2.5, 2.5)),
 }
 _RIDGE, _STEPS = 1e-5, 8
 #: Share of the devices with the fewest ampere turns, below which P is held, as of a linear steel:
@@ -116,7 +115,8 @@ def fit(observed: Sequence[ObservedField], kind: str) -> tuple[Fit, dict[str, An
     every, turns = np.concatenate([known.groups, fresh.groups]), GROUPS.index("ampere turns")
     low, high = every.min(axis=0), every.max(axis=0)
     low[turns] = np.quantile(every[:, turns], _LINEAR)
-    products = Products(low, high, weighted_powers(_WEIGHTS[kind], _DEGREE[kind]))
+    degree, weights = _TERMS[kind]
+    products = Products(low, high, weighted_powers(weights, degree))
     none = np.zeros((1 + 2 * len(GROUPS), len(VALUES)))
     found = Fit(products, _fit_energy(known, products), none)
     left, rows = left_over(fresh, found), products.quadratic(fresh.groups)
@@ -167,7 +167,7 @@ def calibrate(
 ) -> dict[str, Any]:
     """Calibration as it is written to a file, from devices within its range and beyond it."""
     record: dict[str, Any] = {"devices": len(observed), "seed": SEED}
-    for kind in ("straight", "saturating"):
+    for kind in _TERMS:
         announce(f"calibration: {kind} magnetisation curves")
         found, shown = fit(_of_kind(observed, kind), kind)
         record[kind] = products_record(found.products) | {

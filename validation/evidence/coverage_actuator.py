@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -40,7 +41,6 @@ from tactgen.validation.scene.scene import Scene
 _ORDER, _REFINEMENT, _FARTHER = 5, 1.5, 3.0
 #: Quantities of the network, in the order of the calibration's values.
 _NETWORK = ("magnetic_force", *VALUES[1:])
-_VALUES = ("force", "flux_linkage", "coenergy", "incremental_inductance")
 
 T = TypeVar("T")
 
@@ -50,13 +50,13 @@ Fields: TypeAlias = tuple[Any, Any]
 
 def judge_axisymmetric(rng: np.random.Generator) -> list[Judged]:
     """Answers of one device, drawn by `rng`."""
-    return judged_fields(rng, _solved)
 
+    def solved(device: Device) -> Fields:
+        farther = _FARTHER * air_radius(actuator_regions(device, device.gap))
+        right = solve_point(device, order=_ORDER, refinement=_REFINEMENT, outer_radius=farther)
+        return solve_point(device), right
 
-def _solved(device: Device) -> Fields:
-    farther = _FARTHER * air_radius(actuator_regions(device, device.gap))
-    right = solve_point(device, order=_ORDER, refinement=_REFINEMENT, outer_radius=farther)
-    return solve_point(device), right
+    return judged_fields(rng, solved)
 
 
 def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) -> list[Judged]:
@@ -66,7 +66,7 @@ def judged_fields(rng: np.random.Generator, solved: Callable[[Device], Fields]) 
         lambda scene: solved(scene.device),
     )  # fmt: skip
     return [
-        one for name in _VALUES
+        one for name in VALUES
         for one in relative(where, name, getattr(found, name), getattr(found.errors, name),
                             getattr(right, name))
     ]  # fmt: skip
@@ -199,10 +199,7 @@ def _balances(scene: Scene) -> dict[str, float]:
 
     currents, around = map_grid(scene.device)
     exact = DirectForce(scene.device, _FINER * CELLS, (around[0], around[-1]))
-
-    def balance(gap: float) -> float:
-        return _balance(exact, currents, gap)
-
+    balance = partial(_balance, exact, currents)
     gaps = between_stops(scene.device, _GAPS)
     needed = np.array([balance(float(gap)) for gap in gaps])
     found = {"holding_current": float(needed[0])}

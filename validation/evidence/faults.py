@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 import tomllib
+import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
@@ -30,6 +31,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.store.store import cached_result, stored_result
 from tactgen.validation.evidence.judgement import Family, Judged, Row, rows
 from tactgen.validation.evidence.stress import RULE
+from tactgen.validation.evidence.verification import ENGINE
 
 #: Seconds after which a process is taken for endless.
 ENDLESS = 300.0
@@ -181,10 +183,6 @@ def _whole(path: Path) -> bool:
         return False
 
 
-def _zip(content: bytes) -> bool:
-    return content[:2] == b"PK" and b"PK\x05\x06" in content[-1000:]
-
-
 def _netcdf(content: bytes) -> bool:
     """Whether all that a classic netCDF file says it holds is there."""
     from scipy.io import netcdf_file
@@ -208,8 +206,8 @@ _ENDS: dict[str, Callable[[bytes], bool]] = {
     ".step": lambda content: content.rstrip().endswith(b"END-ISO-10303-21;"),
     ".glb": lambda content: int.from_bytes(content[8:12], "little") == len(content),
     ".vtu": lambda content: content.rstrip().endswith(b"</VTKFile>"),
-    ".npz": _zip,
-    ".fmu": _zip,
+    ".npz": lambda content: zipfile.is_zipfile(io.BytesIO(content)),
+    ".fmu": lambda content: zipfile.is_zipfile(io.BytesIO(content)),
     ".nc": _netcdf,
 }
 
@@ -237,10 +235,7 @@ def said(done: Ended) -> tuple[bool, str]:
 _REFUSED, _INTERRUPTED, _TERMINATED, _PIPE = 2, 130, 143, 141
 #: A place where no file can be made, even by root.
 _NOWHERE = Path("/proc/tactgen")
-_CODE = (
-    "tactgen.validation.command_line.cli", "tactgen.validation.models",
-    "tactgen.validation.catalogue", "tactgen.fem", "tactgen.tmm",
-)  # fmt: skip
+_CODE = ("tactgen.validation.command_line.cli", *ENGINE)
 _KIND = "stress.faults"
 
 

@@ -25,6 +25,7 @@ from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.store.store import cached_result
 from tactgen.geometry.store.values import storable
+from tactgen.validation.evidence.verification import ENGINE
 from tactgen.validation.scene.files import built_in_texts
 from tactgen.validation.show.figures import GREY, panels, svg
 
@@ -101,11 +102,11 @@ class Family:
 
     def add(
         self, where: str, error: float, bar: float, *,
-        of: str = "", which: str = "", promised: float = 1.0, refusal: str = "",
+        of: str = "", which: str = "", refusal: str = "",
     ) -> None:  # fmt: skip
         """Add an answer with its relative error and bar, to the family's row `of` something."""
         row = f"{of}; {self.title}" if of else self.title
-        self.answers.append(Judged(where, row, float(error), float(bar), which, promised, refusal))
+        self.answers.append(Judged(where, row, float(error), float(bar), which, 1.0, refusal))
 
     def compare(self, where: str, value: float, exact: float, bar: float, *, of: str = "") -> None:
         """Add an answer with its error bar, `bar` and values in one unit."""
@@ -233,17 +234,13 @@ class Part:
         return all(row.holds for row in self.rows)
 
 
-#: What computes answers and is loaded by names in strings.
-_CODE = ("tactgen.validation.models", "tactgen.fem", "tactgen.tmm")
-
-
 def cached_by_code(kind: str, of: tuple[object, ...], module: str, work: Callable[[], Any]) -> Any:
     """Result of `work`, so that a run that was stopped goes on where it was.
 
     Cached as of a kind by what is judged, with its seed, by the code of the `module` that judges,
     and by the built-in scenes: all is made of them.
     """
-    return cached_result(kind, (*of, built_in_texts()), (module, *_CODE), work)
+    return cached_result(kind, (*of, built_in_texts()), (module, *ENGINE), work)
 
 
 def loaded(name: str) -> Any:

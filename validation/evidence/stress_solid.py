@@ -59,7 +59,7 @@ def _scales(family: Family, quick: bool) -> None:
         device.piezo.ceramic(),
         device.shim,
     )
-    usual = _three(device, bricks, ceramic)
+    usual = _cantilever(device, bricks, ceramic)
     powers = (-10, 10) if quick else (-10, -3, 3, 10)
     for kind, power in product(("permittivity", "elasticity", "density", "length"), powers):
         a = 10.0**power
@@ -81,16 +81,11 @@ def _scales(family: Family, quick: bool) -> None:
             x, y, z = (Axis(axis.breaks * a, axis.degree) for axis in bricks.axes)
             body, factors = replace(bricks, x=x, y=y, z=z), (1.0, a, 1.0 / a)
         with family.attempt():
-            found = _three(device.model_copy(update={"shim": other}), body, material)
-            pairs = zip(found, factors, usual, strict=True)
+            found = _cantilever(device.model_copy(update={"shim": other}), body, material)
+            pairs = zip(found[:3], factors, usual[:3], strict=True)
             worst = max(abs(v / (f * u) - 1.0) for v, f, u in pairs)
             # rounding of both: that of the stiffness, (L/h)⁴ times that of a number, some 1e-9
             family.add(f"{kind} x 1e{power}", worst, 1e-7)
-
-
-def _three(device: Device, bricks: Bricks, ceramic: Piezoceramic) -> tuple[float, float, float]:
-    system = assemble(device, bricks, lossy=False, ceramic=ceramic)
-    return (*_static(system)[:2], natural_modes(system, Ends(), 1)[0].frequency)
 
 
 def _slender(family: Family, quick: bool) -> None:
@@ -106,8 +101,9 @@ def _slender(family: Family, quick: bool) -> None:
         tip, frequency = _beam(device, ceramic)
         with family.attempt():
             # the coarse one first: what it refuses costs less
-            (coarse, blunt, _), (fine, sharp, spurious) = (
-                _cantilever(device, LEVELS[level], ceramic) for level in (0, 1)
+            (coarse, _, blunt, _), (fine, _, sharp, spurious) = (
+                _cantilever(device, bimorph_bricks(device, LEVELS[level]), ceramic)
+                for level in (0, 1)
             )
             # beam theory ignores the stress in which the layers end, which turns the last
             # thickness at the tip, and in vibration shear and the inertia of rotation
@@ -139,13 +135,13 @@ def _beam(device: Device, ceramic: Piezoceramic) -> tuple[float, float]:
 
 
 def _cantilever(
-    device: Device, meshing: BrickMeshing, ceramic: Piezoceramic
-) -> tuple[float, float, float]:
-    """Tip displacement per volt, first frequency, and their rounding errors."""
-    system = assemble(device, bimorph_bricks(device, meshing), lossy=False, ceramic=ceramic)
-    tip, _, compliance = _static(system)
+    device: Device, bricks: Bricks, ceramic: Piezoceramic
+) -> tuple[float, float, float, float]:
+    """Tip displacement per volt, capacitance, first frequency, and their rounding error."""
+    system = assemble(device, bricks, lossy=False, ceramic=ceramic)
+    tip, capacitance, compliance = _static(system)
     frequency = natural_modes(system, Ends(), 1)[0].frequency
-    return tip, frequency, float(compliance[0, 0] * system.spurious_stiffness)
+    return tip, capacitance, frequency, float(compliance[0, 0] * system.spurious_stiffness)
 
 
 def _distorted(family: Family, quick: bool) -> None:

@@ -28,16 +28,30 @@ VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
 Extent = Literal["quick", "light", "heavy"]
 
 _CASES = "tactgen.validation.evidence.cases."
-#: What rows on scenes run without importing it by name.
-_ENGINE = (
+#: What computes the answers on scenes and is loaded by names in strings.
+ENGINE = (
     "tactgen.validation.models", "tactgen.validation.catalogue", "tactgen.fem", "tactgen.tmm",
 )  # fmt: skip
 
-#: Groups of known answers, each a module of the room of cases, imported when it is asked for.
-GROUPS = (
-    "beams", "laminates", "resonators", "elastic", "coils", "iron", "orders", "bimorph",
-    "reluctance", "motion", "amplitude", "display", "devices", "misprints",
-)  # fmt: skip
+#: Groups of known answers, each a module of the room of cases, imported when it is asked for; and
+#: what each is about, for the reader who was not there.
+GROUPS = {
+    "beams": "Beams in closed form and from handbooks, by the models lumped and tmm; two as solids",
+    "laminates": "Exact laminates in cylindrical bending, bimetal strips, PVDF, a patch in shear",
+    "resonators": "Piezoelectric resonators of IEEE Std 176, patch test of a free block",
+    "elastic": "Elastic bodies: cube, plates, torsion, rods",
+    "coils": "Coils in air: inductance, force, field, circuit",
+    "iron": "Bodies of iron: shielding, demagnetising factor, a slotted gap",
+    "orders": "Observed orders of convergence, each with an absolute bound",
+    "bimorph": "The lateral actuator: exact beam, job J1, models against each other, the paper",
+    "reluctance": "The normal actuator: fields and circuits, TEAM problem 20, the paper",
+    "motion": "The machine in time: oscillators with known motions, circuits, the paper's Fig 16",
+    "amplitude": "Large amplitudes: oscillators with known answers, the paper's Figs 8, 14 and 15",
+    "display": "The display: crosstalk, units that differ, the field between units, what fits",
+    "devices": "Benders and harvesters that others built and measured, beside bands over all that "
+    "their sources leave open; the actuator of TEAM problem 20 is among the reluctance actuators",
+    "misprints": "Printed targets that are wrong or coarse, with the proof",
+}
 #: Of these, those whose rows are about scenes, solved by the whole suite.
 ON_SCENES = ("bimorph", "reluctance", "motion", "amplitude", "display", "devices")
 
@@ -211,5 +225,5 @@ def remembered(group: str, name: str, error: Callable[[], float]) -> float:
 def _entry(group: str, kind: str, name: str) -> tuple[str, tuple[str, str], tuple[str, ...]]:
     """Kind, inputs and code that a measured value goes by in the store."""
     module = _CASES + group
-    code = (module, *_ENGINE) if group in ON_SCENES else (module,)
+    code = (module, *ENGINE) if group in ON_SCENES else (module,)
     return f"check.{kind}", (group, name), code

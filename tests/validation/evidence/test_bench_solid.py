@@ -8,7 +8,6 @@ import pytest
 from tactgen.fem.piezo.system import materials
 from tactgen.validation.evidence import bench_solid as solid
 from tactgen.validation.evidence import bench_solid_jobs as jobs
-from tactgen.validation.evidence import bench_solid_jobs as meshes
 from tactgen.validation.evidence import peers
 from tactgen.validation.evidence.bench import front, run_parts, time_at_error
 from tactgen.validation.evidence.bench_solid import ways
@@ -87,7 +86,7 @@ def test_faces_of_the_grid(coarse):
 
 def test_structured_tetrahedra_fill_the_bricks(coarse):
     """Six per brick, all positive, faces cut as the cells are."""
-    mesh = meshes.layered_tetrahedra(*planes(coarse), 0.5 * coarse["shim_thickness"])
+    mesh = jobs.layered_tetrahedra(*planes(coarse), 0.5 * coarse["shim_thickness"])
     p = mesh.points[mesh.cells]
     volumes = np.linalg.det(p[:, 1:] - p[:, :1]) / 6.0
     assert volumes.min() > 0.0
@@ -230,7 +229,7 @@ def test_peer_reproduces_the_job(peer):
     fineness = jobs.job(order=3, across=3, longest=3e-3, first=1e-4)
     values = solid.values_of(peers.solve(peer, fineness))
     assert values[:5] == pytest.approx(solid.PUBLISHED, rel=1e-3)
-    swept = peers.solve(peer, {**fineness, "frequencies": [10.0]})["sweep"][0]
+    swept = peers.solve(peer, fineness, [10.0])["sweep"][0]
     assert complex(*swept) == pytest.approx(values[0], rel=5e-3)  # losses, and the first mode
 
 

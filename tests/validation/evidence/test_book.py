@@ -8,22 +8,14 @@ from types import SimpleNamespace
 import pytest
 
 from tactgen.validation.book import book
-from tactgen.validation.book.book import (
-    DIVISIONS,
-    KINDS,
-    SUBJECTS,
-    Convergence,
-    Curve,
-    Page,
-    scatter,
-)
+from tactgen.validation.book.book import DIVISIONS, KINDS, Convergence, Curve, Page, scatter
 from tactgen.validation.evidence import verification
 from tactgen.validation.evidence.case import Refinement, judged
 from tactgen.validation.evidence.cases import beams
 from tactgen.validation.evidence.judgement import Family, rows
 from tactgen.validation.evidence.mesh_levels import DEGREE
 from tactgen.validation.evidence.stress import RULE
-from tactgen.validation.evidence.verification import GROUPS, Division, Verified, verify
+from tactgen.validation.evidence.verification import Division, Verified, verify
 
 FEW = tuple(case for case in beams.CASES if case.id in ("SMITS", "VM148"))
 CASE = FEW[0]
@@ -36,11 +28,6 @@ def few(monkeypatch):
 
 def run(extent="light"):
     return verify(("beams",), extent=extent, announce=lambda _: None)
-
-
-def test_every_group_has_a_subject():
-    """A group without a word on what it is about could not be read."""
-    assert list(SUBJECTS) == list(GROUPS)
 
 
 def test_what_did_not_change_is_not_run_again(few, monkeypatch):

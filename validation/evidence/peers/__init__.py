@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from typing import cast
 
 from tactgen.validation.evidence.bench_timing import on_one_core
@@ -38,12 +39,13 @@ def not_installed(package: str) -> str:
     return f"{package} is not installed; run: pip install -e '.[peers]'" if done.returncode else ""
 
 
-def solve(peer: str, job: Job) -> Answer:
-    """Let a peer solve a job, alone in a process.
+def solve(peer: str, job: Job, frequencies: Sequence[float] = ()) -> Answer:
+    """Let a peer solve a job, or its sweep at the frequencies (Hz), alone in a process.
 
     Raises InputError if the peer's process ends badly, with the last line that it wrote.
     """
-    return cast(Answer, on_one_core(PEERS[peer][1], "run", job, python=python()))
+    asked = {**job, "frequencies": frequencies}
+    return cast(Answer, on_one_core(PEERS[peer][1], "run", asked, python=python()))
 
 
 def python() -> str:
