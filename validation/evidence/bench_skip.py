@@ -37,19 +37,18 @@ if asked["picture"]:
     from tactgen.validation.show.export import scene_solids
     from tactgen.validation.show.pictures import solids_picture
     size = len(solids_picture(scene_solids(scene)))
-    found, keys, computed = [size], {}, []
+    told = {"answers": [size], "computed": [], "asked": [], "skipped": 0}
 else:
     solution = solve(scene)
-    found = as_json(solution)["quantities"]
-    for quantity in found:
+    told = {
+        "answers": as_json(solution)["quantities"], "computed": sorted(solution.stages.computed),
+        "asked": sorted(solution.stages.seconds), "skipped": len(solution.plan.skipped),
+    }
+    for quantity in told["answers"]:
         del quantity["seconds"]
-    keys, computed = solution.plan.keys, sorted(solution.stages.computed)
 modules = sorted(sys.modules)
 print(json.dumps({
-    "answers": found, "keys": keys, "computed": computed,
-    "asked": sorted(solution.stages.seconds) if keys else [],
-    "skipped": len(solution.plan.skipped) if keys else 0,
-    "modules": len(modules),
+    **told, "modules": len(modules),
     "watched": [n for n in asked["watched"]
                 if any(m == n or m.startswith(n + ".") for m in modules)],
     "seconds": time.process_time(),

@@ -18,7 +18,7 @@ from tactgen.fem.piezo.modes import natural_modes
 from tactgen.fem.piezo.ports import static_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.fem.piezo.system import materials
-from tactgen.fem.solvers.linear_solver import available_solver, factorise
+from tactgen.fem.solvers.linear_solver import factorise
 from tactgen.geometry.arrays import Floats, Ints
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
@@ -99,7 +99,7 @@ def solve_own(family: str, fineness: Any, frequencies: list[float]) -> Answer:
     factorise(sparse.csr_matrix(np.eye(2)))
     device, make = j1().device, FAMILIES[family]
     return solved(
-        frequencies, available_solver(), lambda: make(device, fineness),
+        frequencies, lambda: make(device, fineness),
         lambda mesh: _Own(device, mesh, lossy=bool(frequencies)),
     )  # fmt: skip
 

@@ -85,11 +85,10 @@ class Answer(TypedDict):
     seconds: dict[str, float]
     process_seconds: float
     peak_memory: int
-    solver: str
 
 
 def solved(
-    frequencies: list[float], solver: str, make: Callable[[], Any], assemble: Callable[[Any], Any]
+    frequencies: list[float], make: Callable[[], Any], assemble: Callable[[Any], Any]
 ) -> Answer:
     """Solve a job, or with frequencies its sweep, phase by phase, with the resources that it took.
 
@@ -117,7 +116,6 @@ def solved(
         deflection=static[0], capacitance=static[1], natural=natural,
         sweep=[[value.real, value.imag] for value in sweep], unknowns=model.unknowns,
         seconds=seconds, process_seconds=time.process_time(), peak_memory=peak_memory(),
-        solver=solver,
     )  # fmt: skip
 
 

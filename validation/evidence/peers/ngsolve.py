@@ -39,7 +39,7 @@ def run(job: Job) -> Answer:
     import ngsolve  # noqa: F401
 
     return solved(
-        job["frequencies"], _SOLVER,
+        job["frequencies"],
         lambda: _tetrahedra(job) if job["kind"] == "tetra" else _brick_mesh(bricks(job)),
         lambda mesh: _Model(mesh, job),
     )  # fmt: skip

@@ -48,9 +48,7 @@ def run(job: Job) -> Answer:
     from sfepy.base.base import output
 
     output.set_output(quiet=True)
-    return solved(
-        job["frequencies"], "SuperLU", lambda: _domain(job), lambda domain: _Model(domain, job)
-    )
+    return solved(job["frequencies"], lambda: _domain(job), lambda domain: _Model(domain, job))
 
 
 def _domain(job: Job) -> Any:
