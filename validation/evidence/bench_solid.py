@@ -22,26 +22,24 @@ from tactgen.validation.evidence.bench import Bench, Point, Target, Timing, fron
 from tactgen.validation.evidence.bench_solid_jobs import BRICKS, j1, job
 from tactgen.validation.evidence.bench_timing import on_one_core
 from tactgen.validation.evidence.peers import PEERS, missing, solve
-from tactgen.validation.evidence.peers.job import Answer, Job
+from tactgen.validation.evidence.peers.job import Answer, Fineness, Job
 from tactgen.validation.models.model import BRICK_FACTOR
 
 #: Solves J1, or J2 at the frequencies (Hz) given.
 Solve = Callable[[list[float]], Answer]
 
-#: Fineness of bricks: through a ceramic layer, through the shim, across, longest (m), first
-#: at the clamp (m), ratio of neighbours.
-_Grid = tuple[int, int, int, float, float, float]
-_SECOND: tuple[_Grid, ...] = (
-    (2, 1, 3, 1.2e-3, 1e-4, 3.0),
-    (2, 1, 4, 1.2e-3, 5e-5, 2.0),
-    (3, 2, 5, 0.9e-3, 2.5e-5, 2.0),
+#: Bricks of order 2 and of order 3.
+_SECOND: tuple[Fineness, ...] = (
+    Fineness(through_piezo=2, through_shim=1, across=3, longest=1.2e-3, first=1e-4, growth=3.0),
+    Fineness(through_piezo=2, through_shim=1, across=4, longest=1.2e-3, first=5e-5, growth=2.0),
+    Fineness(through_piezo=3, through_shim=2, across=5, longest=0.9e-3, first=2.5e-5, growth=2.0),
 )
-_THIRD: tuple[_Grid, ...] = (
-    (1, 1, 2, 3e-3, 2e-4, 4.0),
-    (1, 1, 3, 4e-3, 4e-4, 12.0),
-    (1, 1, 3, 3e-3, 1e-4, 4.0),
-    (1, 1, 3, 2e-3, 2.5e-5, 3.0),
-    (2, 1, 4, 2e-3, 2.5e-5, 3.0),
+_THIRD: tuple[Fineness, ...] = (
+    Fineness(across=2, longest=3e-3, first=2e-4, growth=4.0),
+    Fineness(across=3, longest=4e-3, first=4e-4, growth=12.0),
+    Fineness(across=3, longest=3e-3, first=1e-4, growth=4.0),
+    Fineness(across=3, longest=2e-3, first=2.5e-5, growth=3.0),
+    Fineness(across=4, longest=2e-3, first=2.5e-5, growth=3.0, through_piezo=2),
 )
 #: Of hexahedra of 27 nodes: through a ceramic layer; side, smallest, longest of a BrickMeshing.
 _TRIQUADRATIC = ((1, 0.5, 0.4, 2.0), (2, 0.3, 0.2, 1.4), (3, 0.3, 0.1, 1.0))
@@ -64,7 +62,7 @@ class Level:
 def ways(*, quick: bool) -> list[Level]:
     """All that is to be run; peers that are not installed are left out."""
     few = slice(1 if quick else None)
-    grids = [_bricks(grid, 2) for grid in _SECOND[few]]
+    grids = [job(**grid | {"order": 2}) for grid in _SECOND[few]]
     families: tuple[tuple[str, Sequence[Any], bool], ...] = (
         (BRICKS, range(2 if quick else 4), True),
         ("hexahedra of 27 nodes", _TRIQUADRATIC[few], False),
@@ -98,21 +96,14 @@ def _peer_ways(peer: str, *, quick: bool) -> list[Level]:
         for number, grid in enumerate(grids[: 1 if quick else None], 1):
             # direct sweeps of the finer grids take minutes and only widen the distance
             swept = number <= (1 if quick else 2)
-            found.append(level(f"bricks of order {order}", number, _bricks(grid, order), swept))
+            fineness = job(**grid | {"order": order})
+            found.append(level(f"bricks of order {order}", number, fineness, swept))
     if peer == "NGSolve" and not quick:
         for order in (2, 3):
             for number, (longest, first) in enumerate(_NETGEN, 1):
                 fineness = job(kind="tetra", order=order, longest=longest, first=first)
                 found.append(level(f"tetrahedra of order {order}", number, fineness, False))
     return found
-
-
-def _bricks(grid: _Grid, order: int) -> Job:
-    through_piezo, through_shim, across, longest, first, growth = grid
-    return job(
-        order=order, through_piezo=through_piezo, through_shim=through_shim, across=across,
-        longest=longest, first=first, growth=growth,
-    )  # fmt: skip
 
 
 #: Converged J1 as four public codes agree on it on identical meshes (deflection in m/V, f1
