@@ -1,8 +1,8 @@
 """The normal actuator: moving iron, coil, sleeve and steel.
 
 Reconstructed: the paper gives the outer diameter, the gap, the force, three currents and the
-total height.  The other sizes are those that meet these with the least heat in the coil, found by
-:mod:`validation.studies.reconstruction`; none of them is known.
+total height.  The other sizes are those that meet these with the least heat in the coil, found in
+``notebooks/reconstructed_actuator.py``; none of them is known.
 """
 
 from __future__ import annotations

@@ -43,14 +43,18 @@ Values = Mapping[str, float]
 SAMPLES, _FEW = 128, 32
 #: Ranges by which shares of a band's variance are told.
 _BINS = 8
+#: Stated of the normal actuator (sections 2.2 and 5.1, set-up of Fig 3): outer diameter, working
+#: gap and height of both actuators together (m); force of the spring on the finger (N), which the
+#: magnet must overcome; currents (A) that pull the rod down, that hold it, that drove it in Fig 16.
+OUTER_DIAMETER, GAP, TOTAL_HEIGHT = 2.3e-3, 0.2e-3, 41e-3
+FORCE = 0.11
+PULL_IN, HELD, DRIVEN = 0.13, 0.05, 0.12
 #: Settings of the spring's preload that are compared (N).
 PRELOADS = (80e-3, 90e-3, 100e-3, 110e-3)
 #: Amplitude (V) of Fig 15, and its frequencies (Hz).
 _VOLTS, _SWEEP = 50.0, np.linspace(10.0, 1000.0, 67)
 #: Frequencies (Hz) at which the text on Fig 17 states a threshold and a voltage.
 _FELT = np.array([10.0, 250.0, 1000.0])
-#: Current of Fig 16 (A).
-_CURRENT = 0.12
 #: A rod so close to a stop (m) is on it; what takes longer (s) stays.
 _NEAR, _LONGEST = 2e-6, 20e-3
 #: Name of the factor on the pull of the network.
@@ -279,11 +283,11 @@ def rod_times(values: Values) -> Floats:
     device = with_values(Scene(), {_PRELOAD.name: values[_PRELOAD.name]}).device
     forces = axial_forces(device, ScaledMap(network_map(device), values[_PULL]))
     stroke = device.gap - device.spring.stop_gap
-    currents = np.linspace(0.5, 1.5, 201) * _CURRENT
+    currents = np.linspace(0.5, 1.5, 201) * DRIVEN
     pulls_in = float(np.interp(friction, -forces.finger_force(currents, 0.0), currents))
     top = resting_place(forces, 0.0, "rising").lift
-    down = _flight(forces, _CURRENT, top, _NEAR - stroke, friction)
-    bottom = resting_place(forces, 1.5 * _CURRENT, "rising").lift
+    down = _flight(forces, DRIVEN, top, _NEAR - stroke, friction)
+    bottom = resting_place(forces, 1.5 * DRIVEN, "rising").lift
     return np.array([pulls_in, down, _flight(forces, 0.0, bottom, -_NEAR, friction)])
 
 
@@ -368,7 +372,7 @@ def figures() -> tuple[Figure, ...]:
         ),
         Figure(
             "The rod at 120 mA", "paper section 6, Fig 16",
-            (Published("current that pulls it in", 0.0, _CURRENT, "A"),
+            (Published("current that pulls it in", 0.0, DRIVEN, "A"),
              Published("time down", 1.5e-3, 2.5e-3, "s"),
              Published("time up", 0.5e-3, 1.5e-3, "s")),
             (_PRELOAD, pull, *_assumed(pad, "guide.friction")), rod_times, _FEW,

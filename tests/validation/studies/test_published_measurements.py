@@ -1,25 +1,19 @@
 """The paper's measurements beside their predictions, and the search for its unknown sizes."""
 
-import math
+import runpy
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tactgen.geometry.device.parameters import Coil, Device
+from tactgen.geometry.device.parameters import Device
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.transient import phases, run_scene
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.studies import published_measurements as beside
-from tactgen.validation.studies import reconstruction as stated
 from tactgen.validation.studies.published_measurements import Figure, Published, Unknown
-from tactgen.validation.studies.reconstruction import (
-    _crossing,
-    actuator,
-    ampere_turns_needed,
-    field_pull,
-    network_map,
-    weighed,
-)
+
+NOTEBOOKS = Path(__file__).parents[3] / "notebooks"
 
 
 def test_a_prediction_is_the_answer_of_its_scene():
@@ -121,65 +115,14 @@ def test_a_band_is_what_all_unknowns_together_make():
     assert found.worst == pytest.approx(80e-3 / 0.01 + 1.0, rel=0.01)
 
 
-#: Shaft radius, bore radius and coil length (m) of the device built in.
-BUILT_IN = 0.64e-3, 0.96e-3, 1.6e-3
-
-
-def test_the_device_built_in_follows_the_rules_of_the_search():
-    """All sizes of rod, coil and sleeve but those it does not set are the built-in ones."""
-    found, device = actuator(*BUILT_IN), Device()
-    assert found.gap == device.gap
-    for group in ("rod", "coil", "sleeve"):
-        one, other = (getattr(built, group).model_dump() for built in (found, device))
-        sizes = [key for key, value in one.items() if isinstance(value, float)]
-        assert [one[key] for key in sizes] == pytest.approx([other[key] for key in sizes])
-
-
-def test_the_needed_current_of_a_power_law_is_exact():
-    """Pull ∝ i²: the crossing between samples is exact, beyond them only where asked for."""
-    currents = np.array([0.5, 1.0, 3.0])
-    forces = stated.FORCE * (currents / 2.0) ** 2
-    assert _crossing(currents, forces) == pytest.approx(2.0, rel=1e-12)
-    assert math.isinf(_crossing(currents[:2], forces[:2]))
-    assert _crossing(currents[:2], forces[:2], beyond=True) == pytest.approx(2.0, rel=1e-12)
-
-
-@pytest.mark.parametrize("pull", [network_map, field_pull])
-def test_needed_ampere_turns_pull_with_the_stated_force(pull):
-    """Asked again at what it said, the model pulls with 110 mN: 1 % of interpolation."""
-    device = Device()
-    needed = ampere_turns_needed(device, pull)
-    force = pull(device, np.array([needed / device.coil.turns]))[0]
-    assert force == pytest.approx(stated.FORCE, rel=0.01)
-
-
-def test_heat_does_not_depend_on_the_turns_of_the_start():
-    """Ampere-turns and window decide; whole turns round by 1e-3."""
-    device = Device()
-    other = device.model_copy(update={"coil": Coil(turns=300.0)})
-    one, two = weighed(device, network_map), weighed(other, network_map)
-    assert one.ampere_turns == pytest.approx(two.ampere_turns, rel=1e-2)  # samples lie elsewhere
-    assert one.held_power == pytest.approx(two.held_power, rel=2e-2)
-
-
-def test_what_the_stated_force_costs_a_thin_shaft_and_a_long_coil():
-    """The one saturates: no ampere-turns do it, and no heat is named.  12 mm of coil on the same
-    radii need many times as many, as leakage saturates the shaft, and stay hotter."""
-    thin, short, long = (
-        weighed(actuator(*sizes), network_map)
-        for sizes in ((0.3e-3, *BUILT_IN[1:]), BUILT_IN, (*BUILT_IN[:2], 12e-3))
-    )
-    assert math.isinf(thin.ampere_turns)
-    assert math.isinf(thin.held_power)
-    assert long.ampere_turns > 4.0 * short.ampere_turns
-    assert long.held_power > 3.0 * short.held_power
-
-
 @pytest.mark.heavy
-@pytest.mark.parametrize("step", [(0.03, 0, 0), (-0.03, 0, 0), (0, 0.02, 0), (0, -0.02, 0),
-                                  (0, 0, 0.6), (0, 0, -0.5)])  # fmt: skip
-def test_no_neighbour_is_cooler_by_the_field(step):
+def test_no_neighbour_is_cooler_by_the_field():
     """The device built in is the coolest by the field, up to 2 % of search and rounding."""
-    moved = (size + 1e-3 * change for size, change in zip(BUILT_IN, step, strict=True))
-    neighbour = weighed(actuator(*moved), field_pull).held_power
-    assert neighbour > 0.98 * weighed(Device(), field_pull).held_power
+    search = runpy.run_path(str(NOTEBOOKS / "reconstructed_actuator.py"))
+    actuator, weighed, by_field = (search[name] for name in ("actuator", "weighed", "by_field"))
+    least = 0.98 * weighed(Device(), by_field).held_power
+    built_in = 0.64e-3, 0.96e-3, 1.6e-3  # shaft radius, bore radius and coil length (m)
+    for step in ((0.03, 0, 0), (-0.03, 0, 0), (0, 0.02, 0), (0, -0.02, 0), (0, 0, 0.6),
+                 (0, 0, -0.5)):  # fmt: skip
+        moved = (size + 1e-3 * change for size, change in zip(built_in, step, strict=True))
+        assert weighed(actuator(*moved), by_field).held_power > least

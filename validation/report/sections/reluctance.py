@@ -29,7 +29,7 @@ from tactgen.validation.models.reluctance.switching import MagneticPoint, Switch
 from tactgen.validation.report.reluctance_data import NormalActuator
 from tactgen.validation.report.report_data import Context, Section
 from tactgen.validation.show.figures import BLUE, GREY, ORANGE, panels, plain_numbers, shades, svg
-from tactgen.validation.studies import reconstruction as stated
+from tactgen.validation.studies import published_measurements as stated
 
 if TYPE_CHECKING:
     from tactgen.fem.magnetics.axisymmetric import FieldPoint
