@@ -125,7 +125,7 @@ def coolest(coil_length, pull=by_network, steps=12):
     def heat(radii):
         radius, bore = (float(r) * 1e-3 for r in radii)
         window = bore - COIL_CLEARANCE - radius
-        if min(radius, window, 0.5 * stated.OUTER_DIAMETER - bore) < THINNEST:
+        if min(radius, window, Sleeve().outer_radius - bore) < THINNEST:
             return math.inf
         return weighed(actuator(radius, bore, coil_length), pull).held_power
 

@@ -43,11 +43,10 @@ Values = Mapping[str, float]
 SAMPLES, _FEW = 128, 32
 #: Ranges by which shares of a band's variance are told.
 _BINS = 8
-#: Stated of the normal actuator (sections 2.2 and 5.1, set-up of Fig 3): outer diameter, working
-#: gap and height of both actuators together (m); force of the spring on the finger (N), which the
-#: magnet must overcome; currents (A) that pull the rod down, that hold it, that drove it in Fig 16.
-OUTER_DIAMETER, GAP, TOTAL_HEIGHT = 2.3e-3, 0.2e-3, 41e-3
-FORCE = 0.11
+#: Stated of the normal actuator (sections 2.2 and 5.1, set-up of Fig 3): working gap, height of
+#: both actuators together (m); force of the spring on the finger (N), which the magnet must
+#: overcome; currents (A) that pull the rod down, that hold it, that drove it in Fig 16.
+GAP, TOTAL_HEIGHT, FORCE = 0.2e-3, 41e-3, 0.11
 PULL_IN, HELD, DRIVEN = 0.13, 0.05, 0.12
 #: Settings of the spring's preload that are compared (N).
 PRELOADS = (80e-3, 90e-3, 100e-3, 110e-3)
