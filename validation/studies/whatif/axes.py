@@ -49,6 +49,11 @@ class SceneField:
         return self.scale.si if self.scale else ""
 
     @property
+    def label(self) -> str:
+        """Key and unit, as a column or an axis is headed."""
+        return f"{self.key} ({self.unit})" if self.unit else self.key
+
+    @property
     def whole(self) -> bool:
         """Whether its values are whole numbers."""
         return any(
@@ -187,11 +192,6 @@ class Axis:
     def numeric(self) -> bool:
         """Whether its values are numbers."""
         return self.drawn is not None or not isinstance(self.values[0], str)
-
-    @property
-    def label(self) -> str:
-        """Key and unit, as a column or an axis is headed."""
-        return f"{self.key} ({self.unit})" if self.unit else self.key
 
 
 def parse_axes(texts: Sequence[str], *, sampled: bool) -> tuple[Axis, ...]:

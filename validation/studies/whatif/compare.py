@@ -30,7 +30,7 @@ from tactgen.validation.studies.whatif.output_files import TABLE, aligned
 _LISTED = 6
 
 
-#: Values of a study's axes by the headings of their columns.
+#: Values of a study's axes by key.
 Point = tuple[tuple[str, str], ...]
 
 
@@ -125,14 +125,14 @@ def _scene(
 def _study(folder: Path) -> Side:
     statement = read_statement(folder)
     scene = checked_scene({**statement.values, "models": list(statement.models)})
-    path, axes = folder / TABLE, len(statement.axes)
+    path, keys = folder / TABLE, [axis.key for axis in statement.axes]
     try:
         with path.open(newline="", encoding="utf-8") as file:
             head, *rows = csv.reader(file)
-        if tuple(head[axes:]) != COLUMNS:
+        if tuple(head[len(keys) :]) != COLUMNS:
             raise ValueError("other columns")
         numbers, missing = _numbered(
-            (tuple(zip(head[:axes], row[:axes], strict=True)), row[axes:]) for row in rows
+            (tuple(zip(keys, row, strict=False)), row[len(keys) :]) for row in rows
         )
     except (OSError, ValueError, csv.Error) as error:
         raise InputError(
@@ -304,19 +304,12 @@ def place(key: Key) -> str:
     return ", ".join(parts)
 
 
-def _key_of(heading: str) -> str:
-    """Scene key of an axis from the heading of its column."""
-    return heading.partition(" (")[0]
-
-
 def _axis_words(point: Iterable[tuple[str, str]]) -> list[str]:
-    """Values of axes by the headings of their columns, as people read them."""
-    found = []
-    for heading, value in point:
-        key = _key_of(heading)
-        number = float(value) if scene_field(key).numeric else value
-        found.append(f"{key} {shown_value(key, number)}")
-    return found
+    """Values of axes by key, as people read them."""
+    return [
+        f"{key} {shown_value(key, float(value) if scene_field(key).numeric else value)}"
+        for key, value in point
+    ]
 
 
 def _shown(number: Number) -> str:
@@ -432,11 +425,10 @@ def _place(key: Key) -> tuple[str, float, str] | None:
     if key.frequency:
         along, x = "frequency (Hz)", float(key.frequency)
     else:
-        numeric = [heading for heading, _ in key.point if scene_field(_key_of(heading)).numeric]
-        if not numeric:
+        axis = next((axis for axis in rest if scene_field(axis).numeric), None)
+        if axis is None:
             return None
-        along = numeric[0]
-        x = float(rest.pop(along))
+        along, x = scene_field(axis).label, float(rest.pop(axis))
     index = (f"no. {key.number}",) if key.number else ()
     return along, x, ", ".join((key.model, *index, *_axis_words(rest.items())))
 

@@ -27,7 +27,7 @@ from tactgen.validation.engine.answers import (
     quantity_rows,
     representative,
 )
-from tactgen.validation.studies.whatif.axes import shown_value
+from tactgen.validation.studies.whatif.axes import scene_field, shown_value
 from tactgen.validation.studies.whatif.study import Study
 
 #: Files in a study's folder.
@@ -44,7 +44,7 @@ def write_tidy(folder: Path, study: Study) -> Path:
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*(axis.label for axis in study.statement.axes), *COLUMNS])
+    writer.writerow([*(scene_field(axis.key).label for axis in study.statement.axes), *COLUMNS])
     for point, model, answer in study.rows:
         for name in study.statement.quantities:
             found, unit = answer.get(name), QUANTITIES[name].unit
@@ -193,7 +193,8 @@ def statistics_rows(study: Study, found: Sequence[Statistics]) -> tuple[list[str
 
 def write_statistics(folder: Path, study: Study, found: Sequence[Statistics]) -> Path:
     """Write the statistics, whole or not at all."""
-    stepped = [axis.label for axis in study.statement.axes if axis.drawn is None]
+    axes = study.statement.axes
+    stepped = [scene_field(axis.key).label for axis in axes if axis.drawn is None]
     head = ("quantity", "number", "model", "samples", "mean", "standard_deviation",
             *(f"percentile_{p}" for p in PERCENTILES), "unit")  # fmt: skip
     rows = (

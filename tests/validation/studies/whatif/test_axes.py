@@ -12,7 +12,7 @@ from tactgen.validation.engine.answers import representative
 from tactgen.validation.engine.solve import check_models, check_on_contact, solve
 from tactgen.validation.scene.files import built_in_scenes
 from tactgen.validation.scene.load import checked_scene, load_scene, scene_values
-from tactgen.validation.studies.whatif.axes import parse_axes
+from tactgen.validation.studies.whatif.axes import parse_axes, scene_field
 from tactgen.validation.studies.whatif.defaults import chosen, with_tolerances
 from tactgen.validation.studies.whatif.definition import Statement
 
@@ -38,7 +38,7 @@ def test_ranges_and_lists_are_in_si():
         assert one(text).values == values
     stiffness = one("support.rotational_stiffness = 0.01 N*m/rad:1 N*m/rad:3:log")
     np.testing.assert_allclose(stiffness.values, [0.01, 0.1, 1.0], rtol=1e-15)
-    assert stiffness.label == "support.rotational_stiffness (N*m/rad)"
+    assert scene_field(stiffness.key).label == "support.rotational_stiffness (N*m/rad)"
 
 
 @pytest.mark.parametrize(

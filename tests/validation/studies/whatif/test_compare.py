@@ -67,7 +67,7 @@ def test_curves_run_along_the_first_axis_of_numbers(
     drawn = []
     monkeypatch.setattr(compare, "svg", drawn.append)
     held = {
-        Key((("load.kind", load), ("gap (m)", gap), ("bimorph.width (m)", "0.0015000000000000001")),
+        Key((("load.kind", load), ("gap", gap), ("bimorph.width", "0.0015000000000000001")),
             "force", "tmm", frequency, ""): Number(1.0, 0.0, "N")
         for load in ("none", "mass") for gap in ("1", "2") for frequency in frequencies
     }  # fmt: skip
