@@ -150,10 +150,7 @@ def as_json(study: LengthMap, result: Design, rows: tuple[Dependence, ...]) -> d
             "length": scene.bimorph.length,
             "margin": result.present[0], "frequency": result.present[1],
         },
-        "map": [
-            {**row, "minimum": row["minimum"] and row["minimum"]._asdict()}
-            for row in _length_rows(study, result)
-        ],
+        "map": _length_rows(study, result),
         "sensitivity": {
             "lengths": [length for length, _ in result.decided],
             "frequencies": [at for _, at in result.decided],

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -33,7 +32,8 @@ _LAWFUL = 0.1
 _CLOSE = 2e-4
 
 
-class Minimum(NamedTuple):
+@dataclass(frozen=True)
+class Minimum:
     """A minimum over frequency: where (Hz) and how low (m)."""
 
     frequency: float
