@@ -6,7 +6,7 @@ coordinates that it follows: whoever draws it needs neither the scene nor a mode
 
 from __future__ import annotations
 
-import tempfile
+from collections.abc import Hashable
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,10 +28,14 @@ from tactgen.validation.show.gather import body_of
 from tactgen.validation.show.run import PHASES, Film
 
 if TYPE_CHECKING:
-    from scipy.io import netcdf_file
+    from xarray import Dataset
+
+    from tactgen.validation.show.generator_body import MovingBody
 
 #: Everything over time by name: values (k,), unit, meaning.
 Series = dict[str, tuple[Floats, str, str]]
+#: Names of an array's dimensions, its values and its attributes.
+Variable = tuple[tuple[str, ...], np.ndarray[Any, Any], dict[str, Any]]
 
 #: What the global attribute `title` says of a generator and of a bimorph on its own support.
 TITLE, TITLE_HELD = "time simulation of a tactile generator", "time simulation of a held bimorph"
@@ -106,11 +110,8 @@ def _held_series(result: HeldRun) -> Series:
     }
 
 
-def _attributes(result: Simulation | HeldRun, drives: dict[str, str]) -> dict[str, Any]:
-    """Attributes of a run's file: where it comes from, and how far it can be trusted.
-
-    Plain floats would be stored in single precision.
-    """
+def _attributes(result: Simulation | HeldRun) -> dict[str, Any]:
+    """Attributes of a run's file: where it comes from, and how far it can be trusted."""
     scene, answer = result.scene, result.answer
     parameters = leaves(scene.model_dump())
     return {
@@ -119,11 +120,10 @@ def _attributes(result: Simulation | HeldRun, drives: dict[str, str]) -> dict[st
         "scene": scene.name,
         "parameters": "; ".join(f"{key} = {value}" for key, value in parameters),
         "conventions": "SI units; a time at which a source jumps appears twice",
-        **drives,
-        "accuracy": np.float64(answer.accuracy),
-        "error": np.float64(answer.error),
-        "certain_until_s": np.float64(answer.certain_until),
-        "energy_imbalance": np.float64(answer.run.worst_imbalance),
+        "accuracy": answer.accuracy,
+        "error": answer.error,
+        "certain_until_s": answer.certain_until,
+        "energy_imbalance": answer.run.worst_imbalance,
     }
 
 
@@ -208,72 +208,65 @@ def write_run(path: str | Path, result: Simulation | HeldRun, drives: dict[str, 
 
     Raises InputError if the file cannot be written.
     """
-    from scipy.io import netcdf_file  # slow to import
+    found = _dataset(result).assign_attrs(drives)
+    whole: dict[Hashable, Any] = {name: {"_FillValue": None} for name in found.variables}
+    with written_whole(path) as temporary:
+        found.to_netcdf(temporary, engine="scipy", encoding=whole)
+
+
+def _dataset(result: Simulation | HeldRun) -> Dataset:
+    """Everything over time with its error bars; of a generator the body that moved, too."""
+    from xarray import Dataset  # slow to import
 
     answer = result.answer
     rows = {"time": (answer.run.time, "s", "since the start"), **series(result)}
     for name, error in answer.bars.items():
         unit = rows[name][1] if name in rows else "A"
         rows[f"{name}_error"] = (error, unit, f"error bar of {name} up to each time")
-    with written_whole(path) as temporary, netcdf_file(str(temporary), "w") as file:
-        for name, value in _attributes(result, drives).items():
-            setattr(file, name, value)
-        file.createDimension("time", answer.run.time.size)
-        for name, (values, unit, meaning) in rows.items():
-            _put(file, name, ("time",), values, meaning).units = unit
-        if isinstance(result, Simulation):
-            _put_motion(file, result)
+    variables: dict[str, Variable] = {
+        name: (("time",), values, {"units": unit, "long_name": meaning})
+        for name, (values, unit, meaning) in rows.items()
+    }
+    if isinstance(result, HeldRun):
+        return Dataset(variables, attrs=_attributes(result))
+    for name in answer.errors.keys() & variables.keys():
+        variables[name][2]["error_bar"] = answer.errors[name]
+    body = body_of(result)
+    own = {
+        "phases": " ".join(PHASES), "stroke_m": result.stroke,
+        "head_radius_m": result.scene.device.rod.head_radius,
+        "body_regions": " ".join(body.mesh.regions),
+    }  # fmt: skip
+    return Dataset(variables | _motion(result, body), attrs=_attributes(result) | own)
 
 
-def _put_motion(file: netcdf_file, result: Simulation) -> None:
-    """Error bars, phases, and the body that moved with the coordinates that it follows."""
-    answer, body = result.answer, body_of(result)
-    for name in answer.errors.keys() & file.variables.keys():
-        file.variables[name].error_bar = np.float64(answer.errors[name])
-    file.phases = " ".join(PHASES)
-    file.stroke_m = np.float64(result.stroke)
-    file.head_radius_m = np.float64(result.scene.device.rod.head_radius)
-    file.body_regions = " ".join(body.mesh.regions)
-    surface = surface_of(body.mesh)
+def _motion(result: Simulation, body: MovingBody) -> dict[str, Variable]:
+    """Phases, and the body that moved with the coordinates that it follows."""
+    run, surface, width = result.answer.run, surface_of(body.mesh), body.lateral.shape[1]
     used, corners = np.unique(surface.triangles, return_inverse=True)
-    triangles, width = corners.reshape(surface.triangles.shape), body.lateral.shape[1]
-    sizes = {"point": used.size, "triangle": len(triangles), "axis": 3, "coordinate": width}
-    for name, size in sizes.items():
-        file.createDimension(name, size)
     named = phases(result)
     number = np.array([PHASES.index(phase.name) for phase in named])
     ends = np.array([phase.end for phase in named])
-    phase = number[np.minimum(np.searchsorted(ends, answer.run.time), number.size - 1)]
+    phase = number[np.minimum(np.searchsorted(ends, run.time), number.size - 1)]
     moved = ("point", "coordinate")
-    _put(file, "phase", ("time",), phase, "of the rod, a number of the attribute phases")
-    _put(file, "body_point", ("point", "axis"), body.mesh.points[used], "at rest (m)")
-    _put(file, "body_triangle", ("triangle", "axis"), triangles, "points of the surface")
-    _put(file, "body_region", ("triangle",), surface.region_of_triangle,
-         "a number of the attribute body_regions")  # fmt: skip
-    _put(file, "body_lateral", moved, body.lateral[used], "motion along x per coordinate")
-    _put(file, "body_axial", moved, body.axial[used], "motion along z per coordinate")
-    _put(file, "coordinates", ("time", "coordinate"), answer.run.position[:, :width],
-         "lift of the rod (m), lateral motion (m) and tilt (rad) of its head, "
-         "modes (m kg^1/2)")  # fmt: skip
-
-
-def _put(
-    file: netcdf_file, name: str, sizes: tuple[str, ...], values: np.ndarray[Any, Any], meaning: str
-) -> Any:
-    """Variable of a file, with its values and its meaning."""
-    kind = "i4" if np.issubdtype(values.dtype, np.integer) else "f8"
-    variable = file.createVariable(name, kind, sizes)
-    variable[:] = values
-    variable.long_name = meaning
-    return variable
+    variables = (
+        ("phase", ("time",), phase, "of the rod, a number of the attribute phases"),
+        ("body_point", ("point", "axis"), body.mesh.points[used], "at rest (m)"),
+        ("body_triangle", ("triangle", "axis"), corners.reshape(surface.triangles.shape),
+         "points of the surface"),
+        ("body_region", ("triangle",), surface.region_of_triangle,
+         "a number of the attribute body_regions"),
+        ("body_lateral", moved, body.lateral[used], "motion along x per coordinate"),
+        ("body_axial", moved, body.axial[used], "motion along z per coordinate"),
+        ("coordinates", ("time", "coordinate"), run.position[:, :width],
+         "lift of the rod (m), lateral motion (m) and tilt (rad) of its head, modes (m kg^1/2)"),
+    )  # fmt: skip
+    return {name: (sizes, of, {"long_name": meaning}) for name, sizes, of, meaning in variables}
 
 
 def film_of(result: Simulation) -> Film:
-    """Run read back from its file, as a page shows it."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "run.nc"
-        write_run(path, result, {})
-        return read_film(path)
+    """Run as a page shows it."""
+    return _film(_dataset(result))
 
 
 def read_film(path: Path) -> Film:
@@ -281,12 +274,12 @@ def read_film(path: Path) -> Film:
 
     Raises InputError if the file cannot be read, or does not hold what a film needs.
     """
-    from scipy.io import netcdf_file  # slow to import
+    from xarray import open_dataset  # slow to import
 
     remedy = "write it with tactgen simulate --out FILE.nc"
     try:
-        with netcdf_file(str(path), "r", mmap=False) as file:
-            if _text(file, "title") != TITLE:
+        with open_dataset(path, engine="scipy", decode_cf=False, mmap=False) as file:
+            if file.attrs.get("title") != TITLE:
                 raise InputError(f"--run {path} is not a run of a generator on its rod; {remedy}")
             return _film(file)
     except InputError:
@@ -295,51 +288,44 @@ def read_film(path: Path) -> Film:
         why = error.strerror or "it does not exist or is cut off"
         raise InputError(f"--run {path} cannot be read ({why}); {remedy}") from None
     except (KeyError, AttributeError, TypeError, ValueError, IndexError) as error:
+        why = str(error).partition("\n")[0]  # xarray goes on with advice
         raise InputError(
-            f"--run {path} does not hold the body that moved ({error}); {remedy} again"
+            f"--run {path} does not hold the body that moved ({why}); {remedy} again"
         ) from None
 
 
-def _film(file: netcdf_file) -> Film:
-    def values(name: str) -> Any:
-        return np.array(file.variables[name][:])
+def _film(file: Dataset) -> Film:
+    def values(name: str, kind: type = float) -> Any:
+        return np.array(file[name], dtype=kind)
 
-    if tuple(_text(file, "phases").split()) != PHASES:
+    said = file.attrs
+    if tuple(said.get("phases", "").split()) != PHASES:
         raise ValueError("its phases have other names")
     bars = ", ".join(
-        f"{title} ± {float(file.variables[name].error_bar) / size:.2g} {unit}"
+        f"{title} ± {float(file[name].error_bar) / size:.2g} {unit}"
         for name, title, unit, size in _CURVES
-        if hasattr(file.variables[name], "error_bar")
+        if "error_bar" in file[name].attrs
     )
     return Film(
-        scene=_text(file, "scene"),
-        time=values("time").astype(float),
-        coordinates=values("coordinates").astype(float),
-        points=values("body_point").astype(float),
-        triangles=values("body_triangle").astype(int),
-        regions=tuple(_text(file, "body_regions").split()),
-        region_of_triangle=values("body_region").astype(int),
-        lateral=values("body_lateral").astype(float),
-        axial=values("body_axial").astype(float),
-        curves={
-            title: (values(name).astype(float), unit, size) for name, title, unit, size in _CURVES
-        },
-        forces=(
-            values("upper_stop_force").astype(float), values("lower_stop_force").astype(float)
-        ),
-        phase=values("phase").astype(int),
-        stroke=float(file.stroke_m),
-        rim=float(file.head_radius_m),
+        scene=said["scene"],
+        time=values("time"),
+        coordinates=values("coordinates"),
+        points=values("body_point"),
+        triangles=values("body_triangle", int),
+        regions=tuple(said["body_regions"].split()),
+        region_of_triangle=values("body_region", int),
+        lateral=values("body_lateral"),
+        axial=values("body_axial"),
+        curves={title: (values(name), unit, size) for name, title, unit, size in _CURVES},
+        forces=(values("upper_stop_force"), values("lower_stop_force")),
+        phase=values("phase", int),
+        stroke=float(said["stroke_m"]),
+        rim=float(said["head_radius_m"]),
         words=(
-            f"Error bars over the whole run: {bars}. The accuracy of {float(file.accuracy):g} "
-            f"holds until {1e3 * float(file.certain_until_s):.4g} ms."
+            f"Error bars over the whole run: {bars}. The accuracy of {said['accuracy']:g} "
+            f"holds until {1e3 * said['certain_until_s']:.4g} ms."
         ),
-    )  # fmt: skip
-
-
-def _text(file: netcdf_file, name: str) -> str:
-    value = getattr(file, name, b"")
-    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
+    )
 
 
 def time_plot(result: Simulation) -> str:
