@@ -23,7 +23,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Complex, Floats, Ints, Numbers
 from tactgen.tmm.beam.transfer_matrix import multiport
-from tactgen.tmm.ports.multiport import Multiport, in_series
+from tactgen.tmm.ports.multiport import Multiport, wired
 from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.catalogue.quantities import QUANTITIES, AnswerReadout
 from tactgen.validation.models.classes import map_of
@@ -82,8 +82,8 @@ class CurveModel:
         row = QUANTITIES[self.quantity]
         if isinstance(row.read, AnswerReadout):
             return _of_machine(scene, port, row.read)
-        wired = in_series(port) if scene.bimorph.wiring == "series" else port
-        return row.port_readout.read(attach(wired, scene.ends), scene.drive.voltage)
+        mounted = attach(wired(port, scene.bimorph.wiring), scene.ends)
+        return row.port_readout.read(mounted, scene.drive.voltage)
 
     def _port(self, scene: Scene) -> Multiport:
         return multiport(scene.device, scene.support, scene.beam, self.frequencies)

@@ -18,7 +18,7 @@ from tactgen.geometry.arrays import Complex, Floats, Numbers
 from tactgen.geometry.device.checks import check_bimorph
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import share
-from tactgen.geometry.units import Unit, quoted
+from tactgen.geometry.units import NUMBER, Unit, quoted
 from tactgen.tmm.beam.parametric import check_length_free
 from tactgen.validation.engine.solve import check_on_contact
 from tactgen.validation.engine.warnings import load_warnings
@@ -46,12 +46,10 @@ from tactgen.validation.studies.measured_data import MeasuredCurve
 _INSEPARABLE = 0.99
 #: A parameter whose interval spans more than this factor is not determined by the data.
 VAGUE = 2.0
-
-
 #: Bounds where none are given: this factor below and above the start.
 _REACH = 100.0
 _REMEDY = "write for example --fit c_s=0.2N*m/rad:0.05..2N*m/rad or --fit c_s"
-_LEADING_NUMBER = re.compile(r"[+-]?[\d.]+(?:e[+-]?\d+)?", re.IGNORECASE | re.ASCII)
+_LEADING_NUMBER = re.compile(NUMBER, re.IGNORECASE | re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -168,7 +166,7 @@ def findings(estimates: Sequence[FittedParameter], stats: Statistics) -> tuple[s
             sentences.append(_inseparable(estimates, stats, i, j))
             tied |= {i, j}
     for i, e in enumerate(estimates):
-        if not e.edge or _span(2.0 * e.half_width) > VAGUE:
+        if _span(2.0 * e.half_width) > VAGUE or (e.opened and not e.edge):
             sentences.append(_undetermined(e))
         if e.edge and i not in tied:
             sentences.append(
@@ -180,11 +178,9 @@ def findings(estimates: Sequence[FittedParameter], stats: Statistics) -> tuple[s
 
 
 def _undetermined(e: FittedParameter) -> str:
-    """Sentence on an undetermined parameter; "" if determined."""
+    """Sentence on an undetermined parameter."""
     name, span = e.parameter.symbol, _span(2.0 * e.half_width)
     low, high = (e.parameter.unit.show(float(f"{end:.3g}")) for end in e.interval)
-    if not e.opened and span <= VAGUE:
-        return ""
     known = {
         (): f"its {100 * CONFIDENCE:g} % interval spans a factor of {span:.2g}",
         ("low",): f"it says only that it is below {high}",

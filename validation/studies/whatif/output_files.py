@@ -114,10 +114,8 @@ def aligned(
 
 def column(study: Study, model: str, name: str) -> list[Representative | None]:
     """Number that stands for a quantity at each point; None where there is none."""
-    return [
-        next((representative(q) for q in answers[model].quantities if q.name == name), None)
-        for answers in study.answers
-    ]
+    every = (answers[model].get(name) for answers in study.answers)
+    return [representative(q) if q else None for q in every]
 
 
 def heading(study: Study, name: str) -> str:
