@@ -6,7 +6,6 @@ coordinates that it follows: whoever draws it needs neither the scene nor a mode
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -209,9 +208,9 @@ def write_run(path: str | Path, result: Simulation | HeldRun, drives: dict[str, 
     Raises InputError if the file cannot be written.
     """
     found = _dataset(result).assign_attrs(drives)
-    whole: dict[Hashable, Any] = {name: {"_FillValue": None} for name in found.variables}
+    plain = {name: {"_FillValue": None} for name in found.variables}
     with written_whole(path) as temporary:
-        found.to_netcdf(temporary, engine="scipy", encoding=whole)
+        found.to_netcdf(temporary, engine="scipy", encoding=plain)
 
 
 def _dataset(result: Simulation | HeldRun) -> Dataset:
