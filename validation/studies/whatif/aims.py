@@ -164,7 +164,7 @@ class Aim:
             q, error = known[name], by(known[name])
             of_extreme = by(q.alone_at_extreme) if q.extreme else 0.0
             moved = [
-                self.margin({**known, name: _moved(q, s * error, s * of_extreme)}) - margin
+                self.margin({**known, name: _shifted(q, s * error, s * of_extreme)}) - margin
                 for s in (1.0, -1.0)
             ]
             found += max(abs(change) for change in moved)
@@ -205,7 +205,7 @@ class Margin(NamedTuple):
         return f"{text} at {engineering(self.peak.frequency, 'Hz', 4)}{end}"
 
 
-def _moved(q: Quantity, by: Any, extreme_by: float) -> Quantity:
+def _shifted(q: Quantity, by: Any, extreme_by: float) -> Quantity:
     size = np.abs(q.value) if np.iscomplexobj(q.value) else q.value
     peak = q.extreme and replace(q.extreme, value=q.extreme.value + extreme_by)
     return replace(q, value=np.asarray(size + by), extreme=peak)

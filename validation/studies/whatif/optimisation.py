@@ -78,91 +78,46 @@ class Tried:
     warnings: tuple[str, ...] = ()  #: Limits of the validity of its answers
 
 
-@dataclass(frozen=True)
-class SearchResult:
-    """Result of a search."""
+@dataclass
+class Search:
+    """A search, with all points that were tried by their shares of the ranges."""
 
-    points: Points  #: All that were tried, with what was asked
-    best: Tried  #: The best point, or, if none meets all conditions, the one that comes nearest
-    met: bool  #: Whether it meets them
-    present: Tried  #: The scene's own values, within the ranges or not
+    statement: Statement
+    aims: tuple[Aim, ...]
+    announce: Callable[[str], None]
+    tried: dict[tuple[float, ...], Tried] = field(default_factory=dict)
+    scales: Sequence[float] = ()
+    present: Tried = field(init=False)  #: The scene's own values, within the ranges or not
+
+    def __post_init__(self) -> None:
+        stated, models = self.statement, list(self.statement.models)
+        self.ranges = _ranges_of(stated)
+        scene = checked_scene({**stated.values, "models": models, "quantities": ["all"]})
+        self.own = {key: float(value_of(scene, key)) for key in self.ranges}
+        self.here = np.array([of.share(self.own[key]) for key, of in self.ranges.items()])
+        self.solver = StudySolver(
+            stated,
+            announce=lambda text: self.announce(f"{len(self.tried)} points tried: {text}"),
+            ranges={key: (of.first, of.second) for key, of in self.ranges.items()},
+        )
+
+    @property
+    def best(self) -> Tried:
+        """The best point, or, if none meets all conditions, the one that comes nearest."""
+        return self.tried[self.ranked()[0]]
+
+    @property
+    def met(self) -> bool:
+        """Whether the best point meets all conditions."""
+        judged = self.best.judged
+        return judged is not None and self.shortfall(judged) == 0.0
 
     @property
     def at_end(self) -> tuple[str, ...]:
         """Keys whose best value is an end of the range."""
-        ranges = self.points.ranges.items()
-        shares = {key: of.share(self.best.values[key]) for key, of in ranges}
+        best = self.best.values
+        shares = {key: of.share(best[key]) for key, of in self.ranges.items()}
         return tuple(key for key, share in shares.items() if min(share, 1.0 - share) < _END)
-
-
-def as_values(found: SearchResult) -> dict[str, Any]:
-    """Result as plain JSON values, SI units."""
-
-    def point(one: Tried) -> dict[str, Any]:
-        unknown: dict[str, Any] = {"margins": [], "bars": [], "peaks": []}
-        return {"at": one.values, **(one.judged.values if one.judged else unknown)}
-
-    points, stated = found.points, found.points.statement
-    return {
-        "scene": stated.scene, "conditions": stated.conditions, "models": list(stated.models),
-        "ranges": {key: [of.first, of.second] for key, of in points.ranges.items()},
-        "aims": [aim.text for aim in points.aims], "met": found.met, "best": point(found.best),
-        "present": point(found.present), "ends": list(found.at_end), "points": len(points.tried),
-        "interpolated": points.solver.counts["interpolated"],
-    }  # fmt: skip
-
-
-def sentences(found: SearchResult) -> list[str]:
-    """Result in sentences."""
-    points, stated = found.points, found.points.statement
-    models, has_goal = ", ".join(stated.models), any(aim.kind == "goal" for aim in points.aims)
-    if not found.met:
-        head = f"No point of the ranges meets all aims by {models}; this one comes nearest:"
-    elif has_goal:
-        head = f"Best by {models}:"
-    else:
-        head = f"Nearest to the scene's own that meets all aims by {models}:"
-    lines = [
-        *filter(None, [stated.conditions]),
-        head,
-        *(f"  {key} = {scene_field(key).show(v)}" for key, v in found.best.values.items()),
-    ]
-    best, present = found.best.judged, found.present.judged
-    assert best is not None
-    for n, margin in enumerate(best.margins):
-        edge = ""
-        if margin in best.conditions and (abs(margin.value) <= margin.bar or margin.near):
-            kind = "modelling" if margin.near else "numerical"
-            edge = f", nearer to the edge than the {kind} error"
-        before = present.margins[n].text if present else "unknown"
-        lines.append(f"  {margin.aim.text}: {margin.text}{edge}; before: {before}")
-    lines += [f"{key} is at an end of its range, beyond which there may be better"
-              for key in found.at_end if has_goal]  # fmt: skip
-    interpolated = points.solver.counts["interpolated"]
-    lines += [f"warning: {words}" for words in found.best.warnings]
-    among = f", {interpolated} of their answers interpolated" if interpolated else ""
-    lines.append(f"{len(points.tried)} points tried{among}.")
-    return lines
-
-
-@dataclass
-class Points:
-    """All points that were tried, by their shares of the ranges."""
-
-    statement: Statement
-    ranges: dict[str, Distribution]
-    aims: tuple[Aim, ...]
-    here: Floats
-    announce: Callable[[str], None]
-    tried: dict[tuple[float, ...], Tried] = field(default_factory=dict)
-    scales: Sequence[float] = ()
-
-    def __post_init__(self) -> None:
-        self.solver = StudySolver(
-            self.statement,
-            announce=lambda text: self.announce(f"{len(self.tried)} points tried: {text}"),
-            ranges={key: (of.first, of.second) for key, of in self.ranges.items()},
-        )
 
     def ask(self, shares: Floats) -> list[Tried]:
         """Results at points (n, ranges), solving the new ones."""
@@ -200,7 +155,7 @@ class Points:
         """By how much the conditions are missed, in scales, 0 if all are met."""
         return sum(max(-margin, 0.0) for margin in self._scaled(found, "condition"))
 
-    def best(self) -> list[tuple[float, ...]]:
+    def ranked(self) -> list[tuple[float, ...]]:
         """Places of all points that have answers, the best first."""
         order = {
             place: (self.shortfall(one.judged), -self._worth(np.array(place), one.judged))
@@ -246,7 +201,7 @@ class Points:
 
 def search(
     statement: Statement, aims: tuple[Aim, ...], announce: Callable[[str], None] = lambda _: None
-) -> SearchResult:
+) -> Search:
     """Values that meet the aims best.
 
     Without a goal those are wanted that differ least, in shares of the ranges, from the
@@ -267,24 +222,16 @@ def search(
             f"the models {', '.join(statement.models)} would each have a best of their own; name "
             "one --model"
         )
-    ranges = _ranges_of(statement)
-    scene = checked_scene(
-        {**statement.values, "models": list(statement.models), "quantities": ["all"]}
-    )
-    own = {key: float(value_of(scene, key)) for key in ranges}
-    here = np.array([of.share(own[key]) for key, of in ranges.items()])
-    points = Points(statement, ranges, aims, here, announce)
-    spread = points.ask(_spread(here))
+    found = Search(statement, aims, announce)
+    spread = found.ask(_spread(found.here))
     if all(one.judged is None for one in spread):
         raise InputError(f"no point of the ranges has an answer: {spread[0].reason}")
-    points.rescale()
-    for start in _apart(points.best()):
-        points.go_on(start)
-    found = points.tried[points.best()[0]]
-    met = found.judged is not None and points.shortfall(found.judged) == 0.0
-    inside = all(of.first <= own[key] <= of.second for key, of in ranges.items())
-    present = spread[0] if inside else points.outside(own)
-    return SearchResult(points, found, met, present)
+    found.rescale()
+    for start in _apart(found.ranked()):
+        found.go_on(start)
+    inside = all(of.first <= found.own[key] <= of.second for key, of in found.ranges.items())
+    found.present = spread[0] if inside else found.outside(found.own)
+    return found
 
 
 def _apart(places: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
@@ -307,3 +254,53 @@ def _spread(here: Floats) -> Floats:
     power = math.ceil(math.log2(_EACH * count))
     every = qmc.Sobol(count, seed=_SEED).random_base2(power)
     return np.vstack([here, every])
+
+
+def as_values(found: Search) -> dict[str, Any]:
+    """Result as plain JSON values, SI units."""
+
+    def point(one: Tried) -> dict[str, Any]:
+        unknown: dict[str, Any] = {"margins": [], "bars": [], "peaks": []}
+        return {"at": one.values, **(one.judged.values if one.judged else unknown)}
+
+    stated = found.statement
+    return {
+        "scene": stated.scene, "conditions": stated.conditions, "models": list(stated.models),
+        "ranges": {key: [of.first, of.second] for key, of in found.ranges.items()},
+        "aims": [aim.text for aim in found.aims], "met": found.met, "best": point(found.best),
+        "present": point(found.present), "ends": list(found.at_end), "points": len(found.tried),
+        "interpolated": found.solver.counts["interpolated"],
+    }  # fmt: skip
+
+
+def sentences(found: Search) -> list[str]:
+    """Result in sentences."""
+    stated = found.statement
+    models, has_goal = ", ".join(stated.models), any(aim.kind == "goal" for aim in found.aims)
+    if not found.met:
+        head = f"No point of the ranges meets all aims by {models}; this one comes nearest:"
+    elif has_goal:
+        head = f"Best by {models}:"
+    else:
+        head = f"Nearest to the scene's own that meets all aims by {models}:"
+    lines = [
+        *filter(None, [stated.conditions]),
+        head,
+        *(f"  {key} = {scene_field(key).show(v)}" for key, v in found.best.values.items()),
+    ]
+    best, present = found.best.judged, found.present.judged
+    assert best is not None
+    for n, margin in enumerate(best.margins):
+        edge = ""
+        if margin in best.conditions and (abs(margin.value) <= margin.bar or margin.near):
+            kind = "modelling" if margin.near else "numerical"
+            edge = f", nearer to the edge than the {kind} error"
+        before = present.margins[n].text if present else "unknown"
+        lines.append(f"  {margin.aim.text}: {margin.text}{edge}; before: {before}")
+    lines += [f"{key} is at an end of its range, beyond which there may be better"
+              for key in found.at_end if has_goal]  # fmt: skip
+    interpolated = found.solver.counts["interpolated"]
+    lines += [f"warning: {words}" for words in found.best.warnings]
+    among = f", {interpolated} of their answers interpolated" if interpolated else ""
+    lines.append(f"{len(found.tried)} points tried{among}.")
+    return lines

@@ -16,7 +16,7 @@ from tactgen.validation.engine.solve import solve
 from tactgen.validation.models.bimorph import solid
 from tactgen.validation.models.model import Quantity
 from tactgen.validation.scene.load import load_scene, scene_values
-from tactgen.validation.studies.whatif import optimisation as points
+from tactgen.validation.studies.whatif import optimisation
 from tactgen.validation.studies.whatif.aim_evaluation import (
     Judged,
     Verdict,
@@ -342,7 +342,7 @@ def test_what_cannot_be_met_is_said_with_what_comes_nearest(capsys):
 def test_ranges_without_any_answer_are_refused(capsys, monkeypatch):
     """As a what-if of the same points would give none; the first reason is said."""
     given = SimpleNamespace(judged=None, reason="no such piezo", at={})
-    monkeypatch.setattr(points.Points, "ask", lambda self, shares: [given] * len(shares))
+    monkeypatch.setattr(optimisation.Search, "ask", lambda self, shares: [given] * len(shares))
     aim = ["--vary", LONG, "--aim", "maximise static_tip_displacement"]
     assert main(["design", "prototype", *aim]) == 2
     said = "tactgen: no point of the ranges has an answer: no such piezo\n"
