@@ -12,6 +12,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.files import write_text
 from tactgen.geometry.units import quoted
@@ -138,27 +140,21 @@ def read_statement(folder: Path) -> Statement:
     path = folder / FILE
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        stated: dict[str, Any] = {f.name: content.get(f.name) for f in fields(Statement)}
         stated_format = content.get("format")
+        if stated_format == FORMAT:
+            stated = {f.name: content[f.name] for f in fields(Statement)}
+            return TypeAdapter(Statement).validate_python(stated)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise InputError(
             f"{folder} holds no study that can be read ({FILE}: {reason}); name a folder that "
             "tactgen whatif --out has written"
         ) from None
-    except (ValueError, AttributeError):
-        raise _damaged(path) from None
-    if stated_format != FORMAT:
+    except (ValueError, KeyError, AttributeError):
         raise InputError(
-            f"{path} has format = {quoted(stated_format)}, and this version reads {FORMAT}; state "
-            "the study again with --vary in another folder"
-        )
-    if None in stated.values():
-        raise _damaged(path)
-    for key, value in stated.items():
-        stated[key] = tuple(value) if isinstance(value, list) else value
-    return Statement(**stated)
-
-
-def _damaged(path: Path) -> InputError:
-    return InputError(f"{path} is damaged; state the study again with --vary, its points are kept")
+            f"{path} is damaged; state the study again with --vary, its points are kept"
+        ) from None
+    raise InputError(
+        f"{path} has format = {quoted(stated_format)}, and this version reads {FORMAT}; state "
+        "the study again with --vary in another folder"
+    )
