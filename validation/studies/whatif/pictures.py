@@ -83,9 +83,9 @@ def _along(axis: Axis, points: Sequence[dict[str, Any]]) -> tuple[Floats, str]:
     return values, f"{axis.key} ({unit})" if unit else axis.key
 
 
-def _quantities(study: Study) -> list[tuple[str, str, Floats, Floats]]:
-    """Each answered quantity's label and model with values and bars (points,); nan for none."""
-    found: list[tuple[str, str, Floats, Floats]] = []
+def _quantities(study: Study) -> dict[str, list[tuple[str, Floats, Floats]]]:
+    """Values and bars (points,) of answered quantities by label, of each model; nan for none."""
+    found: dict[str, list[tuple[str, Floats, Floats]]] = {}
     for name in study.statement.quantities:
         columns = {model: column(study, model, name) for model in study.statement.models}
         known = [shown for each in columns.values() for shown in each if shown]
@@ -97,7 +97,7 @@ def _quantities(study: Study) -> list[tuple[str, str, Floats, Floats]]:
         for model, each in columns.items():
             if any(each):
                 both = np.array([(s.value, s.error) if s else (np.nan, np.nan) for s in each])
-                found.append((label, model, scale * both[:, 0], scale * both[:, 1]))
+                found.setdefault(label, []).append((model, scale * both[:, 0], scale * both[:, 1]))
     return found
 
 
@@ -106,17 +106,17 @@ def _lines(study: Study, axes: Sequence[Axis]) -> Figure:
     zipped = study.statement.zipped
     every = range(len(study.points))
     groups = {"": list(every)} if zipped else _by_choices(study, every)
-    rows = [list(row) for _, row in itertools.groupby(_quantities(study), key=lambda q: q[0])]
+    rows = _quantities(study)
     figure, grid = panels(
         max(6.4, 3.2 * len(axes)), 3.2 * len(rows), nrows=len(rows), ncols=len(axes),
         squeeze=False, sharex="col", sharey="row",
     )  # fmt: skip
-    for sides, row in zip(grid, rows, strict=True):
+    for sides, (label, row) in zip(grid, rows.items(), strict=True):
         for side, axis in zip(sides, axes, strict=True):
             x, x_label = _along(axis, study.points)
             colours = itertools.cycle(_COLOURS)
             styles = dict(zip(study.statement.models, itertools.cycle(_STYLES), strict=False))
-            for (_, model, y, bar), (at, places) in itertools.product(row, groups.items()):
+            for (model, y, bar), (at, places) in itertools.product(row, groups.items()):
                 order = np.array(places)[np.argsort(x[places])]
                 side.errorbar(
                     x[order], y[order], np.nan_to_num(bar[order]), color=next(colours), marker="o",
@@ -125,7 +125,7 @@ def _lines(study: Study, axes: Sequence[Axis]) -> Figure:
                 )  # fmt: skip
             _scale(side, x)
             side.set_xlabel(x_label)
-        sides[0].set_ylabel(row[0][0])
+        sides[0].set_ylabel(label)
         sides[0].legend(fontsize=8)
     return figure
 
@@ -145,18 +145,17 @@ def _maps(study: Study, axes: Sequence[Axis]) -> Figure:
     first, second, *others = axes
     middle = {axis.key: axis.values[len(axis.values) // 2] for axis in others}
     shown = [n for n, point in enumerate(study.points) if middle.items() <= point.items()]
-    groups = _by_choices(study, shown)
-    rows = [list(row) for _, row in itertools.groupby(_quantities(study), key=lambda q: q[0])]
-    columns = max(map(len, rows)) * len(groups)
+    groups, rows = _by_choices(study, shown), _quantities(study)
+    columns = max(map(len, rows.values())) * len(groups)
     figure, grid = panels(
         5.0 * columns, 4.0 * len(rows), nrows=len(rows), ncols=columns, squeeze=False
     )
     fixed = shown_point(middle)
-    for sides, row in zip(grid, rows, strict=True):
+    for sides, (label, row) in zip(grid, rows.items(), strict=True):
         maps = list(itertools.product(row, groups.items()))
         for side in sides[len(maps) :]:
             side.remove()
-        for side, ((label, model, values, _), (at, places)) in zip(sides, maps, strict=False):
+        for side, ((model, values, _), (at, places)) in zip(sides, maps, strict=False):
             x, x_label = _along(first, [study.points[n] for n in places])
             y, y_label = _along(second, [study.points[n] for n in places])
             side.set_title(f"{model} {at} {fixed}".strip(), fontsize=9)
