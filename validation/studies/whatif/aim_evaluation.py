@@ -9,7 +9,7 @@ from typing import Any
 
 from tactgen.geometry.device.parameters import Threshold
 from tactgen.geometry.errors import InputError
-from tactgen.validation.catalogue.detection import ThresholdCurve, threshold_of
+from tactgen.validation.catalogue.detection import threshold_of
 from tactgen.validation.catalogue.models import ranked
 from tactgen.validation.engine.answers import Answer
 from tactgen.validation.models.model import Quantity
@@ -105,7 +105,8 @@ def judged(
     choices = {m: found for m, found in known.items() if wanted <= set(found)}
     if not choices and wanted <= set(together):
         choices = {" with ".join(known): together}
-    felt, keys = _felt_at(statement, point), _keys_at(statement, point, aims)
+    felt = threshold_of(Threshold(**statement.scene_at(point).get(THRESHOLD, {})))
+    keys = _keys_at(statement, point, aims)
     found = []
     for models, given in choices.items():
         needed = at_threshold({name: given[name] for name in wanted} | keys, felt)
@@ -136,16 +137,6 @@ def _verdict(models: str, aims: tuple[Aim, ...], every: Sequence[Judged]) -> Ver
     return Verdict(models, aims, tuple(every), tuple(met), tuple(undecided), tuple(best))
 
 
-def _felt_at(statement: Statement, point: Mapping[str, Any]) -> ThresholdCurve:
-    """Detection threshold of a point's scene."""
-    group = f"{THRESHOLD}."
-    stated = dict(statement.values.get(THRESHOLD, {}))
-    for key, value in point.items():
-        if key.startswith(group):
-            stated[key.removeprefix(group)] = value
-    return threshold_of(Threshold(**stated))
-
-
 def _keys_at(
     statement: Statement, point: Mapping[str, Any], aims: Sequence[Aim]
 ) -> dict[str, Quantity]:
@@ -157,7 +148,7 @@ def _keys_at(
     values = {key: point[key] for key in named & set(point)}
     if others := named - set(point):
         asked = {"models": list(statement.models), "quantities": ["all"]}
-        scene = checked_scene({**statement.scene_at(dict(point)), **asked})
+        scene = checked_scene({**statement.scene_at(point), **asked})
         values |= {key: value_of(scene, key) for key in others}
     for key, value in values.items():
         if value is None:

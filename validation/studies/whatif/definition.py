@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from importlib.metadata import version
@@ -105,7 +105,7 @@ class Statement:
         for index in itertools.product(*map(range, self.shape.values())):
             yield self.point(dict(zip(self.shape, index, strict=True)))
 
-    def scene_at(self, point: dict[str, Any]) -> dict[str, Any]:
+    def scene_at(self, point: Mapping[str, Any]) -> dict[str, Any]:
         """Values of the scene at a point, as they would be written."""
         return ScenesNearby(self.values).values(as_stated(point))
 
