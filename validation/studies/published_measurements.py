@@ -17,7 +17,6 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import TipLoad
-from tactgen.geometry.device.parameters import spreads
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import sections
 from tactgen.tmm.generator.contact import moving_rod
@@ -32,6 +31,7 @@ from tactgen.validation.models.backbone import STATES, State, bimorph_mass, five
 from tactgen.validation.models.small_signal import ScaledMap
 from tactgen.validation.scene.keys import declaration
 from tactgen.validation.scene.load import load_scene
+from tactgen.validation.scene.parameter_list import ranges
 from tactgen.validation.scene.scene import Scene
 from tactgen.validation.scene.tolerances import unit_of
 from tactgen.validation.scene.variation import value_of, with_values
@@ -187,16 +187,14 @@ _FINGER = Unknown(
 )  # fmt: skip
 
 
-def _assumed(scene: Scene, *keys: str) -> tuple[Unknown, ...]:
-    """Unknowns that are keys of a scene, in the ranges that their sources or assumptions have."""
-    found = []
+def _assumed(*keys: str) -> tuple[Unknown, ...]:
+    """Unknowns that are scene keys, in the ranges that their sources or assumptions have."""
+    scene, found = _scene("not activated", "pad"), []
+    known = ranges(scene)
     for key in keys:
-        group, name = key.split(".")
-        spread = spreads(getattr(scene, group))[name]
-        usual, wide = float(value_of(scene, key)), 0.0 < 4.0 * spread.low < spread.high
-        unit = unit_of(declaration(key))
-        si = unit.si if unit and unit.si else "1"
-        found.append(Unknown(key, spread.low, spread.high, si, spread.reason, usual, wide))
+        (low, high, reason, _), unit = known[key], unit_of(declaration(key))
+        si, wide = unit.si if unit and unit.si else "1", 0.0 < 4.0 * low < high
+        found.append(Unknown(key, low, high, si, reason, float(value_of(scene, key)), wide))
     return tuple(found)
 
 
@@ -352,9 +350,8 @@ FIG_17 = (
 
 def figures() -> tuple[Figure, ...]:
     """The paper's measurements of the machine that print numbers."""
-    pad = _scene("not activated", "pad")
-    loaded = (PLACE, _PRELOAD, _SHARE, *_assumed(pad, *_CONTACT))
-    on_skin = (*loaded, *_assumed(pad, *_PAD), _FIELD)
+    loaded = (PLACE, _PRELOAD, _SHARE, *_assumed(*_CONTACT))
+    on_skin = (*loaded, *_assumed(*_PAD), _FIELD)
     low, high = _pulls()
     pull = Unknown(_PULL, low, high, "1",
                    "of the network's: its modelling error beside the field", 1.0)  # fmt: skip
@@ -366,7 +363,7 @@ def figures() -> tuple[Figure, ...]:
             (Published("resonance adjusted by the spring, about 300 Hz", 250.0, 350.0, "Hz"),
              Published("lateral stiffness of the support, as fitted", 2.5e6, 3.5e6, "N/m"),
              Published("voltage up to which it works", 230.0, 230.0, "V")),
-            (_PRELOAD, _LOWEST, *_assumed(pad, "contact.decay_length", "contact.tangential_ratio",
+            (_PRELOAD, _LOWEST, *_assumed("contact.decay_length", "contact.tangential_ratio",
                                           "limits.depoling_field")), _on_stop, 2 * _FEW,
         ),
         Figure(
@@ -374,7 +371,7 @@ def figures() -> tuple[Figure, ...]:
             (Published("current that pulls it in", 0.0, DRIVEN, "A"),
              Published("time down", 1.5e-3, 2.5e-3, "s"),
              Published("time up", 0.5e-3, 1.5e-3, "s")),
-            (_PRELOAD, pull, *_assumed(pad, "guide.friction")), rod_times, _FEW,
+            (_PRELOAD, pull, *_assumed("guide.friction")), rod_times, _FEW,
         ),
     )  # fmt: skip
 
