@@ -387,9 +387,9 @@ def _curves(sides: tuple[Side, ...]) -> str:
     labels: dict[str, tuple[str, str]] = {}
     for number, side in enumerate(sides):
         for key, value in side.numbers.items():
-            place = _place(key)
-            if place is not None and (key.frequency or not np.isnan(value.value)):
-                along, x, curve = place
+            found_at = _abscissa(key)
+            if found_at is not None and (key.frequency or not np.isnan(value.value)):
+                along, x, curve = found_at
                 labels[key.quantity] = along, value.unit
                 both = found.setdefault(key.quantity, {}).setdefault(curve, ([], []))
                 both[number].append((x, abs(value.value)))
@@ -419,7 +419,7 @@ def _curves(sides: tuple[Side, ...]) -> str:
     return svg(figure)
 
 
-def _place(key: Key) -> tuple[str, float, str] | None:
+def _abscissa(key: Key) -> tuple[str, float, str] | None:
     """Heading and value of a number's abscissa, and its curve: model, index, all other axes."""
     rest = dict(key.point)
     if key.frequency:

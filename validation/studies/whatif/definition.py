@@ -6,7 +6,7 @@ import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -127,8 +127,7 @@ class Statement:
 
 def write_statement(folder: Path, statement: Statement) -> Path:
     """Write a study's statement into its folder, whole or not at all."""
-    stated = {f.name: getattr(statement, f.name) for f in fields(statement)}
-    content = {"format": FORMAT, "written_by": f"tactgen {version('tactgen')}", **stated}
+    content = {"format": FORMAT, "written_by": f"tactgen {version('tactgen')}", **asdict(statement)}
     return write_text(folder / FILE, json.dumps(content, indent=1, default=str) + "\n")
 
 
