@@ -210,7 +210,7 @@ def write_run(path: str | Path, result: Simulation | HeldRun, drives: dict[str, 
     found = _dataset(result).assign_attrs(drives)
     plain = {name: {"_FillValue": None} for name in found.variables}
     with written_whole(path) as temporary:
-        found.to_netcdf(temporary, engine="scipy", encoding=plain)
+        found.to_netcdf(temporary, format="NETCDF3_CLASSIC", engine="scipy", encoding=plain)
 
 
 def _dataset(result: Simulation | HeldRun) -> Dataset:
