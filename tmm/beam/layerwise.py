@@ -8,6 +8,7 @@ theory.  The others decay from the ends; they matter where a core is soft.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
@@ -17,7 +18,7 @@ from numpy.polynomial import Legendre
 from numpy.polynomial.legendre import leggauss, legvander
 
 from tactgen.geometry.arrays import Floats
-from tactgen.geometry.bimorph.segments import bimorph_stack
+from tactgen.geometry.bimorph.segments import StackLayer, bimorph_stack
 from tactgen.geometry.device.bimorph import Piezo
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Device
@@ -98,8 +99,37 @@ def layerwise_beam(device: Device, *, varying_field: bool = False) -> LayerwiseB
     With `varying_field` the field varies through each ceramic, its mean being that of the voltage:
     strain that varies through the ceramic then meets its stiffness at constant charge.
     """
-    thinnest = _THINNEST * device.bimorph.thickness
-    layers = [layer for layer in bimorph_stack(device) if layer.thickness > thinnest]
+    layers = counted(bimorph_stack(device))
+    found = slip_modes(layers, device.bimorph.width, varying_field=varying_field)
+    sources = found.slip / found.rigidity, found.turn / found.inertia, found.volt
+    by_force, by_moment, by_voltage = (of @ found.shapes for of in sources)
+    return LayerwiseBeam(found.rigidity, found.decay, by_force, by_moment, by_voltage)
+
+
+class SlipModes(NamedTuple):
+    """Modes of slip of some layers; n unknowns: the faces', then two of each layer."""
+
+    faces: Floats  #: (l + 1,) Positions of the l layers' faces along x (m)
+    decay: Floats  #: (n,) κ (1/m), ascending; the first two are 0
+    shapes: Floats  #: (n, n) Displacement along z of each mode (column)
+    forces: Floats  #: (n, n) Force on each unknown per slope along z of each mode
+    #: (n,) Force on each unknown per slope of the whole (N), by the faces' rotation (m³), and
+    #: per voltage (N/V)
+    slip: Floats
+    turn: Floats
+    volt: Floats
+    rigidity: float  #: ∫ G dA (N)
+    inertia: float  #: ∫ x² dA (m⁴)
+
+
+def counted(layers: Sequence[StackLayer]) -> list[StackLayer]:
+    """Layers less those that are as good as none."""
+    thinnest = _THINNEST * (layers[-1].high - layers[0].low)
+    return [layer for layer in layers if layer.thickness > thinnest]
+
+
+def slip_modes(layers: Sequence[StackLayer], width: float, *, varying_field: bool) -> SlipModes:
+    """Modes of slip of layers that touch; `width` (m) is that of the bimorph."""
     count, (at, weights, shape, slope) = len(layers), _cubics()
     size = 3 * count + 1
     strain, shear = np.zeros((size, size)), np.zeros((size, size))
@@ -107,7 +137,7 @@ def layerwise_beam(device: Device, *, varying_field: bool = False) -> LayerwiseB
     rigidity = inertia = 0.0
     for i, layer in enumerate(layers):
         young, rigid = moduli(layer.material, lossy=False)
-        wide, t = device.bimorph.width * layer.share, layer.thickness
+        wide, t = width * layer.share, layer.thickness
         x, area = layer.low + at * t, wide * t * weights
         own = [i, i + 1, count + 1 + 2 * i, count + 2 + 2 * i]
         strain[np.ix_(own, own)] += young * (shape * area) @ shape.T
@@ -126,8 +156,11 @@ def layerwise_beam(device: Device, *, varying_field: bool = False) -> LayerwiseB
             volt[own] += young * layer.material.d31 * field * shape @ area
     squares, modes = eigenpairs(shear - np.outer(slip, slip) / rigidity, strain)
     squares[:2] = 0.0  # but for rounding
-    sources = (of @ modes for of in (slip / rigidity, turn / inertia, volt))
-    return LayerwiseBeam(float(rigidity), np.sqrt(squares), *sources)
+    faces = np.array([layers[0].low, *(layer.high for layer in layers)])
+    return SlipModes(
+        faces, np.sqrt(squares), modes, strain @ modes, slip, turn, volt, float(rigidity),
+        float(inertia),
+    )  # fmt: skip
 
 
 def eigenpairs(matrix: Floats, mass: Floats) -> tuple[Floats, Floats]:
@@ -165,7 +198,7 @@ _LEAST = 0.05
 class LayerwiseChange(NamedTuple):
     """What layerwise theory adds to beam theory, for a clamped bimorph."""
 
-    #: (6,) Logarithms of factors, see :data:`tmm.beam.calibrated.FACTORS`
+    #: (6,) Logarithms of factors, see :data:`tmm.beam.calibration_fit.FACTORS`
     factors: Floats
     #: (5,) Frequencies (Hz), and logarithms of the ratio of the beam's with these factors to them
     frequencies: Floats

@@ -31,7 +31,7 @@ _MODES = 5
 class PlateChange(NamedTuple):
     """What a plate adds to a beam of its section, both clamped."""
 
-    #: (6,) Logarithms of factors, see :data:`tmm.beam.calibrated.FACTORS`
+    #: (6,) Logarithms of factors, see :data:`tmm.beam.calibration_fit.FACTORS`
     factors: Floats
     #: (5,) Logarithms of the beam's frequencies with these factors over the plate's
     ratios: Floats

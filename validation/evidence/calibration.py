@@ -15,7 +15,7 @@ from typing import Any
 from tactgen.geometry.files import write_text
 from tactgen.geometry.formats import share
 from tactgen.geometry.operating_system import core_count
-from tactgen.tmm.beam import calibrated as beam
+from tactgen.tmm.beam import calibration_fit as beam
 from tactgen.tmm.reluctance import calibrated as network
 from tactgen.validation.evidence.judgement import cached_by_code
 

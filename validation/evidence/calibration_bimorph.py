@@ -1,8 +1,8 @@
 """Calibration of the transfer-matrix model on solids of random bimorphs.
 
-``tactgen calibrate`` solves the solids, fits :mod:`tmm.beam.calibrated` to three quarters of them
-and takes its errors from the last quarter.  All devices are clamped in all layers and free at the
-tip; their lengths differ by nothing but scale, so only ratios are sampled.
+``tactgen calibrate`` solves the solids, fits :mod:`tmm.beam.calibrated_section` to three quarters
+of them and takes its errors from the last quarter.  All devices are clamped in all layers and free
+at the tip; their lengths differ by nothing but scale, so only ratios are sampled.
 
 A fit minimises the relative error of six static numbers: the tip's displacement and rotation per
 force, moment and voltage, and the free capacitance (:func:`statics`), by Gauss-Newton steps on the
@@ -20,23 +20,17 @@ import numpy as np
 
 from tactgen.geometry.arrays import Bools, Floats
 from tactgen.geometry.store.values import storable
-from tactgen.tmm.beam import calibrated
-from tactgen.tmm.beam.calibrated import (
-    ERRORS,
-    STEP_SIZES,
-    Calibration,
-    Fit,
+from tactgen.tmm.beam.calibrated_row import bending_frequencies, multiport, sections
+from tactgen.tmm.beam.calibrated_section import (
     SectionFactors,
     TheoryChange,
-    Widening,
-    bending_frequencies,
+    check_known,
     lengthwise_modes,
-    multiport,
     section_factors,
-    sections,
     step_sizes,
     theory_change,
 )
+from tactgen.tmm.beam.calibration_fit import ERRORS, STEP_SIZES, Calibration, Fit, Widening
 from tactgen.tmm.beam.dimensionless_groups import (
     core_shear,
     groups,
@@ -136,7 +130,7 @@ def observe(seed: int, number: int, what: str = "", listed: bool = False) -> Obs
         found = unusual_bimorph(rng, found, what) if what else found
         scene, _ = load_scene("prototype", found)
         if listed:
-            calibrated.check_known(scene.device, scene.support)
+            check_known(scene.device, scene.support)
         return found, scene
 
     overrides, scene = accepted(drawn)

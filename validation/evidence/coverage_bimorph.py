@@ -207,12 +207,12 @@ class Case:
 def affordable_case(rng: np.random.Generator, model: Literal["solid", "cad"] = "solid") -> Case:
     """Random bimorph whose reference is affordable; for the model cad of those that CAD knows.
 
-    One in three bricks are of listed layers, each with a width of its own.
+    One in three bricks are of listed layers, patches or each with a width of its own.
     """
     while True:
         listed = model == "solid" and rng.random() < _ONE_IN_THREE
         overrides = (
-            unusual_bimorph(rng, clamped_laminate(rng), "own widths")
+            unusual_bimorph(rng, clamped_laminate(rng), str(rng.choice(("patch", "own widths"))))
             if listed
             else solid_bimorph(rng)
         )

@@ -15,7 +15,7 @@ import numpy as np
 from tactgen.geometry.device.ceramic_library import LIBRARY
 from tactgen.geometry.device.steel_library import STEELS
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam.calibrated import BROADEST, STOUTEST
+from tactgen.tmm.beam.calibrated_section import BROADEST, STOUTEST
 from tactgen.tmm.ports.finger_and_pad import FINGER_RANGE
 
 #: Draws after which no device is looked for any more: at most one in two of those sampled here is
@@ -341,10 +341,8 @@ def unusual_bimorph(rng: np.random.Generator, overrides: Sequence[str], what: st
     elif what == "patch":
         value["bimorph.layers"] = _patched(rng, listed, length)
     elif what == "own widths":
-        placed = _patched(rng, listed, length) if rng.random() < 0.5 else listed
-        value["bimorph.layers"] = "; ".join(
-            layer.replace(" mm", f" mm wide {width * between(rng, *_WIDTHS):.5g} mm", 1)
-            for layer in placed.split("; ")
+        value["bimorph.layers"] = re.sub(
+            r" mm", lambda size: f"{size[0]} wide {width * between(rng, *_WIDTHS):.5g} mm", listed
         )
     elif what == "glue":
         glue = min(piezo, shim) * between(rng, 0.03, 0.3)

@@ -9,7 +9,7 @@ from tactgen.fem.piezo.ports import direct_multiport
 from tactgen.fem.piezo.solid import assemble
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
 from tactgen.geometry.errors import InputError
-from tactgen.tmm.beam import calibrated, transfer_matrix
+from tactgen.tmm.beam import calibrated_row, calibrated_section, calibration_fit, transfer_matrix
 from tactgen.tmm.beam.laminate import laminate_section
 from tactgen.tmm.ports.multiport import BIMORPH
 from tactgen.validation.scene.load import load_scene
@@ -20,9 +20,9 @@ def scene(*overrides):
 
 
 def solved(of, frequencies):
-    factors = calibrated.section_factors(of.device, of.beam)
-    row = calibrated.sections(of.device, of.support, of.beam, factors, lossy=False)
-    return calibrated.multiport(row, factors, frequencies), factors
+    factors = calibrated_section.section_factors(of.device, of.beam)
+    row = calibrated_row.sections(of.device, of.support, of.beam, factors, lossy=False)
+    return calibrated_row.multiport(row, factors, frequencies), factors
 
 
 def sized(scale, *more):
@@ -50,7 +50,7 @@ def listed(layers, scale=1.0):
 )
 def test_only_ratios_matter_and_no_side(one, other, scale):
     """Ten times as large, and upside down: the same factors and errors."""
-    one, other = (calibrated.section_factors(s.device, s.beam) for s in (one, other))
+    one, other = (calibrated_section.section_factors(s.device, s.beam) for s in (one, other))
     for name in ("stiffness", "shear", "coupling", "capacitance", "root", "root_coupling"):
         assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-9)
     np.testing.assert_allclose(other.errors, one.errors, rtol=1e-9)
@@ -65,7 +65,7 @@ def test_keys_that_listed_layers_replace_change_no_error():
         "bimorph.piezo_thickness_profile=0 mm: 0.2 mm, 14 mm: 0.1 mm",
     )
     one, *others = (
-        calibrated.section_factors(s.device, s.beam)
+        calibrated_section.section_factors(s.device, s.beam)
         for s in (sized(1.0, listed), *(sized(1.0, listed, key) for key in replaced))
     )
     for other in others:
@@ -92,18 +92,26 @@ def test_two_calibrations_of_one_bimorph_agree():
     ("of", "words"),
     [
         (listed("PZT-5A 0.26 mm +x; brass 0.2 mm; PZT-5A 0.26 mm -x"), "hardly bend it"),
+        (
+            sized(
+                1.0,
+                "bimorph.layers=shim 0.2 mm; piezo 0.3 mm +x; shim 0.1 mm",
+                "bimorph.tab_length=2mm",
+            ),
+            "lie apart where others end",
+        ),
         (load_scene("bimorph_on_rod")[0], "--model cad, which takes both"),
     ],
 )
 def test_what_no_fit_has_seen_is_refused(of, words):
     with pytest.raises(InputError, match=words):
-        calibrated.check_known(of.device, of.support)
+        calibrated_section.check_known(of.device, of.support)
 
 
 def test_a_slender_plate_is_its_laminate():
     """Far from ends and edges laminate theory is right."""
     of = scene("bimorph.length=60mm", "bimorph.width=12mm", "bimorph.piezo_thickness=0.2mm")
-    factors = calibrated.section_factors(of.device, of.beam)
+    factors = calibrated_section.section_factors(of.device, of.beam)
     plate, beam = laminate_section(of.device, of.beam), laminate_section(
         of.device, of.beam, poisson=False, d32=False, varying_field=False
     )  # fmt: skip
@@ -128,7 +136,7 @@ def test_the_port_matrix_is_reciprocal_and_carries_the_mass():
 def test_beyond_the_range_is_named_and_widened():
     """Stout; glued; a tab of three times the ceramic's length beside the longest one; a taper."""
     usual, stout, glued, tab, longer, taper = (
-        calibrated.section_factors(of.device, of.beam)
+        calibrated_section.section_factors(of.device, of.beam)
         for of in (
             sized(1.0), scene("bimorph.length=2.2mm"), sized(1.0, "bimorph.glue_thickness=10um"),
             *(sized(1.0, f"bimorph.tab_length={mm}mm") for mm in (14, 42)),
@@ -152,27 +160,28 @@ def patched(end, *more):
 def test_a_short_patch_is_known_less_well_than_a_long_one():
     """How far force and voltage move it, its first frequency and its coupling."""
     long, short = (
-        calibrated.section_factors(of.device, of.beam) for of in (patched(16.0), patched(4.0))
+        calibrated_section.section_factors(of.device, of.beam)
+        for of in (patched(16.0), patched(4.0))
     )
     assert short.beyond == long.beyond == ()
     for name in ("compliance", "deflection", "f1", "coupling_factor"):
-        place = calibrated.ERRORS.index(name)
+        place = calibration_fit.ERRORS.index(name)
         assert short.errors[place] > long.errors[place], name
 
 
 def test_sizes_of_a_row_of_pieces():
     """A patch and a tab by hand; the same of a bimorph twice as large; nothing of a plain one."""
     of = patched(5.0, "bimorph.tab_length=5mm", "bimorph.width=4mm")
-    found = np.exp(calibrated.step_sizes(of.device, of.beam))
+    found = np.exp(calibrated_section.step_sizes(of.device, of.beam))
     # driven are 5 of 25 mm above the tab; glue there is none, so the brass is half as thick
     assert found[[0, 1, 2, 4, 5]] == pytest.approx([0.08, 0.8, 0.5, 0.22, 0.2])
     larger = sized(2.0, "bimorph.tab_length=4mm")
     np.testing.assert_allclose(
-        calibrated.step_sizes(larger.device, larger.beam),
-        calibrated.step_sizes(sized(1.0, "bimorph.tab_length=2mm").device, larger.beam),
+        calibrated_section.step_sizes(larger.device, larger.beam),
+        calibrated_section.step_sizes(sized(1.0, "bimorph.tab_length=2mm").device, larger.beam),
         atol=1e-12,
     )
-    plain = calibrated.step_sizes(sized(1.0).device, larger.beam)
+    plain = calibrated_section.step_sizes(sized(1.0).device, larger.beam)
     assert plain[[2, 3, 5]] == pytest.approx(0.0)
 
 
@@ -187,14 +196,14 @@ def test_losses_are_those_of_the_solid(width, young, shear):
         "piezo.loss_tangent=0.03", "shim.loss_factor=0.05",
         f"shim.youngs_modulus={young}", f"shim.shear_modulus={shear}",
     )  # fmt: skip
-    factors = calibrated.section_factors(s.device, s.beam)
-    row = calibrated.sections(s.device, s.support, s.beam, factors, lossy=True)
+    factors = calibrated_section.section_factors(s.device, s.beam)
+    row = calibrated_row.sections(s.device, s.support, s.beam, factors, lossy=True)
     plain = transfer_matrix.multiport(s.device, s.support, s.beam, np.zeros(1), lossy=True)
     mesh = bimorph_bricks(s.device, LEVELS[0])
     solid = direct_multiport(assemble(s.device, mesh, lossy=True), np.zeros(1))
     flexible = [
         np.linalg.inv(port.stiffness[0][2:4, 2:4])[0, 0]
-        for port in (calibrated.multiport(row, factors, np.zeros(1)), plain, solid)
+        for port in (calibrated_row.multiport(row, factors, np.zeros(1)), plain, solid)
     ]
     own, beam, right = (-one.imag / one.real for one in flexible)
     # which 19 of 20 bimorphs are within, and all but a few within its double
@@ -209,8 +218,8 @@ def test_materials_of_one_loss_factor_lose_just_that(layers):
         f"bimorph.layers={layers}", "piezo.quality_factor=50", "piezo.d31=0m/V",
         "shim.loss_factor=0.02", "shim.youngs_modulus=50MPa", "shim.shear_modulus=20MPa",
     )  # fmt: skip
-    factors = calibrated.section_factors(s.device, s.beam)
-    for own, _ in calibrated.sections(s.device, s.support, s.beam, factors, lossy=True):
+    factors = calibrated_section.section_factors(s.device, s.beam)
+    for own, _ in calibrated_row.sections(s.device, s.support, s.beam, factors, lossy=True):
         for value in (own.EI, own.GA):
             # a difference, of the third order in a step of 2e-4; rounding of the fit's polynomials
             assert value.imag / value.real == pytest.approx(0.02, rel=1e-5)
@@ -220,9 +229,9 @@ def test_the_error_of_losses_is_what_a_softer_piece_makes_of_them():
     """By so much of the whole's compliance as its error is; of one loss factor all over nothing."""
     patch = "shim 0.2 mm; piezo 0.26 mm from 1 mm to 6 mm +x"
     s = scene(f"bimorph.layers={patch}", "shim.loss_factor=0.001", "piezo.quality_factor=20")
-    factors = calibrated.section_factors(s.device, s.beam)
-    row = calibrated.sections(s.device, s.support, s.beam, factors, lossy=True)
-    beyond = calibrated.loss_error(row, factors) - factors.damping_error
+    factors = calibrated_section.section_factors(s.device, s.beam)
+    row = calibrated_row.sections(s.device, s.support, s.beam, factors, lossy=True)
+    beyond = calibrated_row.loss_error(row, factors) - factors.damping_error
 
     def mean(added=None, share=0.0):
         """Loss factor of the tip's compliance by ∫ (L − x)² / EI dx, one piece's being raised."""
@@ -239,4 +248,6 @@ def test_the_error_of_losses_is_what_a_softer_piece_makes_of_them():
     assert len({round(of.EI.imag / of.EI.real, 9) for of, _ in row}) > 1
     assert beyond == pytest.approx(error * max(moved), rel=1e-4)  # of the step and the integral
     alike = [(replace(of, EI=of.EI.real * (1.0 + 0.02j)), length) for of, length in row]
-    assert calibrated.loss_error(alike, factors) == pytest.approx(factors.damping_error, rel=1e-9)
+    assert calibrated_row.loss_error(alike, factors) == pytest.approx(
+        factors.damping_error, rel=1e-9
+    )

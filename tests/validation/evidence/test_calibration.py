@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import binom
 
 from tactgen.geometry.bimorph.bricks import LEVELS, bimorph_bricks
-from tactgen.tmm.beam import calibrated
+from tactgen.tmm.beam import calibrated_row, calibrated_section
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.evidence import calibration
@@ -45,7 +45,7 @@ def test_a_calibration_is_written_where_asked(tmp_path, monkeypatch, capsys):
 
 def test_the_statics_that_are_fitted_are_those_of_a_cantilever():
     """Of a uniform beam: closed forms, whatever the length of the zone at the clamp."""
-    from tactgen.tmm.beam.calibrated import TheoryChange
+    from tactgen.tmm.beam.calibrated_section import TheoryChange
     from tactgen.tmm.beam.sections import Section
     from tactgen.validation.evidence.calibration_bimorph import Devices
 
@@ -90,13 +90,13 @@ def test_higher_modes_are_covered():
     inside = []
     for number in range(60):
         scene, _ = load_scene("prototype", clamped_bimorph(np.random.default_rng([8, number])))
-        factors = calibrated.section_factors(scene.device, scene.beam)
+        factors = calibrated_section.section_factors(scene.device, scene.beam)
         if factors.lengthwise < 4:
             continue
         system = assemble(scene.device, bimorph_bricks(scene.device, LEVELS[1]), lossy=False)
         solid = np.array([mode.frequency for mode in natural_modes(system, scene.ends, 5)])
-        row = calibrated.sections(scene.device, scene.support, scene.beam, factors, lossy=False)
-        beam = calibrated.bending_frequencies(row, factors, scene.ends, 5, open_circuit=False)
+        row = calibrated_row.sections(scene.device, scene.support, scene.beam, factors, lossy=False)
+        beam = calibrated_row.bending_frequencies(row, factors, scene.ends, 5, open_circuit=False)
         error = factors.mode_error(5)[3:]
         known = np.isfinite(error)
         inside += (np.abs(beam / solid - 1.0)[3:][known] <= error[known]).tolist()

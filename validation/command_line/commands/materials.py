@@ -40,8 +40,10 @@ def _run(options: argparse.Namespace) -> int:
         shown = "; ".join(f"{key} {show(v, of.declaration(key))}" for key, v in values.items())
         constants = str(tabulated(of.ceramic())) if isinstance(of, Piezo) else "none"
         source = sources(of)["density"]
-        if of != type(of)(material=of.material):
-            source = f"partly stated; else {source}"
+        library = type(of)(material=of.material)
+        stated = [key for key, value in values.items() if library.value(key) != value]
+        if stated:
+            source = f"{', '.join(stated)} stated; else {source}"
         found.append({"name": of.material, "source": source, "constants": constants, **values})
         if options.json:
             continue

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from tactgen.validation.command_line.commands.common import (
     Commands,
-    overrides_of,
+    asked_overrides,
+    asking_options,
     scene_options,
     warn,
 )
@@ -21,12 +22,7 @@ def add(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser("report", help="write the verification report (HTML)")
     scene_options(parser, _SCENE)
-    parser.add_argument(
-        "--model",
-        action="append",
-        metavar="NAME",
-        help="model; may be repeated, see tactgen solve --help",
-    )
+    asking_options(parser)
     parser.add_argument("--out", default=_OUT, metavar="DIR", help="output folder (default report)")
     parser.add_argument(
         "--quick", action="store_true", help="use coarser meshes and no map of the magnetic field"
@@ -52,8 +48,7 @@ def run(options: argparse.Namespace) -> int:
     from tactgen.validation.scene.warnings import scene_warnings
     from tactgen.validation.show.browser import need_browser
 
-    asked = overrides_of("model", "models", options.model, "tmm")
-    scene, origins = load_scene(options.scene, [*options.overrides, *asked])
+    scene, origins = load_scene(options.scene, [*options.overrides, *asked_overrides(options)])
     warn(scene_warnings(scene, origins, report=True))
     browser = need_browser("--pdf") if options.pdf else ""  # refused before minutes of work
     with announcer() as announce:
@@ -70,8 +65,8 @@ def _reproduce(options: argparse.Namespace) -> int:
     from tactgen.geometry.errors import InputError
     from tactgen.validation.report.provenance import reproduce
 
-    others = options.overrides or options.model or options.quick or options.pdf
-    if others or options.scene != _SCENE or options.out != _OUT:
+    asked = [*options.overrides, *asked_overrides(options)]
+    if asked or options.quick or options.pdf or options.scene != _SCENE or options.out != _OUT:
         raise InputError(
             "--reproduce takes the scene and the models of the report that it names; leave the "
             "scene and all other options out"

@@ -11,8 +11,13 @@ import numpy as np
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.boundary_conditions import Ends
 from tactgen.geometry.bimorph.segments import CentreLine
-from tactgen.tmm.beam import calibrated, centre_line, transfer_matrix
-from tactgen.tmm.beam.calibrated import SectionFactors
+from tactgen.tmm.beam import calibrated_row, centre_line, transfer_matrix
+from tactgen.tmm.beam.calibrated_section import (
+    SectionFactors,
+    check_known,
+    properties,
+    section_factors,
+)
 from tactgen.tmm.beam.modes import natural_frequencies
 from tactgen.tmm.beam.scattering import Element
 from tactgen.tmm.ports.excitation_and_circuit import ELECTRICAL, PortState
@@ -46,17 +51,17 @@ class CalibratedModel(TmmModel):
     def check(cls, scene: Scene) -> None:
         """Refuse a bimorph shorter than it is thick, and one on its rod."""
         super().check(scene)
-        calibrated.check_known(scene.device, scene.support)
+        check_known(scene.device, scene.support)
 
     @cached_property
     def factors(self) -> SectionFactors:
         """Calibrated section relative to that of beam theory."""
-        return calibrated.section_factors(self.scene.device, self.scene.beam)
+        return section_factors(self.scene.device, self.scene.beam)
 
     @property
     def _origin(self) -> str:
         """Where the calibration's errors come from, and whether it is beyond its range."""
-        beyond = (*self.factors.beyond, *calibrated.properties(self.scene.device))
+        beyond = (*self.factors.beyond, *properties(self.scene.device))
         return f"{METHOD}; beyond the range of the fit: {', '.join(beyond)}" if beyond else METHOD
 
     def closed_form(self, ends: Ends) -> Refined[Response] | None:
@@ -66,7 +71,7 @@ class CalibratedModel(TmmModel):
     def _row(self, *, lossy: bool, segments: int = transfer_matrix.SEGMENTS) -> list[Element]:
         s, key = self.scene, (lossy, segments)
         if key not in self._rows:
-            self._rows[key] = calibrated.sections(
+            self._rows[key] = calibrated_row.sections(
                 s.device, s.support, s.beam, self.factors, lossy=lossy, segments=segments
             )
         return self._rows[key]
@@ -78,12 +83,22 @@ class CalibratedModel(TmmModel):
         found = self._judged(solved)
         if not self._against_solid:
             return found
-        others = _disturbed(found.fine, self.factors)
+        others = _disturbed(found.fine, self._coupled, self.factors)
         if lossy:
             others.append(self._damped(found.fine))
         if frequencies.any():
             others.append(self._faster(solved, frequencies))
         return Refined(found.fine, tuple((other, 1.0) for other in others), self._origin)
+
+    @cached_property
+    def _coupled(self) -> float:
+        """Free less blocked capacitance (F) at rest, the base held."""
+        port = self._of(self._row(lossy=False), np.zeros(1))
+        volt = port.index(ELECTRICAL)
+        tip = [port.index(name) for name in ("w_tip", "psi_tip")]
+        stiffness = port.stiffness[0].real
+        force = stiffness[tip, volt]
+        return float(force @ np.linalg.solve(stiffness[np.ix_(tip, tip)], force))
 
     def _ports_between(self, frequencies: Floats, *, judged: bool) -> Refined[Multiport]:
         if judged:
@@ -93,11 +108,11 @@ class CalibratedModel(TmmModel):
 
     def _of(self, row: list[Element], frequencies: Floats) -> Multiport:
         below = self.scene.measurement.below_tip
-        return calibrated.multiport(row, self.factors, frequencies, below)
+        return calibrated_row.multiport(row, self.factors, frequencies, below)
 
     def _damped(self, port: Multiport) -> Multiport:
         """D(Ω) of as much more damping of the motion as its error allows."""
-        error = calibrated.loss_error(self._row(lossy=True), self.factors)
+        error = calibrated_row.loss_error(self._row(lossy=True), self.factors)
         moving = np.arange(len(port.ports)) != port.index(ELECTRICAL)
         more = 1j * error * port.stiffness.imag * (moving[:, None] & moving)
         return replace(port, stiffness=port.stiffness + more)
@@ -164,23 +179,26 @@ class CalibratedModel(TmmModel):
         """Row whose inertia at a frequency (Hz) is that of the calibrated one."""
         at = np.array([frequency])
         inertia = float(self.factors.of_beam(at)[0] / frequency) ** 2 if frequency else 1.0
-        return [calibrated.with_inertia(element, inertia) for element in row]
+        return [calibrated_row.with_inertia(element, inertia) for element in row]
 
 
-def _disturbed(port: Multiport, factors: SectionFactors) -> list[Multiport]:
+def _disturbed(port: Multiport, coupled: float, factors: SectionFactors) -> list[Multiport]:
     """D(Ω) as far off as the calibration may be, in one property each.
 
     All that moves stiffer, its motion per voltage unchanged; more motion per voltage; more
-    capacitance.
+    capacitance.  The calibration's capacitance is the free one, which the first two leave alone:
+    of it a part `coupled` (F) comes from the motion.
     """
     errors, volt = factors.errors, port.index(ELECTRICAL)
     moving = np.arange(len(port.ports)) != volt
     between = moving[:, None] != moving
-    shares = (
-        (moving[:, None] | moving, errors[0]),
-        (between, errors[1]),
-        (~(moving[:, None] | moving), errors[2]),
-    )
-    return [
-        replace(port, stiffness=port.stiffness * (1.0 + error * share)) for share, error in shares
-    ]
+    others = []
+    for share, error, less in (
+        (moving[:, None] | moving, errors[0], errors[0]),
+        (between, errors[1], 2.0 * errors[1]),
+        (~(moving[:, None] | moving), errors[2], -errors[2]),
+    ):
+        stiffness = port.stiffness * (1.0 + error * share)
+        stiffness[:, volt, volt] -= less * coupled
+        others.append(replace(port, stiffness=stiffness))
+    return others
