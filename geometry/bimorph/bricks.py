@@ -257,7 +257,7 @@ def _mirrored(bricks: Bricks, half: tuple[Floats, ...], cuts: tuple[int, ...]) -
         for side, name in sides:
             region = f"piezo_{name}" if slab.region == "piezo" else slab.region
             owner[side, across, along] = names.index(region)
-    i, j, k = np.nonzero(owner >= 0)
+    i, k, j = np.nonzero(owner.swapaxes(1, 2) >= 0)
     around = ((0, 0), (1, 0), (1, 1), (0, 1))
     corners = [(*ab, c) for c in (0, 1) for ab in around]
     cells = np.stack([((i + a) * ny + j + b) * nz + k + c for a, b, c in corners], axis=1)
