@@ -213,7 +213,10 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
 def _widened(
     device: Device, beam: Beam, known: Calibration, outside: Sequence[str]
 ) -> tuple[Floats, tuple[str, ...]]:
-    """Factors (7,) on the errors by what the fit does not know, and what is outside of ranges."""
+    """Factors (7,) on the errors by what the fit does not know, and what is outside of ranges.
+
+    What several properties add to the errors adds up.
+    """
     unknown = properties(device)
     found = np.ones(len(ERRORS))
     if not (unknown or outside):
@@ -222,7 +225,7 @@ def _widened(
     if any(name in known.beyond and known.beyond[name].outside(sizes) for name in unknown):
         outside = (*outside, "proportions of the pieces")
     for name in (*unknown, *(["range"] if outside else [])):
-        found *= known.beyond[name](sizes) if name in known.beyond else np.nan
+        found += known.beyond[name](sizes) - 1.0 if name in known.beyond else np.nan
     return found, tuple(outside)
 
 
