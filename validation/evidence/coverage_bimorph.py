@@ -276,7 +276,10 @@ _RESISTANCE, _LOSSES = (0.03, 30.0), (0.0, 0.002, 0.01, 0.03)
 
 
 def judge_harvester(rng: np.random.Generator) -> list[Judged]:
-    """Modelling errors of what a harvester of patches or with a bare end gives at resonance."""
+    """Modelling errors of what a harvester of patches or with a bare end gives at resonance.
+
+    As far as they are known.
+    """
     fresh = np.random.default_rng(int(rng.integers(2**62)))
     what = str(fresh.choice(["patch", "tip extension"]))
     plain = (clamped_laminate if what == "patch" else clamped_bimorph)(fresh)
@@ -298,7 +301,8 @@ def judge_harvester(rng: np.random.Generator) -> list[Judged]:
         assert beam.extreme is not None
         assert peak is not None
         bar = float(beam.alone_at_extreme.modelling_error)
-        answers += relative(" ".join(overrides), name, beam.extreme.value, bar, peak.value)
+        if np.isfinite(bar):
+            answers += relative(" ".join(overrides), name, beam.extreme.value, bar, peak.value)
     return answers
 
 
