@@ -32,6 +32,10 @@ PARTS: dict[str, PartRow] = {
         "modelling errors of the transfer matrix against bricks",
         "coverage_bimorph.judge_calibrated", 40,
     ),
+    "pieces": PartRow(
+        "the same with a tab, patches, own widths, glue, or beyond the range of the fit",
+        "coverage_bimorph.judge_pieces", 40,
+    ),
     "harvester": PartRow(
         "modelling errors of a harvester's peaks against bricks",
         "coverage_bimorph.judge_harvester", 16,

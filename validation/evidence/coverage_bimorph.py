@@ -18,6 +18,7 @@ from tactgen.fem.piezo.ports import static_multiport
 from tactgen.geometry.bimorph.bricks import LEVELS, BrickMeshing, Bricks, bimorph_bricks
 from tactgen.geometry.bimorph.segments import beam_pieces
 from tactgen.geometry.device.checks import beyond_plain_layers
+from tactgen.tmm.beam.calibrated_section import check_known
 from tactgen.tmm.beam.dimensionless_groups import laminate
 from tactgen.tmm.beam.modes import bending_frequencies
 from tactgen.tmm.beam.transfer_matrix import SEGMENTS, sections
@@ -25,6 +26,7 @@ from tactgen.tmm.ports.multiport import respond
 from tactgen.tmm.ports.supports_and_loads import attach
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.engine.surrogate import build_surrogate
+from tactgen.validation.evidence.calibration_bimorph import UNUSUAL, UNUSUAL_LISTED
 from tactgen.validation.evidence.cases import exact_beam as exact
 from tactgen.validation.evidence.cases.exact_beam import Row, natural_frequency
 from tactgen.validation.evidence.judgement import Judged, relative
@@ -245,7 +247,7 @@ def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
     A third clamped and free, a third on springs, a third with a tip mass.  Whichever it is, one in
     three is of listed layers.
     """
-    fresh = np.random.default_rng(int(rng.integers(2**62)))  # no stream of the calibration's own
+    fresh = _no_stream_of_the_calibration(rng)
     listed = rng.random() < _ONE_IN_THREE
     overrides = clamped_laminate(fresh) if listed else clamped_bimorph(fresh)
     scene, _ = load_scene("prototype", overrides)
@@ -254,6 +256,33 @@ def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
         overrides = sprung(fresh, overrides, laminate(scene.device).EI / scene.bimorph.length)
     elif kind < 2.0 * _ONE_IN_THREE:
         overrides = _with_mass(fresh, overrides)
+    return _against_solid(overrides)
+
+
+def judge_pieces(rng: np.random.Generator) -> list[Judged]:
+    """The same of a device with a property that widens these errors, such as a tab.
+
+    Half of them are of listed layers.
+    """
+    fresh, listed = _no_stream_of_the_calibration(rng), rng.random() < 0.5
+
+    def drawn() -> list[str]:
+        plain = (clamped_laminate if listed else clamped_bimorph)(fresh)
+        what = str(fresh.choice(UNUSUAL_LISTED if listed else UNUSUAL))
+        found = unusual_bimorph(fresh, plain, what)
+        scene, _ = load_scene("prototype", found)
+        check_known(scene.device, scene.support)
+        return found
+
+    return _against_solid(accepted(drawn))
+
+
+def _no_stream_of_the_calibration(rng: np.random.Generator) -> np.random.Generator:
+    return np.random.default_rng(int(rng.integers(2**62)))
+
+
+def _against_solid(overrides: Sequence[str]) -> list[Judged]:
+    """Modelling errors of the transfer matrix, as far as they are known."""
     scene, _ = load_scene("prototype", [*overrides, "mesh.level=2"])
     asked = (*_STATIC, _SHORT, "coupling_factor")
     found = solve(scene, ["tmm", "solid"], asked)
@@ -280,7 +309,7 @@ def judge_harvester(rng: np.random.Generator) -> list[Judged]:
 
     As far as they are known.
     """
-    fresh = np.random.default_rng(int(rng.integers(2**62)))
+    fresh = _no_stream_of_the_calibration(rng)
     what = str(fresh.choice(["patch", "tip extension"]))
     plain = (clamped_laminate if what == "patch" else clamped_bimorph)(fresh)
     overrides = [*unusual_bimorph(fresh, plain, what), f"shim.loss_factor={fresh.choice(_LOSSES)}"]

@@ -12,10 +12,11 @@ import pytest
 
 from tactgen.geometry.errors import InputError
 from tactgen.geometry.formats import engineering, percent, prefixed, share, signed, with_error
+from tactgen.validation.catalogue.models import models_of
 from tactgen.validation.command_line.cli import main
 from tactgen.validation.models.bimorph.solid import cells_of, mesh_pair
 from tactgen.validation.report.page import _with_pages, print_report, write_report
-from tactgen.validation.report.sections.bimorph_figures import response_values
+from tactgen.validation.report.sections.bimorph_figures import MODEL_STYLE, response_values
 from tactgen.validation.scene.load import load_scene
 from tactgen.validation.show.browser import anchor_pages, find_browser
 from tactgen.validation.studies import parameter_uncertainty as propagation
@@ -34,6 +35,10 @@ def test_a_model_without_a_value_there_tells_none():
     values = json.loads(response_values(np.array([10.0, 20.0]), curve))
     shown = values["cases"][0]["models"]["tmm"]
     assert shown == {"size": ["2 µm", None], "phase": ["90.0", None]}
+
+
+def test_every_model_of_the_bimorph_has_a_line():
+    assert set(MODEL_STYLE) == set(models_of("bimorph"))
 
 
 @pytest.mark.heavy

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tactgen.geometry.formats import engineering, percent, prefixed
 from tactgen.validation.catalogue.quantities import QUANTITIES, QuantityRow
-from tactgen.validation.show.figures import AMBER, BLUE, GREEN, GREY, ORANGE, panels, svg
+from tactgen.validation.show.figures import AMBER, BLUE, GREEN, GREY, ORANGE, SKY, panels, svg
 
 if TYPE_CHECKING:
     from tactgen.validation.models.difference import Step
@@ -25,6 +25,7 @@ MODEL_STYLE: dict[str, dict[str, Any]] = {
     "lumped": {"color": GREY, "linestyle": ":", "linewidth": 2.2},
     "tmm": {"color": BLUE, "linestyle": "-", "linewidth": 2.0},
     "beam": {"color": AMBER, "linestyle": (0, (4, 4)), "linewidth": 2.0},
+    "calibrated": {"color": SKY, "linestyle": "--", "linewidth": 2.0},
     "solid": {"color": ORANGE, "linestyle": "-.", "linewidth": 2.0},
     "cad": {"color": GREEN, "linestyle": (0, (1, 1)), "linewidth": 2.0},
 }

@@ -49,7 +49,7 @@ def _picture(study: Study, models: list[str]) -> str:
     figure, (left, right) = panels(10.0, 3.6, ncols=2)
     for model in models:
         stress = study.known(study.solution.get(CERAMIC_STRESS.name, model))
-        left.plot(frequency, 1e-6 * np.abs(stress), label=model, **MODEL_STYLE.get(model, {}))
+        left.plot(frequency, 1e-6 * np.abs(stress), label=model, **MODEL_STYLE[model])
     strength = 1e-6 * scene.limits.ceramic_strength
     left.axhline(strength, color="black", linewidth=0.9, linestyle=":", label="strength")
     left.set(yscale="log", xlabel="frequency (Hz)", ylabel="stress in the ceramic (MPa)",
