@@ -48,9 +48,10 @@ class Products:
         unit = self.unit(values)
         return np.concatenate([np.ones_like(unit[..., :1]), unit, unit**2], axis=-1)
 
-    def outside(self, values: Floats) -> tuple[int, ...]:
-        """Places of the variables (g,) that lie beyond the range."""
-        return tuple(int(i) for i in np.flatnonzero(np.abs(self._scaled(values)) > 1.0 + 1e-9))
+    def outside(self, values: Floats, by: float = 0.0) -> tuple[int, ...]:
+        """Places of the variables (g,) that lie beyond the range, by more than a share of it."""
+        most = 1.0 + 2.0 * by + 1e-9
+        return tuple(int(i) for i in np.flatnonzero(np.abs(self._scaled(values)) > most))
 
     def _scaled(self, values: Floats) -> Floats:
         return np.asarray(2.0 * (values - self.low) / (self.high - self.low) - 1.0)

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
-from tactgen.geometry.bimorph.segments import bimorph_stack, cuts_along
+from tactgen.geometry.bimorph.segments import bimorph_stack, cuts_along, side_edges
 from tactgen.geometry.device.checks import check_bonded, check_constant_section
 from tactgen.geometry.device.parameters import Bimorph, Device
 from tactgen.geometry.meshing.mesh import Mesh
@@ -248,7 +248,8 @@ def _mirrored(bricks: Bricks, half: tuple[Floats, ...], cuts: tuple[int, ...]) -
     for slab in bricks.slabs:
         low, high = (i * cuts[0] for i in slab.x)
         along = slice(slab.z[0] * cuts[2], slab.z[1] * cuts[2])
-        first, last = slab.y[0] * cuts[1], (slab.y[1] or bricks.y.intervals) * cuts[1]
+        first, end = slab.y
+        first, last = first * cuts[1], (bricks.y.intervals if end is None else end) * cuts[1]
         of_half = np.abs(np.arange(ny - 1) - (ny - 2) / 2)  # cells from the plane y = 0 on
         across = (of_half > first) & (of_half < last)
         sides = [(slice(middle + low, middle + high), "top")]
@@ -458,7 +459,7 @@ def _listed(
                 layer.region,
                 (first, len(x) - 1),
                 (_nearest(z, ends[0]), _nearest(z, ends[1])),
-                (0, _nearest(y, 0.5 * (own.layers[number].width or own.width))),
+                (0, _nearest(y, 0.5 * own.widths[number])),
                 ceramic=is_ceramic,
                 faces=own.layers.faces(number),
                 hot=int(layer.hot),
@@ -482,8 +483,7 @@ def _grain(bimorph: Bimorph) -> float:
 
 def _across(bimorph: Bimorph, meshing: BrickMeshing) -> Floats:
     """Divide the half width, intervals growing from each layer's side edge to both sides."""
-    halves = {0.5 * (layer.width or bimorph.width) for layer in bimorph.layers}
-    edges = cuts_along(halves or [0.5 * bimorph.width], max(halves, default=0.5 * bimorph.width))
+    edges = side_edges(0.5 * width for width in bimorph.widths or [bimorph.width])
     first = meshing.side * min(_grain(bimorph), _SIDE_SHARE * edges[1])
     y: Floats = np.zeros(1)
     part: Floats

@@ -247,6 +247,13 @@ def cuts_along(points: Iterable[float], length: float) -> list[float]:
     return cuts
 
 
+def side_edges(halves: Iterable[float]) -> list[float]:
+    """Half widths (m), ascending from 0; those that differ by less than a millionth count once."""
+    known = list(halves)
+    most = max(known)
+    return [0.0, *(most * share for share in sorted({round(of / most, 6) for of in known}))]
+
+
 def _rod_pieces(device: Device) -> list[Piece]:
     rod = device.rod
     pieces = (

@@ -170,9 +170,15 @@ class Bimorph(Parameters):
 
     @property
     def stepped(self) -> bool:
-        """Whether a layer is wider or narrower than the bimorph."""
-        widths = (layer.width for layer in self.layers)  # of several bimorphs at once arrays
-        return any(bool(np.any((own != 0.0) & (own != self.width))) for own in widths)
+        """Whether layers are wider or narrower than others."""
+        first, *others = self.widths or [self.width]  # of several bimorphs at once arrays
+        return any(bool(np.any(other != first)) for other in others)
+
+    @property
+    def widths(self) -> list[Any]:
+        """Width of each listed layer (m)."""
+        return [np.where(layer.width, layer.width, self.width) if np.ndim(layer.width)
+                else layer.width or self.width for layer in self.layers]  # fmt: skip
 
     @property
     def profiles(self) -> dict[str, Profile]:

@@ -99,18 +99,18 @@ def _row(
     near = _NEAR_STEP * device.bimorph.thickness
     for number, step in enumerate(steps):
         if step:
-            _add_step(rows[number : number + 2], step, near)
+            _add_step(rows, number, step, near)
     return list(chain(*rows))
 
 
-def _add_step(beside: list[list[Element]], step: Step, near: float) -> None:
-    """Let the beams on both sides of a step turn by what it adds, within `near` (m) of it."""
-    for side, softer, further in (
+def _add_step(rows: list[list[Element]], below: int, step: Step, near: float) -> None:
+    """Let beams turn by what the step above piece `below` adds, within `near` (m) of their ends."""
+    for piece, softer, further in (
         (step.softer, step.by_moment, 0.0), (step.driven, 0.0, step.by_voltage),
     ):  # fmt: skip
-        row = beside[side]
+        row = rows[piece]
         reach = min(near, 0.5 * sum(length for _, length in row))
-        order = 1 if side else -1  # from the step on
+        order = 1 if piece > below else -1  # from the step on
         changed, left = list[Element](), reach
         for element, length in row[::order]:
             inside = min(left, length)

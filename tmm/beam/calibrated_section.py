@@ -28,7 +28,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import Piece, beam_pieces, bimorph_stack, stack
-from tactgen.geometry.device.parameters import Beam, Device, Support
+from tactgen.geometry.device.parameters import Beam, Device, Piezo, Support
 from tactgen.geometry.errors import InputError
 from tactgen.tmm.beam.calibration_fit import ERRORS, Calibration, calibration
 from tactgen.tmm.beam.cross_section import sheet_of
@@ -47,6 +47,7 @@ from tactgen.tmm.beam.dimensionless_groups import (
     root_length,
 )
 from tactgen.tmm.beam.layerwise import layerwise_change
+from tactgen.tmm.beam.layerwise_steps import layer_steps
 from tactgen.tmm.beam.plate import plate_change
 from tactgen.tmm.beam.sections import Section, section
 
@@ -59,6 +60,20 @@ _COUPLES_MORE = 1.15
 _LEVER = 0.05
 #: Gap between layers, as a share of the thickness, that is none.
 _ROUNDING = 1e-9
+#: What solids beyond the range of the fit told of by how much its errors grow there; share of a
+#: range by which anything else may be beyond before no error is known.
+_TRIED = frozenset(
+    ("length/thickness", "end zone/length", "width/length", "ceramic/shim thickness")
+)
+_FAR = 0.05
+#: Least width of the narrowest layer over that of the widest, and softest glue (Pa), half of what
+#: the fits have; beyond that no error is known.
+_NARROWEST, _SOFT_GLUE = 0.15, 0.5e9
+#: Share of the motion by a voltage that steps leave below which no error of it is known, and which
+#: of :data:`ERRORS` are of it.
+_LEAST_LEFT, _BY_VOLTAGE = 0.3, np.array([0, 1, 0, 0, 0, 0, 1])
+#: Length of driven pieces between steps, in thicknesses of the bimorph, from which on it counts.
+_SHORTEST = 3.0
 #: Share of the length below which a driven part begins at the clamp.
 _CLOSE = 0.02
 #: Relative error of the loss factor in motion: of any bimorph, per width over length, and per core
@@ -190,8 +205,16 @@ def section_factors(device: Device, beam: Beam, known: Calibration | None = None
         theory.factors + terms @ fit.factors
     )
     errors = np.exp(fit.products.quadratic(at) @ fit.errors)
-    outside = [group_names(simple)[i] for i in fit.products.outside(at)] + _proportions(simple)
+    outside, far = (
+        [group_names(simple)[i] for i in fit.products.outside(at, by)] + _proportions(simple)
+        for by in (0.0, _FAR)
+    )
     widened, beyond = _widened(device, beam, known, outside)
+    if not _TRIED.issuperset(far):
+        widened = widened * np.nan
+    # where steps leave little of the motion by a voltage, it is a difference
+    left = _left_by_steps(device)
+    widened = widened / (left if left > _LEAST_LEFT else np.nan) ** _BY_VOLTAGE
     broad = simple.bimorph.width / simple.bimorph.length
     damping = DAMPING + _PER_WIDTH * min(broad, 1.0) + _PER_CORE * core_shear(simple)
     own = section(Piece("bimorph", glued.bimorph.length), glued, beam, lossy=False)
@@ -230,11 +253,11 @@ def _widened(
 
 
 def step_sizes(device: Device, beam: Beam) -> Floats:
-    """Logarithms (7,) of the sizes that the errors of a row of several pieces go with.
+    """Logarithms (8,) of the sizes that the errors of a row of several pieces go with.
 
     Thickness and width over the length that the voltage drives; the thinnest and the softest piece
     over the thickest and the stiffest; where the driven part begins, and its length, over that
-    of the whole; the lever of the ceramics.
+    of the whole; the lever of the ceramics; the narrowest layer over the widest.
     """
     row = beam_pieces(device, Support())
     parts = [section(piece, device, beam, lossy=False) for piece in row]
@@ -245,9 +268,10 @@ def step_sizes(device: Device, beam: Beam) -> Floats:
     active, whole = length[driven].sum(), length.sum()
     before = length[: np.argmax(driven)].sum()
     return np.log([
-        thickness.max() / active, device.bimorph.width / active,
+        thickness.max() / active, plain(device).bimorph.width / active,
         thickness.min() / thickness.max(), bending.min() / bending.max(),
         _CLOSE + before / whole, active / whole, max(lever(plain(device)), _LEVER),
+        _narrowest(device),
     ])  # fmt: skip
 
 
@@ -286,10 +310,33 @@ def _proportions(device: Device) -> list[str]:
         "length/thickness": own.length < STOUTEST * own.thickness,
         "width/length": own.width > BROADEST * own.length,
         "directions across the poling": not all(
-            of.ceramic().isotropic_across for of in ceramics(device)
+            of.material.ceramic().isotropic_across
+            for of in bimorph_stack(device)
+            if isinstance(of.material, Piezo) and not of.uniform
         ),
     }
     return [name for name, beyond in found.items() if beyond]
+
+
+def _narrowest(device: Device) -> float:
+    """Width of the narrowest layer over that of the widest."""
+    widths = device.bimorph.widths or [1.0]
+    return float(min(widths) / max(widths))
+
+
+def _left_by_steps(device: Device) -> float:
+    """Share of the voltage's rotation that the steps between pieces leave, at most 1.
+
+    0 of pieces so short that what each step adds is no length of its own.
+    """
+    row = beam_pieces(device, Support())
+    steps = [step for step in layer_steps(device, row) if step]
+    driven = sum(row[n].length for n in {step.driven for step in steps})
+    added = sum(step.by_voltage for step in steps)
+    if not steps:
+        return 1.0
+    short = driven < _SHORTEST * device.bimorph.thickness
+    return 0.0 if short else min(abs(1.0 + added / driven), 1.0)
 
 
 def properties(device: Device) -> tuple[str, ...]:
@@ -300,6 +347,9 @@ def properties(device: Device) -> tuple[str, ...]:
         "bare ends": own.bare_below + own.bare_above > 0.0, "taper": bool(own.profiles),
         "tip extension": own.tip_extension > 0.0,
         "patch": any(extent != (0.0, own.length) for extent in own.layers.extents(own.length)),
-        "own widths": own.stepped, "poled along": any(layer.pitch for layer in own.layers),
+        "own widths": own.stepped,
+        "very unequal widths": _narrowest(device) < _NARROWEST,
+        "soft glue": "glue" in own.own_materials and device.glue.youngs_modulus < _SOFT_GLUE,
+        "poled along": any(layer.pitch for layer in own.layers),
     }  # fmt: skip
     return tuple(name for name, has in found.items() if has)

@@ -18,9 +18,10 @@ from tactgen.tmm.chebyshev import Products
 FILE, LISTED_FILE = (Path(__file__).with_name(f"calibration{of}.json") for of in ("", "_laminate"))
 #: Share of a range by which its rounded ends may be off.
 _ROUNDED = 1e-3
-#: Number of :func:`step_sizes`.
-STEP_SIZES = 7
-#: What the six factors act on, in order; see :class:`SectionFactors`.
+#: Number of :func:`tmm.beam.calibrated_section.step_sizes`.
+STEP_SIZES = 8
+#: What the six factors act on, in order; see
+#: :class:`tmm.beam.calibrated_section.SectionFactors`.
 FACTORS = ("stiffness", "root", "shear", "coupling", "root_coupling", "capacitance")
 #: What an error is known of, in order: the tip's displacement per force and per voltage, the free
 #: capacitance, natural frequencies of bending in x, and the coupling factor of the first mode.
@@ -32,7 +33,7 @@ class Fit:
     """Coefficients over a range of groups."""
 
     products: Products  #: Polynomials in all groups
-    clamp: Products  #: The same, each of which times each of :attr:`TheoryChange.sizes` is a term
+    clamp: Products  #: The same, each of which times each size of a clamp's effects is a term
     factors: Floats  #: (t, 6) Coefficients of the logarithms of :data:`FACTORS`
     ratios: Floats  #: (t, 3) The same of the ratios of frequencies
     errors: Floats  #: (1 + 2 g, 7) Of the logarithms of :data:`ERRORS`
@@ -46,7 +47,7 @@ class Fit:
 
 @dataclass(frozen=True)
 class Widening:
-    """Factors on :data:`ERRORS`, at least 1, over a range of :func:`step_sizes`."""
+    """Factors on :data:`ERRORS`, at least 1, over a range of sizes of the pieces."""
 
     low: Floats  #: (g,) Range of the sizes; those beyond count as its end
     high: Floats

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.polynomial.legendre import legder, leggauss, legval, legvander
 
 from tactgen.geometry.arrays import Bools, Floats, Ints
-from tactgen.geometry.bimorph.segments import StackLayer, bimorph_stack, cuts_along
+from tactgen.geometry.bimorph.segments import StackLayer, bimorph_stack, side_edges
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Device, Glue, Piezo, Shim
 
@@ -121,9 +121,8 @@ def _lines(halves: Floats) -> list[_Line]:
     All on the same stretches, short ones inwards of each layer's side edge, and outwards of it
     where other layers go on.
     """
-    edges = cuts_along(halves, float(halves.max()))
     breaks = [0.0]
-    for low, high in pairwise(edges):
+    for low, high in pairwise(side_edges(halves)):
         near = _NEARLY * (high - low) * (0.5 if low else 1.0)
         short = [one for one in _STRETCHES if one < near]
         breaks += [low + one for one in short if low] + [high - one for one in short[::-1]] + [high]
@@ -136,7 +135,8 @@ def _lines(halves: Floats) -> list[_Line]:
 def _faces(layers: Sequence[StackLayer], nodes: Sequence[int]) -> tuple[Floats, Ints]:
     """Potential (n + 1,) of each face, 1 at the voltage and nan where it follows.
 
-    And how many nodes from the middle on a ceramic has on that face.
+    And how many nodes from the middle on a ceramic has on that face.  A bare ceramic beside a
+    narrower one with electrodes has the voltage on all of its face, not under these alone.
     """
     potentials = np.full(len(layers) + 1, np.nan)
     known = np.zeros(len(layers) + 1, dtype=int)

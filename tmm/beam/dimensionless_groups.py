@@ -14,6 +14,7 @@ import numpy as np
 
 from tactgen.geometry.arrays import Floats
 from tactgen.geometry.bimorph.segments import bimorph_stack
+from tactgen.geometry.device.laminate import Laminate
 from tactgen.geometry.device.materials import EPS0
 from tactgen.geometry.device.parameters import Beam, Device, Piezo
 from tactgen.geometry.device.profile import UNIFORM
@@ -42,6 +43,8 @@ LISTED_GROUPS = (
 def plain(device: Device, *, glue: bool = False) -> Device:
     """Device with the mean layers all along, nothing below or above, electrodes all over.
 
+    It is as wide as its widest layer.
+
     Glue that is not in the list of layers is left out, unless it is asked for.
     """
     own = device.bimorph
@@ -50,6 +53,10 @@ def plain(device: Device, *, glue: bool = False) -> Device:
     )
     if not glue:
         simple["glue_thickness"] = 0.0
+    if any(layer.width for layer in own.layers) and not own.width_profile:
+        simple["width"] = max(own.widths)
+        each = zip(own.layers, own.widths, strict=True)
+        simple["layers"] = Laminate(layer._replace(width=wide) for layer, wide in each)
     for name, profile in own.profiles.items():
         z, size = np.array(profile).T
         mean = float(np.trapezoid(size, z) / z[-1])

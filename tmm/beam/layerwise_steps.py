@@ -21,26 +21,33 @@ from tactgen.geometry.bimorph.segments import Piece, stack
 from tactgen.geometry.device.parameters import Device
 from tactgen.tmm.beam.layerwise import SlipModes, counted, slip_modes
 
+#: Curvature at a voltage, relative to the largest of the row, of a piece that it does not bend.
+_UNDRIVEN = 1e-9
+
 
 class Step(NamedTuple):
     """What a step adds to the rotation of the beams on both sides.
 
-    As the length (m) of one of them that turns as much: under a moment of the more flexible one, at
-    a voltage of the one that it bends more; negative where it turns less.
+    As the length (m) of a piece that turns as much: under a moment of the more flexible one beside
+    it, at a voltage of the nearest that it bends, of two the one that bends more; negative where
+    it turns less.
     """
 
-    softer: int  #: 0 of the piece below, 1 of the one above
+    softer: int  #: Number of the piece in the row
     by_moment: float
     driven: int
     by_voltage: float
 
 
 class _Part(NamedTuple):
-    """One piece: its modes of slip, its length (m), and the unknowns of each layer by region."""
+    """One piece: its modes of slip, its length (m), and the unknowns of each layer.
+
+    By its region, and its number among those of the same, such as glue below and above.
+    """
 
     modes: SlipModes
     length: float
-    layers: dict[str, Ints]
+    layers: dict[tuple[str, int], Ints]
 
     def at(self, share: float) -> Floats:
         """Modes and their slopes along z (2, k, 2 k) at an end, of what starts at either end."""
@@ -56,7 +63,7 @@ class _Part(NamedTuple):
         values, slopes = self.at(share)
         return self.modes.shapes @ values, self.modes.forces @ slopes, self.modes.volt
 
-    def unknowns(self, regions: Collection[str]) -> Ints:
+    def unknowns(self, regions: Collection[tuple[str, int]]) -> Ints:
         """Unknowns of some layers."""
         named = [at for name, at in self.layers.items() if name in regions]
         return np.unique(named)
@@ -81,29 +88,39 @@ def layer_steps(device: Device, row: Sequence[Piece]) -> list[Step | None]:
     for piece in row:
         layers = counted(stack(piece, device))
         count = len(layers)
-        places = [[i, i + 1, count + 1 + 2 * i, count + 2 + 2 * i] for i in range(count)]
-        regions = {of.region: np.array(at) for of, at in zip(layers, places, strict=True)}
+        unknowns = {}
+        for i, of in enumerate(layers):
+            same = sum(other.region == of.region for other in layers[:i])
+            own = [i, i + 1, count + 1 + 2 * i, count + 2 + 2 * i]
+            unknowns[of.region, same] = np.array(own)
         modes = slip_modes(layers, device.bimorph.width, varying_field=True)
-        parts.append(_Part(modes, piece.length, regions))
+        parts.append(_Part(modes, piece.length, unknowns))
     return _steps(parts)
 
 
 def _steps(parts: Sequence[_Part]) -> list[Step | None]:
     bent = _amplitudes(parts)
+    curved = np.array([_curvature(*each) for each in zip(parts, bent, strict=True)])
     found: list[Step | None] = []
-    for (below, low), (above, high) in pairwise(zip(parts, bent, strict=True)):
+    for number, (below, above) in enumerate(pairwise(parts)):
         if below.layers.keys() == above.layers.keys():
             found.append(None)
             continue
-        (_, at_end), (at_start, _) = _turned(below, low), _turned(above, high)
-        curved = np.array([_curvature(below, low), _curvature(above, high)])
-        softer, driven = (int(side) for side in np.abs(curved).argmax(axis=0))
-        lengths = np.divide(
-            at_start - at_end, curved[[softer, driven], [0, 1]],
-            out=np.zeros(2), where=curved[[softer, driven], [0, 1]] != 0.0,
-        )  # fmt: skip
-        found.append(Step(softer, float(lengths[0]), driven, float(lengths[1])))
+        _, at_end = _turned(below, bent[number])
+        at_start, _ = _turned(above, bent[number + 1])
+        by_moment, by_voltage = at_start - at_end
+        softer = number + int(abs(curved[number + 1, 0]) > abs(curved[number, 0]))
+        driven = _nearest_driven(np.abs(curved[:, 1]), number)
+        turned = by_voltage / curved[driven, 1] if curved[driven, 1] else 0.0
+        found.append(Step(softer, float(by_moment / curved[softer, 0]), driven, float(turned)))
     return found
+
+
+def _nearest_driven(bends: Floats, below: int) -> int:
+    """Piece nearest to the step above piece `below` that a voltage bends; any if it bends none."""
+    driven = np.flatnonzero(bends > _UNDRIVEN * bends.max())
+    nearest = sorted(driven, key=lambda n: (abs(n - below - 0.5), -bends[n]))
+    return int(nearest[0]) if nearest else below
 
 
 def _turned(part: _Part, amplitudes: Floats) -> tuple[Floats, Floats]:

@@ -380,6 +380,7 @@ def _widening(known: Calibration, of: Sequence[Observed]) -> dict[str, Any]:
     scenes = [load_scene("prototype", list(one.overrides))[0] for one in of]
     left = np.array([left_over(*each, known) for each in zip(of, scenes, strict=True)])
     stated = np.array([section_factors(s.device, s.beam, known).errors for s in scenes])
+    left[np.isnan(stated)] = np.nan  # none is known, whatever widens it
     sizes = np.array([step_sizes(s.device, s.beam) for s in scenes])
     ratios, low, high = np.maximum(left, _LEAST) / stated, sizes.min(axis=0), sizes.max(axis=0)
 
