@@ -155,6 +155,33 @@ def test_beyond_the_range_is_named_and_widened():
     assert np.isnan(taper.errors).all()
 
 
+def test_a_width_that_no_layer_has_says_nothing():
+    """Where all layers state their own."""
+    layers = "bimorph.layers=PZT-5A 0.3 mm wide 4 mm +x; brass 0.2 mm wide 6 mm"
+    one, other = (
+        calibrated_section.section_factors(of.device, of.beam).errors
+        for of in (scene(layers, "bimorph.length=20mm", f"bimorph.width={mm}mm") for mm in (2, 9))
+    )
+    np.testing.assert_allclose(one, other, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("more", "unknown"),
+    [
+        (["bimorph.layers=PVDF 0.1 mm +x; shim 0.2 mm"], [0, 1, 2, 3, 6]),
+        (["bimorph.layers=PZT-5A 0.3 mm +x; brass 0.3 mm wide 60 mm"], [0, 1, 2, 3, 6]),
+        (["bimorph.glue_thickness=20um", "glue.youngs_modulus=50MPa"], [0, 1, 2, 3, 6]),
+        (["bimorph.layers=brass 0.2 mm; PZT-5A 0.26 mm from 2 mm to 2.8 mm +x"], [1, 6]),
+    ],
+    ids=["film", "wide", "soft glue", "short patch"],
+)
+def test_what_no_fit_has_seen_has_no_error(more, unknown):
+    of = sized(1.0, *more)
+    errors = calibrated_section.section_factors(of.device, of.beam).errors
+    assert np.isnan(errors[unknown]).all()
+    assert np.isfinite(errors[0]) == (0 not in unknown)
+
+
 def patched(end, *more):
     """Brass of 0.2 mm with a ceramic up to a height."""
     layers = f"brass 0.2 mm; PZT-5A 0.2 mm to {end:.9g} mm +x"

@@ -77,3 +77,14 @@ def moved(stiffness):
     """Displacement of the tip per force and per voltage, from D(0)."""
     flexible = np.linalg.inv(stiffness[2:4, 2:4])
     return np.array([flexible[0, 0], (-flexible @ stiffness[2:4, 4])[0]])
+
+
+def test_beside_a_ceramic_without_electrode_the_nearest_driven_piece_turns():
+    """A tab and a short bare end, then the driven length: what the tab's step adds is not lost."""
+    bare = load_scene("j1", ["bimorph.tab_length=2mm", "bimorph.bare_below=0.05mm"])[0]
+    whole = load_scene("j1", ["bimorph.tab_length=2mm"])[0]
+    (own, _), (plain,) = steps(bare.device), steps(whole.device)
+    assert own.driven == 2
+    assert own.by_voltage != 0.0
+    # the bare end is a sixth of the ceramic's thickness
+    assert own.by_voltage == pytest.approx(plain.by_voltage, abs=0.1 * bare.bimorph.piezo_thickness)
