@@ -153,6 +153,9 @@ def superposed(
     if alone is not None:
         motion = {name: value + alone.motion[name] for name, value in motion.items()}
         effort = {name: value + alone.effort[name] for name, value in effort.items()}
+    if excitation.circuit.kind == "open":
+        with np.errstate(invalid="ignore"):
+            effort[ELECTRICAL] = 0.0 * voltage  # no charge, not that of rounding
     return Response(motion | {ELECTRICAL: voltage}, effort)
 
 

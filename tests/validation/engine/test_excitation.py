@@ -116,6 +116,7 @@ def test_charge_per_force_is_motion_per_voltage(model):
     of = scene(stated, circuit__kind="open", drive__tip_force="2 N")
     opened, unit = answers(of, "electrode_voltage", "charge_per_force", model=model)
     np.testing.assert_allclose(opened, 2.0 * voltage, rtol=1e-9)
+    assert (answers(of, "input_current", model=model)[0] == 0.0).all()
     np.testing.assert_allclose(unit, charge, rtol=1e-12)
 
 
