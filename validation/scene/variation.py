@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from tactgen.geometry.device.parameters import Bimorph, Piezo, Rod, Shim, Sleeve
+from tactgen.geometry.device.laminate import OWN, Laminate
+from tactgen.geometry.device.parameters import Bimorph, Parameters, Piezo, Rod, Shim, Sleeve
 from tactgen.validation.scene.files import assign
 from tactgen.validation.scene.load import checked_scene
 from tactgen.validation.scene.scene import Scene
@@ -60,6 +61,23 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
             update.get(group, getattr(scene, group)).changed({name: value}) if name else value
         )
     return scene.model_copy(update=update)
+
+
+def with_materials_as_keys(scene: Scene) -> Scene:
+    """The same scene, one ceramic and one metal that its listed layers name being piezo and shim.
+
+    Their constants are keys then, with ranges.  A group that the layers name already stays.
+    """
+    layers, groups = scene.bimorph.layers, dict[str, Parameters]()
+    for group, make in (("piezo", Piezo), ("shim", Shim)):
+        of_kind = [of.material for of in layers if of.is_ceramic == (group == "piezo")]
+        named = [name for name in of_kind if name not in OWN]
+        if named and group not in of_kind:
+            groups[group] = make(material=named[0])
+            each = (of._replace(material=group) if of.material == named[0] else of for of in layers)
+            layers = Laminate(each)
+    bimorph = scene.bimorph.model_copy(update={"layers": layers})
+    return scene.model_copy(update={"bimorph": bimorph, **groups}) if groups else scene
 
 
 #: What the paper varies or does not say: its two lengths, and how the layers are wired.

@@ -46,7 +46,7 @@ from tactgen.validation.scene.conditions import beyond_voltage
 from tactgen.validation.scene.keys import declaration, number_keys, read_as
 from tactgen.validation.scene.parameter_list import ranges, show
 from tactgen.validation.scene.scene import Scene
-from tactgen.validation.scene.variation import value_of
+from tactgen.validation.scene.variation import value_of, with_materials_as_keys
 from tactgen.validation.scene.warnings import idle
 from tactgen.validation.studies.length_map import actuator
 
@@ -242,6 +242,7 @@ def uncertain_parameters(scene: Scene) -> dict[str, Spread]:
 
     Springs that stand for a contact are no parameters of the scene.
     """
+    scene = with_materials_as_keys(scene)
     known = ranges(scene)
     found = {key: known[key] for key in parameter_keys(actuator(scene)) if key in known}
     return {k: of for k, of in found.items() if of.high > of.low and not idle(scene, k)}
@@ -256,6 +257,7 @@ def range_text(key: str, spread: Spread) -> str:
 
 def left_out(scene: Scene) -> str:
     """Sentence on numbers that are known to vary and are not sampled, "" if none."""
+    scene = with_materials_as_keys(scene)
     device = actuator(scene)
     known = parameter_keys(device)
     layers = [f"bimorph.{name}" for name in scene.bimorph.layers.smooth_sizes]
@@ -284,8 +286,7 @@ def left_out(scene: Scene) -> str:
     listed = [f"{', '.join(those)} ({why})" for why, those in keys.items()]
     if names := sorted({layer.material for layer in scene.bimorph.layers} - set(OWN)):
         listed.append(
-            f"constants of {', '.join(names)} (bimorph.layers takes them from the library; named "
-            "piezo or shim there, with piezo.material or shim.material, they have ranges)"
+            f"constants of {', '.join(names)} (of a second material of its kind in bimorph.layers)"
         )
     return f"left out of the parameters: {'; '.join(listed)}" if listed else ""
 
@@ -301,6 +302,7 @@ def parameter_uncertainty(
     from SALib.analyze import sobol
     from SALib.sample import sobol as saltelli
 
+    scene = with_materials_as_keys(scene)
     parameters = uncertain_parameters(scene)
     keys = tuple(parameters)
     bounds = np.array([spread[:2] for spread in parameters.values()])

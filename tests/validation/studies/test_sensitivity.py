@@ -15,7 +15,7 @@ from tactgen.validation.engine import derivatives as engine
 from tactgen.validation.engine.derivatives import derivatives, extrapolated
 from tactgen.validation.engine.solve import solve
 from tactgen.validation.scene.load import load_scene
-from tactgen.validation.scene.variation import with_values
+from tactgen.validation.scene.variation import with_materials_as_keys, with_values
 from tactgen.validation.studies import parameter_uncertainty as study
 from tactgen.validation.studies import sensitivity
 from tactgen.validation.studies.length_map import actuator, tip_slopes
@@ -413,6 +413,25 @@ def test_slopes_of_the_peak(prototype):
         row = prototype[label]
         slope = (ends[0][row.target] - ends[1][row.target]) / (2 * step * 0.24)
         assert row.slopes[key] == pytest.approx(slope, rel=1e-3), label
+
+
+def test_constants_of_listed_materials_have_their_ranges():
+    """As piezo and shim, in whose place the scene's own have no effect; of a second ceramic none
+    are varied, which is said.  The numbers do not move."""
+    one, other = (
+        load_scene("prototype", [f"bimorph.layers={layers}", *more])[0]
+        for layers, more in (
+            ("brass 0.2 mm; PZT-5A 0.3 mm +x", []),
+            ("shim 0.2 mm; piezo 0.3 mm +x", ["shim.material=brass", "piezo.material=PZT-5A"]),
+        )
+    )
+    assert uncertain_parameters(one) == uncertain_parameters(other)
+    assert "piezo.d31" in uncertain_parameters(one)
+    assert left_out(one) == ""
+    values = (list(values_and_errors(of, targets(of))) for of in (one, with_materials_as_keys(one)))
+    assert next(values) == next(values)
+    two, _ = load_scene("prototype", ["bimorph.layers=PZT-5A 0.3 mm -x; PZT-4 0.3 mm +x"])
+    assert "constants of PZT-4 (of a second material" in left_out(two)
 
 
 @pytest.mark.heavy
