@@ -140,6 +140,17 @@ def test_pure_bending_is_exact(mesh):
     assert compliance[0, 1] == pytest.approx(-(b.length**2) / (2.0 * ei), rel=1e-8)
 
 
+def test_a_tip_that_is_not_in_the_middle_turns_about_its_own():
+    """Half of the layers as a body of its own: moved along z it does not turn, by u_z = x by 1."""
+    mesh = structured_quarter(SHORT)
+    mesh = replace(mesh, faces={n: of for n, of in mesh.faces.items() if n != "mirror_x"})
+    known = materials(SHORT, mesh.regions, SHORT.piezo.ceramic(), lossy=False)
+    body = SkfemBody(mesh, known, volts_per_unit(known))
+    rotation = body._tip_functionals().reshape(-1, 4, 2)[:, 2, 1]
+    assert abs(rotation.sum()) < 1e-12 * np.abs(rotation).sum()
+    assert rotation @ body.basis.doflocs[0] == pytest.approx(1.0, rel=1e-12)
+
+
 def test_uncoupled_capacitor_is_exact(mesh):
     """Without coupling the layers are two plate capacitors and nothing moves."""
     ceramic = ceramic_without(SHORT, coupling=False)
