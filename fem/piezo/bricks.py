@@ -345,8 +345,7 @@ def nodal_mass(bricks: Bricks, known: dict[str, Material]) -> Floats:
     plain = [replace(axis, hierarchic=False) for axis in bricks.axes]
     found, total = np.zeros(bricks.shape), 0.0
     for slab in bricks.slabs:
-        first, last = slab.y
-        spans = (slab.x, (first, bricks.y.intervals if last is None else last), slab.z)
+        spans = (slab.x, slab.y, slab.z)
         lines = [line_matrices(axis, *span) for axis, span in zip(plain, spans, strict=True)]
         along = [line.integrals[0, 0][line.rows == line.columns] for line in lines]
         sizes = [axis.breaks[b] - axis.breaks[a] for axis, (a, b) in zip(plain, spans, strict=True)]

@@ -86,19 +86,19 @@ class Axis:
         """The position along the axis (m) in its functions (n,)."""
         return self.one * self.nodes
 
-    def nodes_of(self, first: int, last: int | None) -> slice:
-        """Where the nodes of the intervals first … last − 1 are, or of all from the first on."""
-        return slice(first * self.degree, None if last is None else last * self.degree + 1)
+    def nodes_of(self, first: int, last: int) -> slice:
+        """Where the nodes of the intervals first … last − 1 are."""
+        return slice(first * self.degree, last * self.degree + 1)
 
 
 @dataclass(frozen=True)
 class Slab:
-    """Bricks of one material: intervals along x, z and y, by default all along y."""
+    """Bricks of one material: intervals along each axis."""
 
     region: str
     x: tuple[int, int]
+    y: tuple[int, int]
     z: tuple[int, int]
-    y: tuple[int, int | None] = (0, None)
     ceramic: bool = False  #: Whether it is piezoelectric
     faces: tuple[int, ...] = (-1, 1)  #: Faces of a ceramic (along x) that are equipotential
     hot: int = 0  #: Face of a ceramic (along x) at the drive voltage, 0 if none is
@@ -248,8 +248,7 @@ def _mirrored(bricks: Bricks, half: tuple[Floats, ...], cuts: tuple[int, ...]) -
     for slab in bricks.slabs:
         low, high = (i * cuts[0] for i in slab.x)
         along = slice(slab.z[0] * cuts[2], slab.z[1] * cuts[2])
-        first, end = slab.y
-        first, last = first * cuts[1], (bricks.y.intervals if end is None else end) * cuts[1]
+        first, last = (i * cuts[1] for i in slab.y)
         of_half = np.abs(np.arange(ny - 1) - (ny - 2) / 2)  # cells from the plane y = 0 on
         across = (of_half > first) & (of_half < last)
         sides = [(slice(middle + low, middle + high), "top")]
@@ -400,9 +399,9 @@ def bimorph_bricks(device: Device, meshing: BrickMeshing, held: Held = "layers")
     check_constant_section(device)
     check_bonded(device)
     z, ceramic, electrode = _along(device, meshing)
-    y, ends = _across(device.bimorph, meshing), (*ceramic, z.size - 1)
-    listed = bool(device.bimorph.layers)
-    x, slabs = _listed(device, meshing, y, z) if listed else _sandwich(device, meshing, ends)
+    y, listed = _across(device.bimorph, meshing), bool(device.bimorph.layers)
+    wide, ends = (0, y.size - 1), (*ceramic, z.size - 1)
+    x, slabs = _listed(device, meshing, y, z) if listed else _sandwich(device, meshing, wide, ends)
     ax, ay, az = (
         Axis(breaks, degree, hierarchic=meshing.richness is not None)
         for breaks, degree in zip((x, y, z), meshing.degree, strict=True)
@@ -419,7 +418,7 @@ def _piezo_shares(bimorph: Bimorph, meshing: BrickMeshing) -> tuple[float, ...]:
 
 
 def _sandwich(
-    device: Device, meshing: BrickMeshing, ends: tuple[int, int, int]
+    device: Device, meshing: BrickMeshing, wide: tuple[int, int], ends: tuple[int, int, int]
 ) -> tuple[Floats, tuple[Slab, ...]]:
     """Break points along x from the middle, and slabs, of half of piezo, shim and piezo."""
     bimorph = device.bimorph
@@ -431,10 +430,11 @@ def _sandwich(
     x = np.concatenate([[0.0], np.cumsum(steps)])
     x[-1] = half + glue + piezo
     first, (low, high, n) = core + (glue > 0.0), ends
-    slabs = [Slab("shim", (0, core), (0, n))]
+    slabs = [Slab("shim", (0, core), wide, (0, n))]
     if glue > 0.0:
-        slabs.append(Slab("glue", (core, first), (low, high)))
-    return x, (*slabs, Slab("piezo", (first, x.size - 1), (low, high), ceramic=True, hot=1))
+        slabs.append(Slab("glue", (core, first), wide, (low, high)))
+    outer = Slab("piezo", (first, x.size - 1), wide, (low, high), ceramic=True, hot=1)
+    return x, (*slabs, outer)
 
 
 def _listed(
@@ -458,8 +458,8 @@ def _listed(
             Slab(
                 layer.region,
                 (first, len(x) - 1),
-                (_nearest(z, ends[0]), _nearest(z, ends[1])),
                 (0, _nearest(y, 0.5 * own.widths[number])),
+                (_nearest(z, ends[0]), _nearest(z, ends[1])),
                 ceramic=is_ceramic,
                 faces=own.layers.faces(number),
                 hot=int(layer.hot),

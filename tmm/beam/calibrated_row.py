@@ -27,7 +27,8 @@ from tactgen.tmm.ports.multiport import Multiport
 
 #: Largest relative error of a loss factor.
 _LOST = 3.0
-#: Thicknesses of the bimorph within which a step is felt, or half of the shorter piece.
+#: Thicknesses of the bimorph, at most half a piece, over which what a step adds is spread: shear
+#: lag dies out within about one.
 _NEAR_STEP = 2.0
 #: Coupling factor squared of a section at most.
 _MOST_COUPLED = 0.9

@@ -1,4 +1,4 @@
-"""Transfer matrices with section constants calibrated on the solid.
+"""Section constants calibrated on the solid, and how far answers from them may be off.
 
 The section is that of :mod:`tmm.beam.cross_section`, with what the shear of a soft core changes by
 :mod:`tmm.beam.layerwise`, what a clamp does to a wide one by :mod:`tmm.beam.plate` and what the
@@ -66,8 +66,8 @@ _TRIED = frozenset(
     ("length/thickness", "end zone/length", "width/length", "ceramic/shim thickness")
 )
 _FAR = 0.05
-#: Least width of the narrowest layer over that of the widest, and softest glue (Pa), half of what
-#: the fits have; beyond that no error is known.
+#: No error is known of layers more unequal than this width of the narrowest over that of the
+#: widest, the least of the fit, and of glue softer than this (Pa), half the least of the fit.
 _NARROWEST, _SOFT_GLUE = 0.15, 0.5e9
 #: Share of the motion by a voltage that steps leave below which no error of it is known, and which
 #: of :data:`ERRORS` are of it.

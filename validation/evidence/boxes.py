@@ -194,7 +194,7 @@ class Box:
 def block(axes: tuple[Axis, Axis, Axis], material: Material, *conditions: Condition) -> Box:
     """Box of one material."""
     x, y, z = axes
-    slab = Slab("body", (0, x.intervals), (0, z.intervals))
+    slab = Slab("body", (0, x.intervals), (0, y.intervals), (0, z.intervals))
     return Box(x, y, z, ((slab, material),), conditions)
 
 
@@ -204,7 +204,7 @@ def layered(
 ) -> Box:  # fmt: skip
     """Box of layers along x, each as thick as stated, one interval for each."""
     parts = tuple(
-        (Slab(f"layer{i}", (i, i + 1), (0, z.intervals)), material)
+        (Slab(f"layer{i}", (i, i + 1), (0, y.intervals), (0, z.intervals)), material)
         for i, material in enumerate(materials)
     )
     x = graded(np.concatenate([[0.0], np.cumsum(thicknesses)]), degree)

@@ -33,7 +33,7 @@ PARTS: dict[str, PartRow] = {
         "coverage_bimorph.judge_calibrated", 40,
     ),
     "pieces": PartRow(
-        "the same with a tab, patches, own widths, glue, or beyond the range of the fit",
+        "modelling errors of bimorphs with a tab, patches, own widths, glue, or beyond the fit",
         "coverage_bimorph.judge_pieces", 40,
     ),
     "harvester": PartRow(

@@ -247,7 +247,7 @@ def judge_calibrated(rng: np.random.Generator) -> list[Judged]:
     A third clamped and free, a third on springs, a third with a tip mass.  Whichever it is, one in
     three is of listed layers.
     """
-    fresh = _no_stream_of_the_calibration(rng)
+    fresh = _fresh_stream(rng)
     listed = rng.random() < _ONE_IN_THREE
     overrides = clamped_laminate(fresh) if listed else clamped_bimorph(fresh)
     scene, _ = load_scene("prototype", overrides)
@@ -264,7 +264,7 @@ def judge_pieces(rng: np.random.Generator) -> list[Judged]:
 
     Half of them are of listed layers.
     """
-    fresh, listed = _no_stream_of_the_calibration(rng), rng.random() < 0.5
+    fresh, listed = _fresh_stream(rng), rng.random() < 0.5
 
     def drawn() -> list[str]:
         plain = (clamped_laminate if listed else clamped_bimorph)(fresh)
@@ -277,7 +277,8 @@ def judge_pieces(rng: np.random.Generator) -> list[Judged]:
     return _against_solid(accepted(drawn))
 
 
-def _no_stream_of_the_calibration(rng: np.random.Generator) -> np.random.Generator:
+def _fresh_stream(rng: np.random.Generator) -> np.random.Generator:
+    """Stream that no calibration has drawn its devices from."""
     return np.random.default_rng(int(rng.integers(2**62)))
 
 
@@ -309,7 +310,7 @@ def judge_harvester(rng: np.random.Generator) -> list[Judged]:
 
     As far as they are known.
     """
-    fresh = _no_stream_of_the_calibration(rng)
+    fresh = _fresh_stream(rng)
     what = str(fresh.choice(["patch", "tip extension"]))
     plain = (clamped_laminate if what == "patch" else clamped_bimorph)(fresh)
     overrides = [*unusual_bimorph(fresh, plain, what), f"shim.loss_factor={fresh.choice(_LOSSES)}"]

@@ -372,14 +372,15 @@ def _shear_bender() -> float:
     z = np.array([0, 2, 10, 30, 50, 54, 55, 56, 60, 64, 65, 66, 70, 85, 100]) * 1e-3
     low, high, patch = 8e-3, 10e-3, (55e-3, 65e-3)
     first, last = (int(np.flatnonzero(z == at)[0]) for at in patch)
-    end = z.size - 1
+    y, wide, whole = [0.0, 7.5e-3, 14e-3, 15e-3], (0, 3), (0, z.size - 1)
     box = Box(
-        graded([0.0, low, high, 18e-3], 3), graded([0.0, 7.5e-3, 14e-3, 15e-3], 3), graded(z, 3),
+        graded([0.0, low, high, 18e-3], 3), graded(y, 3), graded(z, 3),
         (
-            (Slab("metal", (0, 1), (0, end)), metal), (Slab("metal", (2, 3), (0, end)), metal),
-            (Slab("foam", (1, 2), (0, first)), foam),
-            (Slab("piezo", (1, 2), (first, last)), poled(LIBRARY["PZT-5H"], "z")),
-            (Slab("foam", (1, 2), (last, end)), foam),
+            (Slab("metal", (0, 1), wide, whole), metal),
+            (Slab("metal", (2, 3), wide, whole), metal),
+            (Slab("foam", (1, 2), wide, (0, first)), foam),
+            (Slab("piezo", (1, 2), wide, (first, last)), poled(LIBRARY["PZT-5H"], "z")),
+            (Slab("foam", (1, 2), wide, (last, whole[1])), foam),
         ),
         (held("xyz", z=0.0), held("y", y=0.0), held("V", x=low, z=patch),
          held("V", 20.0, x=high, z=patch)),

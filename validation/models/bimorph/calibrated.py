@@ -198,7 +198,8 @@ def _disturbed(port: Multiport, coupled: float, factors: SectionFactors) -> list
         (between, errors[1], 2.0 * errors[1]),
         (~(moving[:, None] | moving), errors[2], -errors[2]),
     ):
-        stiffness = port.stiffness * (1.0 + error * share)
+        # an error that is not known says nothing of the other entries
+        stiffness = port.stiffness * (1.0 + np.where(share, error, 0.0))
         stiffness[:, volt, volt] -= less * coupled
         others.append(replace(port, stiffness=stiffness))
     return others
